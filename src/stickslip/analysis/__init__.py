@@ -1,0 +1,1 @@
+"""Numbers from runs: steady velocity, period, motion type, energy. Nothing here draws or writes."""

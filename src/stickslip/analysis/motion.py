@@ -1,0 +1,190 @@
+"""What kind of motion a run ends in: rest, presliding, types I to IV, or other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.segments import Raw, intervals_of, raw_segments, type_of
+from stickslip.analysis.steady import period_number
+from stickslip.errors import InputError
+from stickslip.forces import is_dynamic
+from stickslip.friction import Coulomb
+from stickslip.summary import Summary
+
+__all__ = ["DWELL", "SLIP_RATIO", "Motion", "coulomb_twin", "motion", "threshold_table"]
+
+#: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
+SLIP_RATIO = 0.75
+#: ... for at least this fraction of a drive period.
+DWELL = 0.03
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The motion that a run ends in, judged on its last motion period.
+
+    Parameters
+    ----------
+    type : str
+        "rest"; "presliding" (moves, but never slips); "I" (both directions, two stick intervals), "II" (one direction, one
+        stick interval), "III" (both directions, one stick interval), "IV" (never sticks); "other".
+    pattern : str
+        Signs of the motion period in order, beginning at a "+" that follows something else: "+0-0". A motion that never goes
+        forwards begins at a "-". Where several beginnings are possible, the text that sorts first is taken.
+    period : int or None
+        Drive periods until the motion repeats; None if none was found (then the type is that of the last drive period).
+    direction : int
+        Sign of the net motion; 0 at rest and in presliding. A mirrored motion has the same type and direction -1.
+    margin : float
+        The smaller of the shortest interval in drive periods and the relative distance of the offered force to break-away where
+        that decides the type; 0 is on a border between types.
+    stick_fraction, forward_fraction, backward_fraction : float
+        Parts of the motion period.
+    intervals : tuple of (start, length, sign)
+        In the order of the pattern, in drive periods; start is counted from the beginning of the motion period, a multiple of the
+        drive period.
+    slip_ratio, dwell : float or None
+        The thresholds that were used; None for a set-valued law, which needs none.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.trajectory import HarmonicArcs, Trajectory
+    >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
+    >>> at_rest = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
+    >>> m = ss.motion(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand"))
+    >>> m.type, m.pattern, m.direction, m.twin
+    ('rest', '0', 0, 'rest')
+    """
+
+    type: str
+    pattern: str
+    period: int | None
+    direction: int
+    margin: float
+    stick_fraction: float
+    forward_fraction: float
+    backward_fraction: float
+    intervals: tuple[tuple[float, float, int], ...]
+    slip_ratio: float | None = None
+    dwell: float | None = None
+    _twin: Callable[[], str | None] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def twin(self) -> str | None:
+        """Type of the same robot with exact Coulomb friction at the kinetic coefficients; None if the law has none. Solved when first asked for."""
+        return self.type if self._twin is None else self._twin()
+
+
+def motion(run: Any, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion:
+    """The motion that a run ends in.
+
+    A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
+    elastic part of the friction is below `slip_ratio` of its steady sliding value for at least `dwell` of a drive period.
+    `threshold_table` shows how much the word depends on the two.
+
+    Parameters
+    ----------
+    run : Trajectory
+        A run of one robot. A batch holds the same words in its columns (`many.motion_type`).
+    slip_ratio : float
+        Between 0 and 1.
+    dwell : float
+        In drive periods, 0 or more.
+
+    Returns
+    -------
+    Motion
+    """
+    _check(run, slip_ratio, dwell)
+    period = period_number(run)
+    raw = raw_segments(run, period or 1, slip_ratio)
+    told = _typed(run, raw, period, dwell)
+    dynamic = is_dynamic(run.model.friction)
+    return Motion(
+        type=str(told["motion_type"][0]),
+        pattern=str(told["pattern"][0]),
+        period=period,
+        direction=int(told["direction"][0]),
+        margin=float(told["margin"][0]),
+        stick_fraction=float(told["stick_fraction"][0]),
+        forward_fraction=float(told["forward_fraction"][0]),
+        backward_fraction=float(told["backward_fraction"][0]),
+        intervals=_intervals(raw, dwell),
+        slip_ratio=slip_ratio if dynamic else None,
+        dwell=dwell if dynamic else None,
+        _twin=(lambda: _twin_type(run)) if dynamic else None,
+    )
+
+
+def _check(run: Any, slip_ratio: float, dwell: float) -> None:
+    problems = []
+    if isinstance(run, Summary):
+        problems.append("run is the summary of a batch, which holds its motion types already; type many.motion_type (and many.pattern, many.margin)")
+    if not 0 < slip_ratio < 1:
+        problems.append(f"slip_ratio = {slip_ratio!r}; allowed is a fraction between 0 and 1; type for example slip_ratio=0.75")
+    if not dwell >= 0:
+        problems.append(f"dwell = {dwell!r}; allowed is 0 or more, in drive periods; type for example dwell=0.03")
+    if problems:
+        raise InputError("motion", problems)
+
+
+def _typed(run: Any, raw: Raw, period: int | None, dwell: float) -> dict[str, Any]:
+    count, model = period or 1, run.model
+    net = run.strobe_x[-1] - run.strobe_x[max(len(run.strobe_x) - 1 - count, 0)]
+    scale = model.velocity_scale * run.period_time
+    floor = (float(run.rtol) if is_dynamic(model.friction) else 1e-12) * scale * count
+    v = run.v[run.t >= run.pieces.t[-1] - count * run.period_time]
+    moving = np.ptp(v) > 1e-9 * model.velocity_scale
+    return type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
+
+
+def _intervals(raw: Raw, dwell: float) -> tuple[tuple[float, float, int], ...]:
+    if not (abs(raw.code) == 2).any():
+        return ((0.0, float(raw.time.sum()), 0),)
+    merged = intervals_of(*raw.rows(), dwell)
+    return tuple((float(a), float(b), int(s)) for a, b, s in zip(merged.start[0], merged.length[0], merged.sign[0], strict=True) if b > 0)
+
+
+def coulomb_twin(model: Any) -> Any:
+    """The same robot with Coulomb friction at the kinetic coefficients of its law (Eq. 2.4); None if the law has none."""
+    law = model.friction
+    if not (hasattr(law, "mu_plus") and hasattr(law, "mu_minus")):
+        return None
+    return model.replace(friction=Coulomb(mu_plus=law.mu_plus, mu_minus=law.mu_minus))
+
+
+def _twin_type(run: Any) -> str | None:
+    from stickslip.solvers import solve
+
+    twin = coulomb_twin(run.model)
+    return None if twin is None else motion(solve(twin, periods=run.periods, settle=run.settle)).type
+
+
+def threshold_table(
+    run: Any,
+    slip_ratios: tuple[float, ...] = (0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 0.95),
+    dwells: tuple[float, ...] = (0.01, 0.02, 0.03, 0.05, 0.08),
+) -> list[dict[str, Any]]:
+    """How the motion type of a run depends on the two thresholds.
+
+    Returns
+    -------
+    list of dict
+        One row for each pair: slip_ratio, dwell, type, pattern. A set-valued law needs no thresholds and gives one row, with None for both.
+    """
+    if not is_dynamic(run.model.friction):
+        m = motion(run)
+        return [{"slip_ratio": None, "dwell": None, "type": m.type, "pattern": m.pattern}]
+    period, rows = period_number(run), []
+    for slip_ratio in slip_ratios:
+        raw = raw_segments(run, period or 1, slip_ratio)
+        for dwell in dwells:
+            told = _typed(run, raw, period, dwell)
+            rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": str(told["motion_type"][0]), "pattern": str(told["pattern"][0])})
+    return rows

@@ -1,0 +1,124 @@
+"""The raw segments of the last motion period of one trajectory, as `stickslip.segments` wants them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.forces import held_velocity, is_dynamic, offered_force
+from stickslip.segments import Intervals, intervals_of, type_of
+
+__all__ = ["Intervals", "Raw", "intervals_of", "raw_segments", "slip_ratio_at", "type_of"]
+
+Array = Any
+_NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
+_LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
+
+
+@dataclass(frozen=True, eq=False)
+class Raw:
+    """The segments of one case: durations in drive periods, codes, and the margin of the forces."""
+
+    time: Array
+    code: Array
+    margin_force: float
+
+    def rows(self) -> tuple[Array, Array, Array]:
+        """seg_count, seg_time and seg_code of a batch of one."""
+        return np.array([len(self.time)]), self.time[None, :], self.code[None, :]
+
+
+def raw_segments(run: Any, period: int, slip_ratio: float) -> Raw:
+    """Segments of the last `period` drive periods of a run."""
+    end = float(run.pieces.t[-1])
+    start = max(end - period * run.period_time, float(run.pieces.t[0]))
+    if is_dynamic(run.model.friction):
+        edges, code = _elastic_segments(run, start, end, slip_ratio)
+        return Raw(np.diff(edges) / run.period_time, code, np.inf)
+    edges, index = clipped(run.pieces, start, end)
+    return Raw(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), _force_margin(run, edges, index))
+
+
+def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
+    """Ends of the pieces within a span, and the number of each."""
+    first, last = np.searchsorted(pieces.t, start, side="right") - 1, np.searchsorted(pieces.t, end, side="left")
+    index = np.arange(max(first, 0), max(last, 1))
+    edges = np.concatenate([[start], pieces.t[index[1:]], [end]])
+    return edges, index
+
+
+# ---- dynamic laws: where does the bristle yield? ----
+def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
+    """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
+    x, v, z = run.pieces.evaluate(t, index)
+    inner = z[:, 0] if z.shape[1] == 1 else z.T
+    slip = held_velocity(run.model.contact_velocity(v), np.asarray(run.pieces.mode)[index], _LEAST * run.model.velocity_scale or _LEAST)
+    rate = run.model.friction.rate(slip, inner, run.model.load(t, x))
+    return 1 - (rate if z.shape[1] == 1 else np.asarray(rate)[0]) / slip
+
+
+def _elastic_segments(run: Any, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
+    edges, index = clipped(run.pieces, start, end)
+    left, span = edges[:-1], np.diff(edges)
+    t = left[:, None] + span[:, None] * np.linspace(0.0, 1.0, _NODES)
+    above = (slip_ratio_at(run, t.ravel(), np.repeat(index, _NODES)) >= slip_ratio).reshape(t.shape)
+    row, col = np.nonzero(above[:, 1:] != above[:, :-1])
+    crossings = _bisected(run, t[row, col], t[row, col + 1], index[row], above[row, col], slip_ratio)
+    parts_t = np.concatenate([left, crossings])
+    parts_code = np.concatenate([1 + above[:, 0], 1 + above[row, col + 1]]) * np.asarray(run.pieces.mode)[np.concatenate([index, index[row]])]
+    order = np.argsort(parts_t, kind="stable")
+    times, codes = parts_t[order], parts_code[order].astype(int)
+    new = np.flatnonzero(np.diff(codes, prepend=99))
+    return np.append(times[new], end), codes[new]
+
+
+def _bisected(run: Any, low: Array, high: Array, index: Array, above_low: Array, slip_ratio: float) -> Array:
+    """Where the slip ratio crosses its threshold, to the last bit of t."""
+    if len(low) == 0:
+        return low
+    for _ in range(52):
+        middle = 0.5 * (low + high)
+        same = (slip_ratio_at(run, middle, index) >= slip_ratio) == above_low
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return 0.5 * (low + high)
+
+
+# ---- set-valued laws: how close was the offered force to break-away? ----
+def _force_margin(run: Any, edges: Array, index: Array) -> float:
+    """Smallest relative distance to break-away, at reversals without rest and at extremes of the offered force during rest."""
+    mode = np.asarray(run.pieces.mode)[index]
+    reversals = edges[1:-1][(mode[1:] * mode[:-1]) == -1]
+    cyclic = mode[0] * mode[-1] == -1
+    times = [np.append(reversals, edges[-1]) if cyclic else reversals]
+    starts = np.flatnonzero((mode == 0) & (np.roll(mode, 1) != 0) | (mode == 0) & (np.arange(len(mode)) == 0))
+    for first in starts:
+        last = first
+        while last + 1 < len(mode) and mode[last + 1] == 0:
+            last += 1
+        times.append(_extremes(run, edges[first], edges[last + 1]))
+    t = np.concatenate(times)
+    if not len(t):
+        return float("inf")
+    x = run.pieces.evaluate(t, run._index(t))[0]
+    offered = np.broadcast_to(offered_force(run.model, t, x), t.shape)
+    limits = [np.broadcast_to(limit, t.shape) for limit in run.model.friction.breakaway(run.model.load(t, x))]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distances = [abs(offered / limit - 1) for limit in limits]
+    return float(np.nanmin(np.minimum(*distances), initial=np.inf))
+
+
+def _extremes(run: Any, start: float, end: float) -> Array:
+    """Times inside a rest at which the offered force has an extreme (parabolas, sharpened twice)."""
+    t = np.linspace(start, end, 257)
+    F = np.broadcast_to(offered_force(run.model, t, run.pieces.evaluate(t, run._index(t))[0]), t.shape)
+    rise = np.sign(np.diff(F))
+    middle, step = t[1:-1][rise[1:] * rise[:-1] < 0], t[1] - t[0]
+    for _ in range(3):
+        sides = np.stack([middle - step, middle, middle + step])
+        a, b, c = offered_force(run.model, sides, 0.0) * np.ones_like(sides)
+        bend = a - 2 * b + c
+        middle = middle + np.where(bend != 0, 0.5 * (a - c) / np.where(bend != 0, bend, 1.0), 0.0) * step
+        step = step * 0.1
+    return middle

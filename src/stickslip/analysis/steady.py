@@ -1,0 +1,162 @@
+"""Steady motion: its mean velocity, and after how many drive periods it repeats."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.forces import is_dynamic
+from stickslip.summary import Summary
+
+__all__ = ["LONGEST_PERIOD", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
+
+#: Largest period number that is looked for.
+LONGEST_PERIOD = 16
+
+
+def mean_velocity(run: Any) -> Any:
+    r"""Mean steady velocity of a run, as the paper defines it.
+
+    .. math:: V = \frac{x(t_2) - x(t_1)}{t_2 - t_1}
+
+    The window is what follows after settling. Where a period was found it holds whole motion periods, so that a period-two
+    motion does not leave half of it over.
+
+    Parameters
+    ----------
+    run : Trajectory or Summary
+
+    Returns
+    -------
+    float or array
+        V [m/s], of the shape of the batch.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.batch import Labels
+    >>> bool(ss.mean_velocity(ss.trajectory.Summary(None, Labels(()), {"mean_velocity": np.array(2e-3)})) == 2e-3)
+    True
+    """
+    if isinstance(run, Summary):
+        return run.mean_velocity[()]
+    x, t = run.strobe_x, run.strobe_times
+    count = _settled_count(run)
+    count -= count % (period_number(run) or 1)
+    return float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count]))
+
+
+def _settled_count(run: Any) -> int:
+    """Drive periods in the window after settling."""
+    return max(len(run.strobe_times) - 1 - int(run.settle), min(1, len(run.strobe_times) - 1))
+
+
+def strobe_tolerance(run: Any) -> float:
+    """How close two strobe points must come to count as one, in units of their scales: 30 rtol for an integrated run, 1e-8 for exact arcs."""
+    return 30 * float(run.rtol) if is_dynamic(run.model.friction) else 1e-8
+
+
+def period_number(run: Any) -> int | None:
+    """After how many drive periods the motion repeats: 1 to 16, or None if it does not (or not yet).
+
+    The strobe points, taken once per drive period, must repeat within `strobe_tolerance`; and they must have stopped drifting:
+    what is left of a geometric transient, judged by the drift over the two halves of the window, must be below the tolerance too.
+
+    Parameters
+    ----------
+    run : Trajectory or Summary
+
+    Returns
+    -------
+    int or None
+        For a batch an array, with 0 where none was found.
+    """
+    if isinstance(run, Summary):
+        return run.period if run.period.ndim else (int(run.period) or None)
+    y, tolerance = _strobe_points(run), strobe_tolerance(run)
+    window = min(_settled_count(run), len(y) - 1)
+    for p in range(1, min(LONGEST_PERIOD, window // 2) + 1):
+        if _repeats(y[-1 - window :], p, tolerance):
+            return p
+    return None
+
+
+def _strobe_points(run: Any) -> Any:
+    """Strobe points over their scales: v over the velocity scale, z over the law's scale."""
+    model, z = run.model, run.strobe_z
+    v = run.strobe_v / (model.velocity_scale or 1.0)
+    if z is None:
+        return v[:, None]
+    scale = getattr(model.friction, "scale", None)
+    z = z.reshape(len(v), -1)
+    return np.column_stack([v, z / (scale(model.load(0.0, 0.0)) if scale else abs(z).max() or 1.0)])
+
+
+def _repeats(y: Any, p: int, tolerance: float) -> bool:
+    """Whether the points repeat after p, and have settled."""
+    n = len(y) - 1
+    tail = max(n // 4, p)
+    if abs(y[-tail:] - y[-tail - p : -p]).max() > tolerance:
+        return False
+    lag = p * max(n // (2 * p), 1)
+    late = abs(y[-p:] - y[-p - lag : -lag]).max()
+    if late > tolerance:
+        return False
+    if late <= 0.1 * tolerance or n < 2 * lag + p - 1:
+        return True
+    early = abs(y[-p - lag : -lag] - y[-p - 2 * lag : n + 1 - 2 * lag]).max()
+    return bool(late < early and late * late / (early - late) <= tolerance)
+
+
+def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) -> Any:
+    """Mean velocity of the periodic motion itself, free of what a transient leaves in a window.
+
+    For a Coulomb robot with a harmonic drive it comes from the closed formulas; any other robot is run until its strobe
+    point repeats.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot, or a batch.
+    periods : int
+        Longest run for robots without a closed formula.
+    rtol : float
+        Tolerance of that run.
+
+    Returns
+    -------
+    float or array
+        V [m/s].
+    """
+    if type(model.friction).__name__ == "Coulomb" and type(model.drive).__name__ == "Harmonic":
+        return _closed(model)
+    from stickslip.solvers import solve
+
+    return mean_velocity(solve(model, periods=periods, settle="auto", rtol=rtol, keep="summary"))
+
+
+def _closed(model: Any) -> Any:
+    """V = A mu omega times the closed mean of w, case by case."""
+    from stickslip.analysis.closed_form import periodic
+
+    law, load, mass = model.friction, model.load(0.0, 0.0), model.total_mass
+    push = model.acceleration(0.0, 0.0, 0.0, 0.0)
+    drive = model.mass_ratio * model.drive.amplitude * model.drive.omega**2
+    backward, forward = law.breakaway(load)
+    resist = (law.sliding(1.0, load) / mass - push, push - law.sliding(-1.0, load) / mass)
+    limit = (forward / mass - push, push - backward / mass)
+    values = np.broadcast_arrays(drive, *resist, *limit, model.drive.omega)
+    result = np.zeros(values[0].shape)
+    for place in np.ndindex(result.shape):
+        a, plus, minus, static_plus, static_minus, omega = (float(value[place]) for value in values)
+        if a == 0.0:
+            if min(static_plus, static_minus) < 0:
+                raise InputError("periodic_mean_velocity", ["without a drive this robot slides down the incline by itself; there is no periodic motion"])
+            continue
+        static = None if (static_plus, static_minus) == (plus, minus) else (static_plus / a, static_minus / a)
+        w = periodic(plus / a, minus / a, static=static)
+        mean = w["mean"] if isinstance(w, dict) else w.mean
+        result[place] = mean * a / omega
+    return result[()]

@@ -1,0 +1,83 @@
+"""A model whose numbers are arrays is a batch: its shape, its labels, and its table of rows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.errors import InputError, Problems
+from stickslip.fields import describe, is_array, leaves
+
+__all__ = ["Labels", "labels_of", "rows_of", "shape_of"]
+
+
+@dataclass(frozen=True)
+class Labels:
+    """Shape of a batch with the names and coordinates of its dimensions, where it has any."""
+
+    shape: tuple[int, ...]
+    dims: tuple[str, ...] | None = None
+    coords: dict[str, Any] | None = None
+
+
+def _arrays(model: Any) -> dict[str, Any]:
+    return {name: value for name, value in leaves(model) if is_array(value)}
+
+
+def shape_of(model: Any) -> tuple[int, ...]:
+    """Shape of the batch; () for a single case."""
+    return labels_of(model).shape
+
+
+def labels_of(model: Any) -> Labels:
+    """Shape and labels of the batch; `InputError` if the arrays do not fit together."""
+    arrays = _arrays(model)
+    if not arrays:
+        return Labels(())
+    labelled = {n: a for n, a in arrays.items() if hasattr(a, "dims")}
+    if labelled:
+        return _labels_by_name(arrays, labelled, type(model).__name__)
+    import numpy as np
+
+    try:
+        return Labels(np.broadcast_shapes(*(np.shape(a) for a in arrays.values())))
+    except ValueError:
+        shapes = "; ".join(f"{n} has shape {np.shape(a)}" for n, a in arrays.items())
+        raise InputError(
+            type(model).__name__, [f"the shapes of the arrays do not broadcast: {shapes}; give arrays of one shape, or use xarray.DataArray with names"]
+        ) from None
+
+
+def _labels_by_name(arrays: dict[str, Any], labelled: dict[str, Any], what: str) -> Labels:
+    import xarray as xr
+
+    problems = Problems(what)
+    for name, array in arrays.items():
+        if name not in labelled:
+            problems.add(f"{name} is {describe(array)} without names beside labelled arrays; give it as an xarray.DataArray with dims")
+    problems.check()
+    try:
+        whole = xr.broadcast(*xr.align(*labelled.values(), join="exact"))[0]
+    except ValueError as error:
+        raise InputError(what, [f"the labelled arrays do not fit together: {error}"]) from None
+    coords = {str(k): (v.dims, v.values) for k, v in whole.coords.items()}
+    return Labels(whole.shape, tuple(str(d) for d in whole.dims), coords)
+
+
+def rows_of(model: Any, names: tuple[str, ...]) -> Any:
+    """The named numbers as a table, one row for each case (in C order of the batch): array (cases, names)."""
+    import numpy as np
+
+    labels, values = labels_of(model), dict(leaves(model))
+    count = int(np.prod(labels.shape, dtype=np.int64))
+    table = np.empty((count, len(names)))
+    for column, name in enumerate(names):
+        value = values[name]
+        if hasattr(value, "dims") and labels.dims is not None:
+            present = [d for d in labels.dims if d in value.dims]
+            array = np.asarray(value.transpose(*present))
+            array = array.reshape([value.sizes[d] if d in value.dims else 1 for d in labels.dims])
+        else:
+            array = np.asarray(value)
+        table[:, column] = np.broadcast_to(array, labels.shape).ravel()
+    return table

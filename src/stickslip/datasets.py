@@ -1,0 +1,92 @@
+"""Runs and batches as labelled datasets, with the units and names of `stickslip.variables`."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.fields import is_array, leaves
+from stickslip.variables import VARIABLES
+
+__all__ = ["COLUMNS", "attributes", "jsonable", "summary_dataset", "trajectory_columns", "trajectory_dataset"]
+
+COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims == ("time",))
+
+
+def jsonable(value: Any) -> Any:
+    """A value as plain numbers, text, lists and dicts."""
+    if isinstance(value, dict):
+        return {str(k): jsonable(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [jsonable(v) for v in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
+
+
+def trajectory_columns(run: Any) -> dict[str, Any]:
+    """Every column of a run by name; z is left out where there is none."""
+    columns = {name: getattr(run, name) for name in COLUMNS}
+    return {name: column for name, column in columns.items() if column is not None}
+
+
+def attributes(run: Any) -> dict[str, Any]:
+    """What a reader must know about a run beside its columns."""
+    attrs = {"status": run.status, "method": run.method, "rtol": run.rtol, "periods": run.periods, "settle": run.settle, "samples": run.samples}
+    for name in ("start", "provenance", "counts"):
+        attrs[name] = json.dumps(jsonable(getattr(run, name)))
+    try:
+        attrs["robot"] = run.model.to_toml()
+    except (InputError, AttributeError):
+        attrs["robot"] = repr(run.model)
+    return attrs
+
+
+def _described(name: str) -> dict[str, str]:
+    variable = VARIABLES[name]
+    return {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
+
+
+def trajectory_dataset(run: Any) -> Any:
+    """The columns of a run as an `xarray.Dataset` over ``time``.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.trajectory import HarmonicArcs, Trajectory
+    >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
+    >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
+    >>> data = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand").to_xarray()
+    >>> data.v.attrs["units"], data.sizes["time"]
+    ('m/s', 401)
+    """
+    import xarray as xr
+
+    columns = trajectory_columns(run)
+    dims = {1: ("time",), 2: ("time", "inner_state")}
+    data = {name: (dims[column.ndim], column, _described(name)) for name, column in columns.items() if name != "t"}
+    return xr.Dataset(data, coords={"time": ("time", columns["t"], _described("t"))}, attrs=attributes(run))
+
+
+def summary_dataset(many: Any) -> Any:
+    """The columns of a batch as an `xarray.Dataset`, with the numbers that vary as coordinates."""
+    import xarray as xr
+
+    labels = many.labels
+    dims = labels.dims or tuple("case" if len(labels.shape) == 1 else f"case_{i}" for i in range(len(labels.shape)))
+    coords = {k: v if isinstance(v, tuple) else ((k,), v) for k, v in (labels.coords or {}).items()}
+    if labels.dims is None and many.model is not None:
+        coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
+    data = {name: (dims, np.reshape(column, labels.shape), _described(name) if name in VARIABLES else {}) for name, column in many.columns.items()}
+    data["status"][2]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items()) if "status" in data else ""
+    return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(jsonable(many.provenance))})
+
+
+def _placed(value: Any, dims: tuple[str, ...]) -> tuple[tuple[str, ...], Any]:
+    """An array of the model on the dimensions that it has in the batch (lengths of 1 are dropped)."""
+    array = np.asarray(value)
+    own = dims[len(dims) - array.ndim :]
+    return tuple(d for d, n in zip(own, array.shape, strict=True) if n > 1), array.squeeze()

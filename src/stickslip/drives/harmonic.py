@@ -1,0 +1,76 @@
+"""The harmonic drive of the paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.fields import Record, at_least, number, positive
+from stickslip.maths import cos, pi, sin
+
+__all__ = ["Harmonic"]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Harmonic(Record):
+    r"""Relative motion of the inner mass, Eq. 2.2: :math:`\xi(t) = A \sin(\omega t)`.
+
+    Parameters
+    ----------
+    amplitude : float
+        Amplitude A of the relative motion [m].
+    omega : float
+        Angular frequency [rad/s]. Give exactly one of `omega` and `frequency`.
+    frequency : float
+        Frequency [Hz].
+
+    Examples
+    --------
+    >>> drive = Harmonic(amplitude=5e-4, frequency=32.7)
+    >>> round(drive.omega, 6), round(drive.period, 9)
+    (205.46016, 0.030581040)
+    """
+
+    amplitude: float = field(metadata={"example": "5e-4"})
+    omega: float = field(metadata={"example": "205.46"})
+
+    _rules = {
+        "amplitude": (at_least(0.0), "zero or more [m]"),
+        "omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)"),
+    }
+
+    def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None):
+        if (omega is None) == (frequency is None):
+            given = "both" if omega is not None else "neither"
+            raise InputError("Harmonic", [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; type for example omega=205.46"])
+        if frequency is not None:
+            try:
+                omega = 2 * pi * number(frequency)
+            except ValueError as error:
+                raise InputError("Harmonic", [f"frequency: {error}; allowed is a positive frequency [Hz]; type frequency=32.7"]) from None
+        object.__setattr__(self, "amplitude", amplitude)
+        object.__setattr__(self, "omega", omega)
+        self.__post_init__()
+
+    @property
+    def period(self) -> Any:
+        """Period T = 2 pi / omega [s]."""
+        return 2 * pi / self.omega
+
+    @property
+    def frequency(self) -> Any:
+        """Frequency [Hz]."""
+        return self.omega / (2 * pi)
+
+    def position(self, t: Any) -> Any:
+        """Relative position xi(t) [m] (Eq. 2.2)."""
+        return self.amplitude * sin(self.omega * t)
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity of the inner mass [m/s]."""
+        return self.amplitude * self.omega * cos(self.omega * t)
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration of the inner mass [m/s^2]."""
+        return -self.amplitude * self.omega**2 * sin(self.omega * t)

@@ -1,0 +1,188 @@
+# Runs of the mode machine: text that follows coulomb_harmonic.py in one kernel, loaded by engine/cache.py, never imported.
+# ruff: noqa: F821, D103
+# mypy: ignore-errors
+"""A batch without trajectories, and one case with all its arcs."""
+
+import numpy as np
+
+KEPT = 16  # largest period number looked for, and displacements of single periods kept
+RINGS = 34  # strobe points kept
+SEGS = 32  # segments kept
+FINISHED, REPEATED, TOO_LONG, NOT_A_NUMBER = 0, 1, 2, 4
+
+
+@njit("f8(f8[::1], f8[::1], f8)", **OPTIONS)
+def force_margin(q, row, sine):
+    """Relative distance of the force offered at this sin(tau) from break-away."""
+    offered = sine + q[GAMMA]
+    margin = math.inf
+    for limit in (row[2] + q[GAMMA], q[GAMMA] - row[3]):
+        distance = abs(offered / limit - 1.0)
+        if distance < margin:  # not a number where nothing is offered and nothing borne
+            margin = distance
+    return margin
+
+
+@njit("i8(f8[::1], f8[::1], f8[::1], f8, i8, f8[::1], i1[::1], f8[::1])", **OPTIONS)
+def observe(q, row, last, w, periods, seg_time, seg_code, out):
+    """Run some periods again; note segments, margin of the forces, extremes of w, displacement.
+
+    Returns the number of segments, -1 if there are too many.
+    """
+    n, before, margin, top, bottom, x = 0, 9, math.inf, w, w, 0.0
+    for _ in range(periods):
+        phase, s, c = 0.0, 0.0, 1.0
+        for _ in range(STEPS):
+            start, v, s0, c0 = phase, w, s, c
+            phase, w, s, c, moved, mode = arc(q, last, phase, w, s, c)
+            x += moved
+            if mode * before == -1 and v == 0.0:
+                margin = min(margin, force_margin(q, row, s0))
+            if mode == 0:
+                for k in range(2):
+                    extreme = (0.5 + k) * math.pi
+                    if start < extreme and extreme < phase:
+                        margin = min(margin, force_margin(q, row, 1.0 - 2.0 * k))
+            else:
+                base, sign = (0, 1.0) if mode > 0 else (BACK, -1.0)
+                turn = q[base + 4] if q[base + 5] > 0.0 else q[base + 1]
+                if start < turn and turn < phase:
+                    v = v + sign * (sign * c0 + q[base + 7] - q[base] * (turn - start))
+                top, bottom = max(top, max(v, w)), min(bottom, min(v, w))
+            if n > 0 and seg_code[n - 1] == 2 * mode:
+                seg_time[n - 1] += (phase - start) / TAU
+            elif n == SEGS:
+                return -1
+            elif phase > start:
+                seg_time[n], seg_code[n] = (phase - start) / TAU, 2 * mode
+                n += 1
+            before = mode
+            if phase >= TAU:
+                break
+    out[0], out[2], out[3], out[4] = x, top, bottom, margin
+    return n
+
+
+@njit("f8(f8[::1], i8, i8)", **OPTIONS)
+def misfit(ring, n, p):
+    """How far the last p strobe points are from those p periods before them."""
+    worst = 0.0
+    for j in range(p):
+        worst = max(worst, abs(ring[(n - j) % RINGS] - ring[(n - j - p) % RINGS]))
+    return worst
+
+
+@njit("i8(f8[::1], i8, f8)", **OPTIONS)
+def period_number(ring, n, tolerance):
+    """Smallest p for which the last p strobe points repeat those before them; 0 if there is none."""
+    for p in range(1, KEPT + 1):
+        if 2 * p - 1 > n:
+            break
+        if misfit(ring, n, p) <= tolerance * (1.0 + abs(ring[n % RINGS])):
+            return p
+    return 0
+
+
+@njit("f8(f8[::1], i8)", **OPTIONS)
+def remaining(ring, n):
+    """Estimated distance from the periodic state: the last change of the strobe point times lambda/(1 - lambda)."""
+    d1 = abs(ring[n % RINGS] - ring[(n - 1) % RINGS])
+    if d1 == 0.0 or n < 2:
+        return d1 if d1 == 0.0 else math.inf
+    d0 = abs(ring[(n - 1) % RINGS] - ring[(n - 2) % RINGS])
+    return d1 * d1 / (d0 - d1) if d1 < d0 else math.inf
+
+
+@njit("void(f8[:,::1], i8, i8, i8, i8, b1, b1, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **OPTIONS)
+def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_time, seg_code):
+    """Cases i0 to i1 of a batch; everything dimensionless.
+
+    rows: r_plus, r_minus, s_plus, s_minus, gamma, w at the start. out: displacement over the window, its periods, largest and
+    smallest w and the margin of the last motion period, estimated distance from the periodic state, displacement in all, w at the
+    end. count: status, period number, periods run, segments.
+    """
+    q, last, ring, early = np.empty(CONSTANTS), np.empty(2), np.empty(RINGS), np.empty(KEPT)
+    for i in range(i0, i1):
+        row = rows[i]
+        prepare(row, q)
+        last[0], last[1] = -1.0, -1.0
+        w, x, window, low, low_all, status, n, p = row[5], 0.0, 0.0, 0.0, 0.0, FINISHED, 0, 0
+        ring[0] = w
+        while n < periods:
+            w, moved, good = one_period(q, last, w)
+            n += 1
+            ring[n % RINGS] = w
+            if not (good and w - w == 0.0):
+                status = TOO_LONG if not good else NOT_A_NUMBER
+                break
+            add = moved - low_all
+            total = x + add
+            x, low_all = total, (total - x) - add
+            if auto:
+                here = 1e-14 * (1.0 + abs(w))
+                if remaining(ring, n) <= here or misfit(ring, n, 1) <= 4e-16 * (1.0 + abs(w)):
+                    p = 1
+                    break
+                if n % 64 == 0:
+                    p = period_number(ring, n, 4e-16)
+                    if p > 0:
+                        break
+            elif n > settle:
+                if n - settle <= KEPT:
+                    early[n - settle - 1] = moved
+                add = moved - low
+                total = window + add
+                window, low = total, (total - window) - add
+            if skip and not auto and w == ring[(n - 1) % RINGS]:
+                rest = periods - n  # the same point again: the rest is the same period over and over
+                window += moved * min(rest, periods - settle)
+                x += moved * rest
+                for k in range(max(n - settle, 0), min(KEPT, periods - settle)):
+                    early[k] = moved
+                for k in range(RINGS):
+                    ring[k] = w
+                n = periods
+        error = remaining(ring, n)
+        if status == FINISHED and p == 0:
+            p = period_number(ring, n, tolerance)
+        elif status == FINISHED:
+            status = REPEATED
+        number = min(max(p, 1), n)
+        count[i, 0], count[i, 1], count[i, 2], count[i, 3] = status, p, n, 0
+        out[i, 1], out[i, 5], out[i, 6], out[i, 7] = number, error, x, w
+        out[i, 0], out[i, 2], out[i, 3], out[i, 4] = math.nan, math.nan, math.nan, math.nan
+        if status == FINISHED or status == REPEATED:
+            count[i, 3] = observe(q, row, last, ring[(n - number) % RINGS], number, seg_time[i], seg_code[i], out[i])
+            if not auto:
+                first = (periods - settle) % number
+                first = first if first < periods - settle else 0
+                for k in range(first):
+                    window -= early[k]
+                out[i, 0], out[i, 1] = window, periods - settle - first
+
+
+@njit("UniTuple(i8, 2)(f8[::1], f8[::1], i8, i8, i8[::1], f8[:,::1], i1[::1])", **OPTIONS)
+def record(row, state, n, periods, number, arcs, mode):
+    """The arcs of one case from period n on, as many as there is room for: drive period, (phase, displacement, w) and mode of each.
+
+    state holds w, the displacement and what it lacks, and the last zeros; the next call goes on from it. Returns (arcs, next period);
+    (-1, period) if one has too many arcs.
+    """
+    q, last = np.empty(CONSTANTS), np.empty(2)
+    prepare(row, q)
+    last[0], last[1] = state[3], state[4]
+    w, x, low, i = state[0], state[1], state[2], 0
+    while n < periods and i + STEPS <= len(mode):
+        phase, s, c, steps = 0.0, 0.0, 1.0, 0
+        while phase < TAU:
+            number[i], arcs[i, 0], arcs[i, 1], arcs[i, 2] = n, phase, x, w
+            phase, w, s, c, moved, mode[i] = arc(q, last, phase, w, s, c)
+            add = moved - low
+            total = x + add
+            x, low = total, (total - x) - add
+            i, steps = i + 1, steps + 1
+            if steps >= STEPS:
+                return -1, n
+        n += 1
+    state[0], state[1], state[2], state[3], state[4] = w, x, low, last[0], last[1]
+    return i, n

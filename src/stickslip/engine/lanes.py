@@ -1,0 +1,220 @@
+"""Kernels that run many cases in SIMD lanes: their text, and the arrays they work on.
+
+A kernel's file is the step of `rosenbrock.py` written once for each group of eight lanes, line by line in turn (two
+independent chains hide each other's latency), with the driver text of ``kernels/lanes.py`` below it. The same text with
+one lane, which also keeps the dense output, solves a single case; the two give the same bits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import resources
+from typing import Any
+
+from stickslip.engine import cache
+from stickslip.engine.rosenbrock import Step, write_step
+from stickslip.engine.tableaux import Tableau
+from stickslip.engine.trace import Equations
+from stickslip.engine.write import Writer
+
+__all__ = ["Job", "Kernel", "Results", "kernel", "run"]
+
+SEGMENTS, RINGS, KEPT = 32, 34, 16
+_HEADER = '''"""Written by stickslip: {label}, {method}, {lanes} lanes. A step of the equations, then the driver."""
+import math
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+
+OPTIONS = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
+
+
+@intrinsic
+def as_float(typingctx, i):
+    def emit(context, builder, sig, args):
+        return builder.bitcast(args[0], ir.DoubleType())
+    return types.float64(types.int64), emit
+
+
+@intrinsic
+def as_bits(typingctx, x):
+    def emit(context, builder, sig, args):
+        return builder.bitcast(args[0], ir.IntType(64))
+    return types.int64(types.float64), emit
+
+
+@intrinsic
+def fma(typingctx, a, b, c):
+    def emit(context, builder, sig, args):
+        return builder.fma(*args)
+    return types.float64(types.float64, types.float64, types.float64), emit
+
+
+'''
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A compiled kernel and the shape of what it works on."""
+
+    module: Any
+    lanes: int
+    fields: int
+    states: int
+    degree: int
+    record: bool
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to do with every case."""
+
+    periods: int
+    settle: int
+    auto: bool
+    rtol: float
+    slip_ratio: float
+    budget: float
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a kernel found, one row for each case (see ``kernels/lanes.py``, `finish`)."""
+
+    displacement: Any  # over the window [m]
+    window: Any  # [drive periods]
+    v_max: Any
+    v_min: Any
+    end: Any  # (cases, 1 + states): x and the states at the end
+    status: Any
+    period: Any
+    periods_run: Any
+    seg_count: Any
+    seg_time: Any  # [s]
+    seg_code: Any
+    accepted: Any
+    rejected: Any
+    pieces: Any = None  # (pieces, 5 + states (degree + 1)) of a recorded case
+
+
+def kernel(eq: Equations, tableau: Tableau, label: str, record: bool) -> Kernel:
+    """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
+    step = write_step(eq, tableau, record)
+    width, groups = (1, 1) if record else (8, 2)
+    source = _source(eq, tableau, step, width, groups, label, record)
+    name = "single" if record else "lanes"
+    module = cache.load(source, f"{name}_{_plain(label)}_{tableau.name.lower()}", f"{label} ({tableau.name}, {'one case' if record else 'many cases'})")
+    return Kernel(module, width * groups, len(step.fields) + _constants(eq, step), eq.states, step.degree, record, eq.names)
+
+
+def _plain(label: str) -> str:
+    return re.sub(r"[^A-Za-z0-9]+", "_", label).strip("_").lower()
+
+
+def _constants(eq: Equations, step: Step) -> int:
+    return len(step.case_nodes) + 2 + len(eq.inner_scales or ())
+
+
+def _source(eq: Equations, tableau: Tableau, step: Step, width: int, groups: int, label: str, record: bool) -> str:
+    lanes = width * groups
+    extras = [eq.period, eq.velocity_scale, *(eq.inner_scales or ())]
+    constants = _constants(eq, step)
+    offsets = {name: i * lanes for i, name in enumerate(step.fields)}
+    named = {
+        "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "FIELDS": len(step.fields) + constants, "CONSTANTS": constants,
+        "DEGREE": step.degree, "RECORD": record, "PERIOD": len(step.case_nodes), "VSCALE": len(step.case_nodes) + 1,
+        "ZSCALE": len(step.case_nodes) + 2 if eq.inner_scales else -1, "F_C": len(step.fields) * lanes,
+        "F_Y": offsets["y0"], "F_B": offsets["b0"], "F_ON": offsets["on0"], "F_M": offsets.get("m1", 0), "F_K": offsets.get("k0_0", 0),
+    }  # fmt: skip
+    named |= {f"F_{f.upper()}": offsets.get(f, 0) for f in ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc")}
+    named |= {f"F_{f.upper()}": offsets.get(f, 0) for f in ("t0", "hh", "x0", "side")}
+    parts = [
+        _HEADER.format(label=label, method=tableau.name, lanes=lanes),
+        "".join(f"{k} = {v!r}\n" for k, v in named.items()),
+        _prelude(eq, [*step.case_nodes, *extras]),
+        _sides(eq),
+        _step_text(step, width, groups, offsets, named["F_C"]),
+        _driver(),
+    ]
+    return "\n\n".join(parts)
+
+
+@lru_cache
+def _driver() -> str:
+    return resources.files("stickslip.engine.kernels").joinpath("lanes.py").read_text(encoding="utf-8")
+
+
+def _prelude(eq: Equations, nodes: list[Any]) -> str:
+    """Once per case: everything that depends on its numbers alone."""
+    w = Writer(prefix="p")
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
+    ends = [w.value(node, bind) for node in nodes]
+    body = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
+    return '@njit("void(float64[::1], float64[::1])", **OPTIONS)\ndef prelude(row, c):\n' + "".join(f"    {line}\n" for line in body)
+
+
+def _sides(eq: Equations) -> str:
+    """The guards' values at the start, in order, for the flags to begin with."""
+    w = Writer(prefix="p")
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "0.0"}
+    bind |= {s.name: f"start[{1 + i}]" for i, s in enumerate(eq.y)}
+    for k, guard in enumerate(eq.guards):
+        w.line(f"g{k}", f"1.0 * {w.value(guard, bind)}")
+        w.line(f"b{k}", f"-1.0 if g{k} < 0.0 else 1.0")
+        bind[f"b{k}"] = f"b{k}"
+    body = [*w.lines, *(f"out[{k}] = g{k}" for k in range(len(eq.guards)))]
+    return '@njit("void(float64[::1], float64[::1], float64[::1])", **OPTIONS)\ndef sides(row, start, out):\n' + "".join(f"    {line}\n" for line in body)
+
+
+def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], constants_at: int) -> str:
+    """The step for all groups of lanes, their lines in turn."""
+    lanes = width * groups
+    reads = [f"_{name} = S[{offset} + l@]" for name, offset in offsets.items()]
+    reads += [f"_c{i} = S[{constants_at + i * lanes} + l@]" for i in range(len(step.case_nodes))]
+    writes = [f"S[{offset} + l@] = _{name}" for name, offset in offsets.items() if name != "tend"]
+    text = ['@njit("void(float64[::1], float64, float64)", **OPTIONS)', "def step(S, rtol, budget):", f"    for l in range({width}):"]
+    for line in [*reads, *step.lines, *writes]:
+        for g in range(groups):
+            renamed = re.sub(r"(?<![\w.])_(?=[A-Za-z])", f"_{'abcd'[g]}_", line)
+            text.append("        " + renamed.replace("l@", "l" if g == 0 else f"l + {g * width}"))
+    return "\n".join(text)
+
+
+def run(k: Kernel, params: Any, start: Any, job: Job, progress: Callable[[int], None] | None = None, keep_pieces: bool = False) -> Results:
+    """Run all cases of a table, returning to Python after every slice, so that Ctrl-C works.
+
+    Results do not depend on how cases are spread over lanes, slices, calls and threads.
+    """
+    import numpy as np
+
+    cases, n = params.shape[0], k.states
+    S = np.ones(k.fields * k.lanes)
+    lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
+    lane_numbers[:, 0] = -1
+    lane_floats, ring, xs = np.zeros((k.lanes, 13)), np.zeros((k.lanes, RINGS, 1 + n)), np.zeros((k.lanes, KEPT))
+    cursor = np.array([0, cases, 0], dtype=np.int64)
+    out, count = np.full((cases, 5 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
+    seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
+    pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + n * (k.degree + 1))), []
+    slice_calls = 8192 if k.lanes == 1 else 65536  # about 5 and 30 milliseconds
+    while k.module.advance(
+        S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,
+        job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls,
+    ):  # fmt: skip
+        kept.append(pieces[: cursor[2]].copy())
+        cursor[2] = 0
+        if progress is not None:
+            progress(int(cursor[0]))
+    kept.append(pieces[: cursor[2]].copy())
+    if progress is not None:
+        progress(cases)
+    return Results(
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 4:], count[:, 0], count[:, 1], count[:, 2], count[:, 3], seg_time, seg_code,
+        count[:, 4], count[:, 5], np.concatenate(kept) if keep_pieces else None,
+    )  # fmt: skip

@@ -1,0 +1,376 @@
+"""One Rosenbrock step, written out for a traced model: stages, dense output, error, event, control, acceptance.
+
+The step is branch-free: every decision is a select, so that it runs in SIMD lanes. It is limited so that it foresees
+break-away, ends on the zero of a guard, and flips that guard's flag.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stickslip.engine.symbols import Sym
+from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
+from stickslip.engine.trace import Equations
+from stickslip.engine.write import Writer, combine, horner, literal
+
+__all__ = ["CONTROL", "Control", "Step", "write_step"]
+
+
+@dataclass(frozen=True)
+class Control:
+    """Constants of the step control, found by measuring cost against error over many robots (docs/decisions)."""
+
+    velocity_floor: float = 8e-3  # error weight of v: rtol (floor A omega + |v|)
+    inner_floor: float = 5.0  # error weight of z: rtol (floor scale + |z|)
+    safety: float = 0.84
+    exponent: float = 0.16
+    growth: float = 2.67
+    growth_rejected: float = 0.86
+    growth_event: float = 2.0
+    shrink: float = 0.1
+    swing: float = 0.52  # change of v in a step near v = 0, in Stribeck velocities
+    swing_rate: float = 0.8  # and for each unit of |v| beyond swing_from Stribeck velocities
+    swing_from: float = 1.92
+    longest: float = 0.15  # of a period
+    newton: int = 3  # iterations for an event inside the step
+
+
+CONTROL = {RODAS4.name: Control(), RODAS5P.name: Control(swing=0.45, swing_from=2.5, inner_floor=9.0)}
+
+#: Values of the step's state `stat`.
+RUNNING, ARRIVED, BUDGET, TOO_SMALL, NOT_A_NUMBER = 0, 1, 2, 3, 4
+_LOG = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
+
+
+@dataclass(frozen=True)
+class Step:
+    """The written step: its lines, and what a lane must hold."""
+
+    lines: tuple[str, ...]
+    fields: tuple[str, ...]  # lane fields, each read at the start and written at the end
+    case_nodes: tuple[Sym, ...]  # values _c0, _c1, … of a lane
+    degree: int  # of the dense output
+
+
+def write_step(eq: Equations, tableau: Tableau, record: bool) -> Step:
+    """The lines of one step; with `record` the dense output's coefficients are kept too."""
+    return _StepWriter(eq, tableau, record).write()
+
+
+class _StepWriter:
+    def __init__(self, eq: Equations, tableau: Tableau, record: bool):
+        self.eq, self.tab, self.record = eq, tableau, record
+        self.w, self.k = Writer(), CONTROL[tableau.name]
+        self.n, self.g = eq.states, len(eq.guards)
+        self.degree = len(tableau.dense) + 1
+        self.dt = "_hh"
+        roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates]
+        self.w.count_uses(roots)
+
+    def write(self) -> Step:
+        n, g = range(self.n), range(self.g)
+        scalars = ["t", "h", "tend", "x", "le", "lh", "grow"]
+        fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
+        fields += ["stat", "nacc", "nrej", "ratio", "acc"]
+        if self.record:
+            fields += ["t0", "hh", "x0", *(f"k{i}_{m}" for i in n for m in range(self.degree + 1)), "side"]
+        self._slopes()
+        self._length()
+        self._matrix()
+        self._stages()
+        self._dense()
+        self._error()
+        self._crossings()
+        self._locate()
+        self._decide()
+        self._control()
+        self._keep()
+        return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.degree)
+
+    def _bind(self, t: str, y: list[str]) -> dict[str, str]:
+        bind = {s.name: name for s, name in zip(self.eq.y, y, strict=True)}
+        bind["t"] = t
+        return bind | {f"b{k}": f"_b{k}" for k in range(self.g)}
+
+    def _slopes(self) -> None:
+        """f, its Jacobian and time derivative at the start; the signed slip ratio 1 - (dz/dt)/v for the observers."""
+        start = self._bind("_t", [f"_y{i}" for i in range(self.n)])
+        self.start = start
+        self.f = [self.w.value(e, start) for e in self.eq.f]
+        self.J = [[self.w.value(e, start) for e in row] for row in self.eq.jacobian]
+        self.T = [self.w.value(e, start) for e in self.eq.by_time]
+        self.guard_start = [self.w.value(e, start) for e in self.eq.guards]
+        self.guard_rate = [self.w.value(e, start) for e in self.eq.guard_rates]
+        self.scale_v = self.w.value(self.eq.velocity_scale, start)
+        self.w.line("_acc", f"1.0 * {self.f[0]}")
+        small = f"abs(_y0) < 1e-12 * {self.scale_v}"
+        self.w.line("_safe", f"1.0 if {small} else _y0")
+        self.w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[1] if self.n > 1 else '0.0'} / _safe")
+
+    def _length(self) -> None:
+        """The step's length: the controller's wish, cut where break-away must be foreseen and where the period ends."""
+        w, k = self.w, self.k
+        w.line("_hh", "_h")
+        if self.eq.stribeck_velocity is not None:
+            v_s = w.value(self.eq.stribeck_velocity, self.start)
+            second = combine(self.T[0], []) if self.n == 0 else self.T[0]
+            for j in range(self.n):
+                second = f"fma({self.J[0][j]}, {self.f[j]}, {second})"
+            w.line("_jerk", f"abs({second})")
+            w.line("_far", f"fma({v_s}, {literal(-k.swing_from)}, abs(_y0))")
+            w.line("_swing", f"fma({literal(k.swing)}, {v_s}, {literal(k.swing_rate)} * (_far if _far > 0.0 else 0.0))")
+            slope = w.line("_slope", f"abs({self.f[0]})")
+            w.line("_hl", f"2.0 * _swing / ({slope} + math.sqrt(fma({slope}, {slope}, 2.0 * _swing * _jerk)) + 1e-300)")
+            w.line("_hh", "_hh if _hh < _hl else _hl")
+        w.line("_rem", "_tend - _t")
+        w.line("_last", "_rem <= _hh * 1.0000001")
+        w.line("_hh", "_rem if _last else _hh")
+        w.line("_ih", "1.0 / _hh")
+
+    def _matrix(self) -> None:
+        """W = I/(h gamma) - J: its inverse for two states, else its LU factors without pivoting."""
+        w, n = self.w, range(self.n)
+        w.line("_d", f"_ih * {literal(1 / self.tab.gamma)}")
+        for i in n:
+            for j in n:
+                w.line(f"_a{i}_{j}", f"_d - {self.J[i][j]}" if i == j else f"-{self.J[i][j]}")
+        if self.n == 2:
+            w.line("_det", "1.0 / fma(_a0_0, _a1_1, -(_a0_1 * _a1_0))")
+            for name, text in (("_i00", "_a1_1"), ("_i01", "-_a0_1"), ("_i10", "-_a1_0"), ("_i11", "_a0_0")):
+                w.line(name, f"{text} * _det")
+            return
+        for c in n:
+            w.line(f"_p{c}", f"1.0 / _a{c}_{c}")
+            for r in range(c + 1, self.n):
+                w.line(f"_m{r}_{c}", f"_a{r}_{c} * _p{c}")
+                for j in range(c + 1, self.n):
+                    w.line(f"_a{r}_{j}", f"fma(-_m{r}_{c}, _a{c}_{j}, _a{r}_{j})")
+
+    def _solve(self, q: int) -> None:
+        """u_q = W^-1 r."""
+        w, n = self.w, range(self.n)
+        if self.n == 2:
+            for i in n:
+                w.line(f"_u{q}_{i}", f"fma(_i{i}0, _r0, _i{i}1 * _r1)")
+            return
+        for i in n:
+            for j in range(i):
+                w.line(f"_r{i}", f"fma(-_m{i}_{j}, _r{j}, _r{i})")
+        for i in reversed(n):
+            for j in range(i + 1, self.n):
+                w.line(f"_r{i}", f"fma(-_a{i}_{j}, _u{q}_{j}, _r{i})")
+            w.line(f"_u{q}_{i}", f"_r{i} * _p{i}")
+
+    def _stages(self) -> None:
+        w, n, tab = self.w, range(self.n), self.tab
+        times = {0.0: "_t"}
+        for q in range(tab.stages):
+            f = self.f
+            if q:
+                again = q > 1 and tab.a[q][:-1] == tab.a[q - 1] and tab.a[q][-1] == 1.0
+                for i in n:
+                    base, terms = (f"_w{i}", [(1.0, f"_u{q - 1}_{i}")]) if again else (f"_y{i}", [(a, f"_u{j}_{i}") for j, a in enumerate(tab.a[q])])
+                    w.line(f"_w{q}x{i}" if not again else f"_w{q}x{i}", combine(base if not again else f"_w{q - 1}x{i}", terms))
+                c = tab.c[q]
+                if c not in times:
+                    times[c] = w.line(f"_t{q}", f"fma({literal(c)}, _hh, _t)")
+                f = [w.value(e, self._bind(times[c], [f"_w{q}x{i}" for i in n])) for e in self.eq.f]
+            for i in n:
+                memory = combine("", [(cc, f"_u{j}_{i}") for j, cc in enumerate(tab.C[q])])
+                text = f[i] if memory == "0.0" else f"fma(_ih, {memory}, {f[i]})"
+                if tab.d[q]:
+                    text = f"fma({literal(tab.d[q])} * _hh, {self.T[i]}, {text})"
+                w.line(f"_r{i}", text)
+            self._solve(q)
+        last = tab.stages - 1
+        for i in n:
+            w.line(f"_n{i}", f"_w{last}x{i} + _u{last}_{i}")
+            w.line(f"_e{i}", f"abs(_u{last}_{i})")
+
+    def _dense(self) -> None:
+        """Coefficients of the continuous extension in powers of theta: _k<state>_<power>."""
+        w, rows = self.w, self.tab.dense
+        for i in range(self.n):
+            k = [w.line(w.fresh(), combine("", [(c, f"_u{j}_{i}") for j, c in enumerate(row)])) for row in rows]
+            w.line(f"_k{i}_0", f"1.0 * _y{i}")
+            w.line(f"_k{i}_1", f"(_n{i} - _y{i}) + {k[0]}")
+            for m in range(1, len(k)):
+                w.line(f"_k{i}_{m + 1}", f"{k[m]} - {k[m - 1]}")
+            w.line(f"_k{i}_{len(k) + 1}", f"-{k[-1]}")
+
+    def _at(self, i: int, theta: str) -> str:
+        return horner([f"_k{i}_{m}" for m in range(self.degree + 1)], theta)
+
+    def _rate_at(self, i: int, theta: str) -> str:
+        return horner([f"_k{i}_1", *(f"{m}.0 * _k{i}_{m}" for m in range(2, self.degree + 1))], theta)
+
+    def _error(self) -> None:
+        """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
+        w, k = self.w, self.k
+        scales = self.eq.inner_scales
+        for i in range(self.n):
+            if i == 0:
+                floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
+            elif scales is not None:
+                floor = f"{literal(k.inner_floor)} * {w.value(scales[i - 1], self.start)}"
+            else:
+                floor = f"{literal(k.inner_floor)} * _m{i}"
+            w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
+            w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
+            w.line(f"_l{i}", f"(as_bits(_e{i}) - as_bits(_s{i})) * {_LOG}")
+        w.line("_ok", " and ".join(f"_e{i} <= _s{i}" for i in range(self.n)))
+        w.line("_ln", "_l0")
+        for i in range(1, self.n):
+            w.line("_ln", f"_ln if _ln > _l{i} else _l{i}")
+        w.line("_ln", "_ln if _ln < 30.0 else 30.0")
+
+    def _crossings(self) -> None:
+        """Whether v leaves its held side in this step, at the end or in between (the extremum of the dense output)."""
+        w, d = self.w, self.degree
+        w.line("_g0s", "_y0 * _b0")
+        w.line("_g0e", "_n0 * _b0")
+        w.line("_d0", "_k0_1 * _b0")
+        w.line("_d1", "(" + " + ".join(f"{m}.0 * _k0_{m}" for m in range(1, d + 1)) + ") * _b0")
+        w.line("_dip", "_d0 < 0.0 and _d1 > 0.0 and _g0e >= 0.0")
+        w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
+        second = horner(["2.0 * _k0_2", *(f"{m * (m - 1)}.0 * _k0_{m}" for m in range(3, d + 1))], "_tx")
+        w.line("_curve", second)
+        w.line("_tx", f"_tx - ({self._rate_at(0, '_tx')}) / (_curve if _dip else 1.0)")
+        w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
+        w.line("_low", f"({self._at(0, '_tx')}) * _b0")
+        w.line("_tiny", f"-1e-14 * {self.scale_v}")
+        w.line("_dip", "_dip and _low < _tiny")
+        w.line("_te", "_tx if _dip else 1.0")
+        w.line("_ge", "_low if _dip else _g0e")
+        w.line("_cr", "_ge < _tiny")
+        w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
+        w.line("_th", "_te * _gs / (_gs - _ge if _cr else 1.0)")
+        w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
+        w.line("_wrong", f"{self.f[0]} * _b0 < 0.0")
+        w.line("_which", "0.0")
+        end = self._bind("_t + _hh", [f"_n{i}" for i in range(self.n)])
+        for k in range(1, self.g):
+            self._other_crossing(k, end)
+
+    def _other_crossing(self, k: int, end: dict[str, str]) -> None:
+        """The same for another guard of the law; the one that goes first is kept."""
+        w = self.w
+        w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
+        w.line(f"_g{k}e", f"{w.value(self.eq.guards[k], end)} * _b{k}")
+        w.line(f"_cr{k}", f"_g{k}e < 0.0")
+        w.line(f"_gp{k}", f"_g{k}s if _g{k}s > 0.0 else 0.0")
+        w.line(f"_th{k}", f"_gp{k} / (_gp{k} - _g{k}e if _cr{k} else 1.0)")
+        w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
+        w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
+        w.line("_wrong", f"{self.guard_rate[k]} * _b{k} < 0.0 if _first else _wrong")
+        for name, value in (("_gs", f"_gp{k}"), ("_ge", f"_g{k}e"), ("_th", f"_th{k}"), ("_te", "1.0"), ("_which", f"{k}.0")):
+            w.line(name, f"{value} if _first else {name}")
+        w.line("_cr", f"_cr or _cr{k}")
+
+    def _locate(self) -> None:
+        """theta of the event on the dense output: safeguarded Newton for v, a bracketing secant where other guards exist."""
+        w = self.w
+        w.line("_lo", "0.0")
+        w.line("_hi", "_te")
+        if self.g == 1:
+            for _ in range(self.k.newton):
+                w.line("_pv", f"({self._at(0, '_th')}) * _b0")
+                w.line("_pd", f"({self._rate_at(0, '_th')}) * _b0")
+                w.line("_lo", "_th if _pv > 0.0 else _lo")
+                w.line("_hi", "_hi if _pv > 0.0 else _th")
+                w.line("_tn", "_th - _pv / (_pd if _pd != 0.0 else 1.0)")
+                w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
+            w.line("_pv", f"abs({self._at(0, '_th')})")
+            w.line("_conv", f"_pv <= 1e-10 * {self.scale_v}")
+        else:
+            w.line("_glo", "_gs")
+            w.line("_ghi", "_ge")
+            w.line("_span", "_gs - _ge")
+            for _ in range(self.k.newton + 3):
+                w.line("_pv", self._guard_at("_th"))
+                w.line("_up", "_pv > 0.0")
+                w.line("_lo", "_th if _up else _lo")
+                w.line("_hi", "_hi if _up else _th")
+                w.line("_ghi", "0.5 * _ghi if _up else _pv")  # Illinois
+                w.line("_glo", "_pv if _up else 0.5 * _glo")
+                w.line("_gap", "_glo - _ghi")
+                w.line("_tn", "_lo + (_hi - _lo) * _glo / (_gap if _gap > 0.0 else 1.0)")
+                w.line("_th", "_tn if _gap > 0.0 else 0.5 * (_lo + _hi)")
+            w.line("_pv", f"abs({self._guard_at('_th')})")
+            w.line("_conv", "_pv <= 1e-9 * _span")
+        for i in range(self.n):
+            w.line(f"_v{i}", self._at(i, "_th"))
+
+    def _guard_at(self, theta: str) -> str:
+        """Value of the chosen guard on its held side, on the dense output."""
+        w = self.w
+        y = [w.line(w.fresh(), self._at(i, theta)) for i in range(self.n)]
+        t = w.line(w.fresh(), f"fma({theta}, _hh, _t)")
+        text = "0.0"
+        for k, guard in enumerate(self.eq.guards):
+            value = w.line(w.fresh(), f"{w.value(guard, self._bind(t, y))} * _b{k}")
+            text = w.line(w.fresh(), f"{value} if _which == {k}.0 else {text}")
+        return text
+
+    def _decide(self) -> None:
+        w = self.w
+        w.line("_flip0", "_ok and _cr and _pre and _wrong")  # it started on the wrong side: flip and do the step again
+        w.line("_evt", "_ok and _cr and not _flip0")
+        w.line("_evA", "_evt and _conv and not _pre")  # the event is located: the step ends there
+        w.line("_evB", "_evt and not _evA")  # it is not yet: do a shorter step
+        w.line("_acc1", "_ok and not _flip0 and not _evB")
+        w.line("_flip", "_flip0 or _evA")
+        w.line("_part", "_th if _evA else 1.0")
+        w.line("_cut", "0.5 if _pre else (_th if (_th < 0.9 and _th > 1e-3) else 0.5)")
+
+    def _control(self) -> None:
+        """The next step's length: integral control with Gustafsson's prediction, all in binary logarithms."""
+        w, k = self.w, self.k
+        w.line("_lf", f"fma({literal(-k.exponent)}, _ln, {literal(_log2(k.safety))})")
+        w.line("_lh1", f"fma(as_bits(_hh) * 1.0, {_LOG}, -1022.957)")
+        w.line("_lg", f"_lf + (_lh1 - _lh) + {literal(k.exponent)} * (_le - _ln)")
+        w.line("_lf", "_lg if (_lg < _lf and _ok) else _lf")
+        w.line("_most", f"_grow if _ok else {literal(_log2(k.growth_rejected))}")
+        w.line("_lf", "_lf if _lf < _most else _most")
+        w.line("_lf", f"_lf if _lf > {literal(_log2(k.shrink))} else {literal(_log2(k.shrink))}")
+        w.line("_hn", "_hh * as_float(np.int64((_lf + 1022.957) * 4503599627370496.0))")
+        w.line("_hn", "(_h if _h > _hn else _hn) if (_hh < _h and _ok) else _hn")  # a clipped step must not shrink the wish
+        longest = w.line(w.fresh(), f"{literal(k.longest)} * {w.value(self.eq.period, self.start)}")
+        w.line("_hn", f"_hn if _hn < {longest} else {longest}")
+        w.line("_h", "_hn if _acc1 else (_cut * _hh if _evB else (_hn if not _ok else _h))")
+        w.line("_le", "(_ln if _ln > -8.0 else -8.0) if _acc1 else _le")
+        w.line("_lh", "_lh1 if _acc1 else _lh")
+        growth, event = literal(_log2(k.growth)), literal(_log2(k.growth_event))
+        w.line("_grow", f"{growth} if (_acc1 and not _flip) else ({event} if _acc1 else 0.0)")
+
+    def _keep(self) -> None:
+        """New state of the lane."""
+        w = self.w
+        integral = horner([f"{literal(1 / (m + 1))} * _k0_{m}" for m in range(self.degree + 1)], "_part")
+        if self.record:
+            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0")):
+                w.line(f"_{name}", f"1.0 * {value}")
+        for i in range(self.n):
+            if i:
+                w.line(f"_m{i}", f"_big{i} if (_acc1 and _big{i} > _m{i}) else _m{i}")
+            w.line(f"_y{i}", f"(_v{i} if _evA else _n{i}) if _acc1 else _y{i}")
+        w.line("_y0", "0.0 if (_evA and _which < 0.5) else _y0")
+        w.line("_x", f"fma(_hh * _part, {integral}, _x) if _acc1 else _x")
+        w.line("_fin", "_acc1 and _last and not _evA")
+        w.line("_t", "_tend if _fin else (fma(_part, _hh, _t) if _acc1 else _t)")
+        for k in range(self.g):
+            mine = f"_which == {k}.0" if self.g > 1 else "True"
+            w.line(f"_b{k}", f"-_b{k} if (_flip and {mine}) else _b{k}")
+            w.line(f"_on{k}", f"1.0 if (_flip and {mine}) else (0.0 if _acc1 else _on{k})")
+        w.line("_nacc", "_nacc + (1.0 if _acc1 else 0.0)")
+        w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
+        w.line("_bad", f"(not _acc1) and _hh < 1e-14 * {w.value(self.eq.period, self.start)}")
+        nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.n))
+        w.line("_stat", f"1.0 if _fin else (({NOT_A_NUMBER}.0 if ({nan}) else {TOO_SMALL}.0) if _bad else _stat)")
+        w.line("_stat", f"{BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
+
+
+def _log2(x: float) -> float:
+    import math
+
+    return math.log2(x)

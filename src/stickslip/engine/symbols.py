@@ -1,0 +1,342 @@
+"""Symbols: what a law is called with when the engine wants to know its equation.
+
+An expression is a node of a graph in which equal expressions are one node, so common subexpressions are shared by
+construction. Nodes know how to differentiate themselves. Conditions on the state become guards: named flags of value
++1 or -1 that a step holds fixed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stickslip.errors import StickslipError
+
+__all__ = ["Condition", "Graph", "Sym", "TraceError"]
+
+CONSTANT, CASE, STATE = 0, 1, 2  # what a node depends on: nothing, the case's numbers, the state or time
+
+
+class TraceError(StickslipError, TypeError):
+    """A law or drive does with a symbol what only a number can do; the message says what to write."""
+
+
+class Sym:
+    """One node of the expression graph."""
+
+    __slots__ = ("args", "graph", "level", "name", "number", "op", "value")
+    __array_ufunc__ = None  # NumPy scalars leave the operation to us
+
+    def __init__(self, graph: Graph, op: str, args: tuple[Sym, ...], level: int, name: str = "", value: float = 0.0):
+        self.graph, self.op, self.args, self.level, self.name, self.value = graph, op, args, level, name, value
+        self.number = len(graph.nodes)
+        graph.nodes.append(self)
+
+    def _with(self, other: Any) -> Sym:
+        return other if isinstance(other, Sym) else self.graph.constant(other)
+
+    def __add__(self, other: Any) -> Sym:
+        return self.graph.add(self, self._with(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Sym:
+        return self.graph.subtract(self, self._with(other))
+
+    def __rsub__(self, other: Any) -> Sym:
+        return self.graph.subtract(self._with(other), self)
+
+    def __mul__(self, other: Any) -> Sym:
+        return self.graph.multiply(self, self._with(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Sym:
+        return self.graph.divide(self, self._with(other))
+
+    def __rtruediv__(self, other: Any) -> Sym:
+        return self.graph.divide(self._with(other), self)
+
+    def __neg__(self) -> Sym:
+        return self.graph.multiply(self.graph.constant(-1.0), self)
+
+    def __pos__(self) -> Sym:
+        return self
+
+    def __pow__(self, power: Any) -> Sym:
+        return self.graph.power(self, power)
+
+    def __rpow__(self, base: Any) -> Sym:
+        return self.graph.call("exp", self * self._with(math.log(base)))
+
+    def __abs__(self) -> Sym:
+        if self.level < STATE:
+            return self.graph.select(self, self, -self)
+        return self.graph.sign(self) * self
+
+    def __gt__(self, other: Any) -> Condition:
+        return Condition(self - other)
+
+    __ge__ = __gt__
+
+    def __lt__(self, other: Any) -> Condition:
+        return Condition(other - self)
+
+    __le__ = __lt__
+
+    def __eq__(self, other: object) -> Any:
+        raise TraceError("a law asks whether a symbol equals something (==); friction is traced, so write where(v > 0, a, b)")
+
+    __hash__ = object.__hash__
+
+    def __bool__(self) -> bool:
+        raise TraceError(_IF)
+
+    def __float__(self) -> float:
+        raise TraceError("a law turns a symbol into a number; call exp, sqrt, sin, cos, tanh, log from stickslip.maths, not from math or numpy")
+
+    __int__ = __index__ = __float__  # type: ignore[assignment]
+
+    def __ss_exp__(self) -> Sym:
+        return self.graph.call("exp", self)
+
+    def __ss_log__(self) -> Sym:
+        return self.graph.call("log", self)
+
+    def __ss_sqrt__(self) -> Sym:
+        return self.graph.call("sqrt", self)
+
+    def __ss_sin__(self) -> Sym:
+        return self.graph.call("sin", self)
+
+    def __ss_cos__(self) -> Sym:
+        return self.graph.call("cos", self)
+
+    def __ss_tanh__(self) -> Sym:
+        one, e = self.graph.constant(1.0), self.graph.call("exp", self * -2.0)
+        return (one - e) / (one + e)
+
+    def __repr__(self) -> str:
+        return {"constant": repr(self.value)}.get(self.op, self.name or f"{self.op}({', '.join(map(repr, self.args))})")
+
+
+_IF = "a law uses `if`, `and`, `or`, `min` or `max` on a symbol; write where(condition, yes, no), maximum or minimum from stickslip.maths"
+
+
+class Condition:
+    """`difference > 0`, not decided; `where` turns it into a select on a held flag."""
+
+    def __init__(self, difference: Sym):
+        self.difference = difference
+
+    def __bool__(self) -> bool:
+        raise TraceError(_IF)
+
+    def __ss_where__(self, yes: Any, no: Any) -> Sym:
+        graph = self.difference.graph
+        held = self.difference if self.difference.level < STATE else graph.sign(self.difference)
+        return graph.select(held, self.difference._with(yes), self.difference._with(no))
+
+    def __and__(self, other: Condition) -> _Both:
+        return _Both(self, other, both=True)
+
+    def __or__(self, other: Condition) -> _Both:
+        return _Both(self, other, both=False)
+
+    def __invert__(self) -> Condition:
+        return Condition(-self.difference)
+
+
+class _Both(Condition):
+    """Two conditions joined by & or |."""
+
+    def __init__(self, first: Condition, second: Condition, both: bool):
+        self.first, self.second, self.both = first, second, both
+
+    def __ss_where__(self, yes: Any, no: Any) -> Sym:
+        if self.both:
+            return self.first.__ss_where__(self.second.__ss_where__(yes, no), no)
+        return self.first.__ss_where__(yes, self.second.__ss_where__(yes, no))
+
+    def __invert__(self) -> Condition:
+        return _Both(~self.first, ~self.second, both=not self.both)
+
+
+class Graph:
+    """Makes nodes, each expression once, and simplifies what is plain."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Sym] = []
+        self._known: dict[Any, Sym] = {}
+        self.guards: list[Sym] = []  # guards[k] is the expression whose sign flag k holds
+        self._derivatives: dict[tuple[int, int], Sym] = {}
+
+    def _node(self, op: str, args: tuple[Sym, ...], level: int | None = None, name: str = "", value: float = 0.0) -> Sym:
+        key = (op, tuple(a.number for a in args), name, value.hex())
+        if key not in self._known:
+            self._known[key] = Sym(self, op, args, max((a.level for a in args), default=0) if level is None else level, name, value)
+        return self._known[key]
+
+    def constant(self, value: Any) -> Sym:
+        """A literal number."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise TraceError(f"{value!r} of type {type(value).__name__} stands in an equation; allowed are numbers, fields of the law, v, z and load")
+        if not math.isfinite(value):
+            raise TraceError(f"{value!r} stands in an equation")
+        return self._node("constant", (), CONSTANT, value=float(value))
+
+    def case(self, name: str) -> Sym:
+        """A number of the case."""
+        return self._node("case", (), CASE, name)
+
+    def variable(self, name: str) -> Sym:
+        """Time or a state."""
+        return self._node("variable", (), STATE, name)
+
+    def add(self, a: Sym, b: Sym) -> Sym:
+        """a + b."""
+        if a.op == b.op == "constant":
+            return self.constant(a.value + b.value)
+        if a.op == "constant" and a.value == 0:
+            return b
+        if b.op == "constant" and b.value == 0:
+            return a
+        return self._node("add", (a, b) if a.number <= b.number else (b, a))
+
+    def subtract(self, a: Sym, b: Sym) -> Sym:
+        """a - b."""
+        if a is b:
+            return self.constant(0.0)
+        if b.op == "constant":
+            return self.add(a, self.constant(-b.value))
+        if a.op == "constant" and a.value == 0:
+            return self.multiply(self.constant(-1.0), b)
+        return self._node("subtract", (a, b))
+
+    def multiply(self, a: Sym, b: Sym) -> Sym:
+        """a * b; constants gather in front."""
+        if b.op == "constant":
+            a, b = b, a
+        if a.op == "constant":
+            if b.op == "constant":
+                return self.constant(a.value * b.value)
+            if a.value == 0:
+                return a
+            if a.value == 1:
+                return b
+            if b.op == "multiply" and b.args[0].op == "constant":
+                return self.multiply(self.constant(a.value * b.args[0].value), b.args[1])
+            return self._node("multiply", (a, b))
+        for one, other in ((a, b), (b, a)):  # keep what depends on the case alone together: it is computed once per case
+            if one.level < STATE and other.level == STATE and other.op == "multiply" and other.args[0].level < STATE:
+                return self.multiply(self.multiply(one, other.args[0]), other.args[1])
+        if a.level > b.level or (a.level == b.level and a.number > b.number):
+            a, b = b, a
+        return self._node("multiply", (a, b))
+
+    def divide(self, a: Sym, b: Sym) -> Sym:
+        """a / b, as a times the reciprocal that all quotients by b share."""
+        if b.op == "constant":
+            if b.value == 0:
+                raise TraceError("an equation divides by zero")
+            return self.multiply(self.constant(1.0 / b.value), a)
+        if a is b:
+            return self.constant(1.0)
+        if b.op == "multiply" and b.args[0].level < STATE <= b.args[1].level:
+            return self.multiply(self.divide(self.constant(1.0), b.args[0]), self.divide(a, b.args[1]))
+        return self.multiply(a, self._node("reciprocal", (b,)))
+
+    def power(self, a: Sym, power: Any) -> Sym:
+        """a to a power: whole ones by multiplication, halves by the square root, others by exp and log."""
+        if isinstance(power, (int, float)) and float(power).is_integer() and abs(power) <= 16:
+            if power < 0:
+                return self.divide(self.constant(1.0), self.power(a, -power))
+            result, square, n = self.constant(1.0), a, int(power)
+            while n:
+                result, square, n = (result * square if n & 1 else result), (square * square if n > 1 else square), n >> 1
+            return result
+        if power == 0.5:
+            return self.call("sqrt", a)
+        return self.call("exp", self.call("log", a) * power)
+
+    def call(self, name: str, a: Sym) -> Sym:
+        """A function of one argument."""
+        if a.op == "constant":
+            return self.constant(getattr(math, name)(a.value))
+        return self._node(name, (a,))
+
+    def select(self, held: Sym, yes: Sym, no: Sym) -> Sym:
+        """`yes` where held > 0, else `no`."""
+        return yes if yes is no else self._node("select", (held, yes, no))
+
+    def sign(self, a: Sym) -> Sym:
+        """The held sign of an expression of the state: a flag, or a product of flags for a product."""
+        if a.op == "multiply":
+            first, second = a.args
+            if first.op == "constant":
+                return self.multiply(self.constant(math.copysign(1.0, first.value)), self.sign(second))
+            if first is second:
+                return self.constant(1.0)
+            return self.multiply(self.sign(first), self.sign(second))
+        if a.op in ("exp", "sqrt"):
+            return self.constant(1.0)
+        if a.op == "reciprocal":
+            return self.sign(a.args[0])
+        if a.level < STATE:
+            return self.select(a, self.constant(1.0), self.constant(-1.0))
+        if a.op == "subtract" and a.args[0].number > a.args[1].number:  # b - a has the opposite sign of a - b: one guard
+            other = self._known.get(("subtract", (a.args[1].number, a.args[0].number), "", (0.0).hex()))
+            if other is not None and any(other is g for g in self.guards):
+                return -self.sign(other)
+        for k, known in enumerate(self.guards):
+            if known is a:
+                return self._node("flag", (), STATE, f"b{k}")
+        self.guards.append(a)
+        return self._node("flag", (), STATE, f"b{len(self.guards) - 1}")
+
+    def derivative(self, node: Sym, by: Sym) -> Sym:
+        """Partial derivative; held flags are constant."""
+        key = (node.number, by.number)
+        if key not in self._derivatives:
+            self._derivatives[key] = self._differentiate(node, by)
+        return self._derivatives[key]
+
+    def _differentiate(self, node: Sym, by: Sym) -> Sym:
+        zero = self.constant(0.0)
+        if node is by:
+            return self.constant(1.0)
+        if node.level < STATE or not node.args:
+            return zero
+        if node.op == "select":
+            held, yes, no = node.args
+            return self.select(held, self.derivative(yes, by), self.derivative(no, by))
+        d = [self.derivative(a, by) for a in node.args]
+        a = node.args
+        if node.op == "add":
+            return d[0] + d[1]
+        if node.op == "subtract":
+            return d[0] - d[1]
+        if node.op == "multiply":
+            return d[0] * a[1] + a[0] * d[1]
+        if d[0] is zero:
+            return zero
+        return d[0] * _slope(node, a[0])
+
+
+def _slope(node: Sym, a: Sym) -> Sym:
+    """Derivative of a function of one argument by that argument."""
+    graph = node.graph
+    match node.op:
+        case "exp":
+            return node
+        case "log":
+            return graph.divide(graph.constant(1.0), a)
+        case "sqrt":
+            return graph.divide(graph.constant(0.5), node)
+        case "sin":
+            return graph.call("cos", a)
+        case "cos":
+            return -graph.call("sin", a)
+        case "reciprocal":
+            return -(node * node)
+    raise TraceError(f"no derivative is known for {node.op}")

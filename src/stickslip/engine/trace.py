@@ -1,0 +1,150 @@
+"""From a model to its equations: call its plain Python with symbols and write down what comes out."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.engine.symbols import Graph, Sym, TraceError
+from stickslip.errors import InputError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.maths import maximum
+
+__all__ = ["Equations", "label", "trace"]
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What a step needs to know of a model. States are y[0] = v and the law's inner states after it."""
+
+    graph: Graph
+    names: tuple[str, ...]  # the case's numbers, in the order of a row
+    t: Sym
+    y: tuple[Sym, ...]
+    f: tuple[Sym, ...]  # dy/dt
+    jacobian: tuple[tuple[Sym, ...], ...]
+    by_time: tuple[Sym, ...]
+    guards: tuple[Sym, ...]
+    guard_rates: tuple[Sym, ...]  # total derivative of each guard along the flow
+    period: Sym
+    velocity_scale: Sym
+    inner_scales: tuple[Sym, ...] | None  # None: the law names no scale
+    stribeck_velocity: Sym | None
+
+    @property
+    def states(self) -> int:
+        """Number of states."""
+        return len(self.y)
+
+
+def label(model: Any) -> str:
+    """What a model's kind is called: ``LuGre × Harmonic``."""
+    parts = [type(model.friction).__name__] + ([type(model.drive).__name__] if hasattr(model, "drive") else [type(model).__name__])
+    track = getattr(model, "track", None)
+    if track is not None and type(track).__name__ != "Level":
+        parts.append(type(track).__name__)
+    return " × ".join(parts)
+
+
+def inner_states(law: Any) -> int:
+    """Number of inner states of a dynamic law."""
+    return int(getattr(law, "states", 1))
+
+
+def _as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
+    values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
+    if len(values) != count:
+        raise TraceError(f"{what} gives {len(values)} values; the law has {count} inner state{'s' if count > 1 else ''} (class attribute states)")
+    return values
+
+
+def trace(model: Any) -> Equations:
+    """The equations of a model with a dynamic law; `InputError` says what to change in a law that cannot be traced."""
+    law_name = type(model.friction).__name__
+    try:
+        return _trace(model)
+    except TraceError as error:
+        raise InputError(law_name, [str(error)]) from error
+    except AttributeError as error:
+        raise InputError(
+            law_name,
+            [f"{error}; while a law is traced it has its dataclass fields and methods and nothing else: compute in the method, or make it a field"],
+        ) from error
+    except TypeError as error:
+        raise InputError(law_name, [f"{error}; call functions from stickslip.maths in a law, not from math or numpy"]) from error
+
+
+def _trace(model: Any) -> Equations:
+    graph = Graph()
+    names = tuple(name for name, _ in leaves(model))
+    symbolic: Any = replace_leaf(model, {name: graph.case(name) for name in names})
+    law, count = symbolic.friction, inner_states(model.friction)
+    t, v = graph.variable("t"), graph.variable("v")
+    z = tuple(graph.variable(f"z{i}") for i in range(count))
+    graph.sign(v)  # flag 0 is always the side of v
+    load = _lift(graph, symbolic.load(t, graph.constant(0.0)))
+    contact = _lift(graph, symbolic.contact_velocity(v))
+    zdot = tuple(_lift(graph, r) for r in _as_tuple(law.rate(contact, z if count > 1 else z[0], load), count, "rate"))
+    force = law.force(contact, z if count > 1 else z[0], zdot if count > 1 else zdot[0], load)
+    f = (_lift(graph, symbolic.acceleration(t, graph.constant(0.0), v, force)), *zdot)
+    y = (v, *z)
+    jacobian = tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f)
+    guards = tuple(graph.guards)
+    rates = tuple(_along_flow(graph, g, t, y, f) for g in guards)
+    scale, speed = getattr(law, "scale", None), getattr(law, "velocity_scale", None)
+    return Equations(
+        graph=graph,
+        names=names,
+        t=t,
+        y=y,
+        f=f,
+        jacobian=jacobian,
+        by_time=tuple(graph.derivative(fi, t) for fi in f),
+        guards=guards,
+        guard_rates=rates,
+        period=_lift(graph, symbolic.period),
+        velocity_scale=_velocity_scale(graph, symbolic, speed),
+        inner_scales=None if scale is None else tuple(_lift(graph, s) for s in _as_tuple(scale(load), count, "scale")),
+        stribeck_velocity=None if speed is None else _lift(graph, speed()),
+    )
+
+
+def _velocity_scale(graph: Graph, model: Any, speed: Any) -> Sym:
+    """What errors of v are measured against: the drive's A omega, and something positive where the drive is off."""
+    driven = _lift(graph, model.velocity_scale)
+    return driven if speed is None else maximum(driven, 1e-3 * _lift(graph, speed()))
+
+
+def _lift(graph: Graph, value: Any) -> Sym:
+    return value if isinstance(value, Sym) else graph.constant(value)
+
+
+def _along_flow(graph: Graph, guard: Sym, t: Sym, y: tuple[Sym, ...], f: tuple[Sym, ...]) -> Sym:
+    total = graph.derivative(guard, t)
+    for yi, fi in zip(y, f, strict=True):
+        total = total + graph.derivative(guard, yi) * fi
+    return total
+
+
+def check_numbers(model: Any) -> None:
+    """Call the law with plain floats of the first case; a law that returns NaN is said here, before any compiling."""
+    import math
+
+    from stickslip.batch import rows_of
+
+    names = tuple(name for name, _ in leaves(model))
+    case: Any = replace_leaf(model, dict(zip(names, (float(c) for c in rows_of(model, names)[0]), strict=True)))
+    law, count = case.friction, inner_states(model.friction)
+    load, speed = float(case.load(0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
+    z0 = (0.0,) * count if count > 1 else 0.0
+    for v in (0.0, speed, -speed, 1e-6 * speed):
+        rate = _as_tuple(law.rate(v, z0, load), count, "rate")
+        force = law.force(v, z0, rate if count > 1 else rate[0], load)
+        for what, value in (("rate", max(map(abs, rate))), ("force", force)):
+            if not isinstance(value, (int, float)) or not math.isfinite(value):
+                numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
+                raise InputError(
+                    type(law).__name__,
+                    [f"{what}(v={v:.6g}, z=0, load={load:.6g}) is {value!r} with {numbers}; allowed is a finite number; check the law's formula and fields"],
+                )

@@ -1,0 +1,198 @@
+"""From expressions to straight-line Python that Numba compiles and LLVM vectorises.
+
+Local names begin with an underscore, so that a whole block can be renamed for a second group of lanes. Products that are
+added are written as explicit fused multiply-adds: the compiler then has nothing left to contract, and one lane and eight
+lanes round alike. exp, log, sin and cos are branch-free polynomials (no vector library is needed).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from stickslip.engine.symbols import CASE, STATE, Sym
+
+__all__ = ["Writer", "combine", "horner", "literal"]
+
+
+def literal(value: float) -> str:
+    """A float as Python text that reads back exactly."""
+    return f"({value!r})" if value < 0 else repr(float(value))
+
+
+def combine(base: str, terms: Iterable[tuple[float, str]]) -> str:
+    """base + sum of coefficient times name, as fused multiply-adds; terms of coefficient 0 are left out."""
+    text = base
+    for coefficient, name in terms:
+        if coefficient == 0.0:
+            continue
+        if not text:
+            text = name if coefficient == 1.0 else f"{literal(coefficient)} * {name}"
+        elif coefficient == 1.0:
+            text = f"({text} + {name})"
+        else:
+            text = f"fma({literal(coefficient)}, {name}, {text})"
+    return text or "0.0"
+
+
+def horner(coefficients: Sequence[str], x: str) -> str:
+    """Polynomial with ascending coefficients at x."""
+    text = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        text = f"fma({text}, {x}, {c})"
+    return text
+
+
+_SIN = (-1 / 6, 8.3333333333333333e-3, -1.9841269841269841e-4, 2.7557319223985893e-6, -2.5052108385441720e-8)
+_SIN += (1.6059043836821613e-10, -7.6471637318198164e-13, 2.8114572543455206e-15)  # sin r = r + r^3 (…), Taylor
+
+
+class Writer:
+    """Collects lines; every expression is written once for given values of what it depends on."""
+
+    def __init__(self, prefix: str = "_") -> None:
+        self.lines: list[str] = []
+        self.case_nodes: list[Sym] = []  # expressions of the case's numbers, computed once per case
+        self._known: dict[tuple[int, tuple[str, ...]], str] = {}
+        self._depends: dict[int, tuple[str, ...]] = {}
+        self._uses: dict[int, int] = {}
+        self._count = 0
+        self._prefix = prefix
+
+    def line(self, name: str, expression: str) -> str:
+        """Write ``name = expression``; returns the name."""
+        self.lines.append(f"{name} = {expression}")
+        return name
+
+    def fresh(self) -> str:
+        """A new local name."""
+        self._count += 1
+        return f"{self._prefix}q{self._count}"
+
+    def count_uses(self, roots: Iterable[Sym]) -> None:
+        """Note how often each node is used, so that a product used once can be fused."""
+        seen: set[int] = set()
+        stack = list(roots)
+        for node in stack:
+            self._uses[node.number] = self._uses.get(node.number, 0) + 1
+        while stack:
+            node = stack.pop()
+            if node.number in seen:
+                continue
+            seen.add(node.number)
+            for a in node.args:
+                self._uses[a.number] = self._uses.get(a.number, 0) + 1
+                stack.append(a)
+
+    def depends(self, node: Sym) -> tuple[str, ...]:
+        """Names of the variables and flags that a node depends on."""
+        if node.number not in self._depends:
+            if node.op in ("variable", "flag"):
+                found: tuple[str, ...] = (node.name,)
+            else:
+                found = tuple(sorted({d for a in node.args for d in self.depends(a)}))
+            self._depends[node.number] = found
+        return self._depends[node.number]
+
+    def value(self, node: Sym, bind: dict[str, str]) -> str:
+        """The name (or literal) that holds a node's value, written now if it was not before."""
+        if node.op == "constant":
+            return literal(node.value)
+        if node.op in ("variable", "flag"):
+            return bind[node.name]
+        if node.level == CASE and self._prefix == "_":
+            return self._case(node)
+        key = (node.number, tuple(bind[d] for d in self.depends(node)))
+        if key not in self._known:
+            self._known[key] = self._write(node, bind)
+        return self._known[key]
+
+    def _case(self, node: Sym) -> str:
+        for k, known in enumerate(self.case_nodes):
+            if known is node:
+                return f"_c{k}"
+        self.case_nodes.append(node)
+        return f"_c{len(self.case_nodes) - 1}"
+
+    def _write(self, node: Sym, bind: dict[str, str]) -> str:
+        if node.op == "case":
+            return bind[node.name]
+        if node.op in ("exp", "log", "sin", "cos"):
+            return getattr(self, f"_{node.op}")(self.value(node.args[0], bind))
+        if node.op in ("add", "subtract"):
+            return self._sum(node, bind)
+        a = [self.value(x, bind) for x in node.args]
+        text = {
+            "multiply": lambda: f"-{a[1]}" if a[0] == "(-1.0)" else f"{a[0]} * {a[1]}",
+            "reciprocal": lambda: f"1.0 / {a[0]}",
+            "sqrt": lambda: f"math.sqrt({a[0]})",
+            "select": lambda: f"{a[1]} if {a[0]} > 0.0 else {a[2]}",
+        }[node.op]()
+        return self.line(self.fresh(), text)
+
+    def _sum(self, node: Sym, bind: dict[str, str]) -> str:
+        """a + b or a - b, fused with a product that is used nowhere else."""
+        a, b = node.args
+        minus = node.op == "subtract"
+        for product, other, swapped in ((b, a, False), (a, b, True)):
+            if product.op == "multiply" and product.level == STATE and self._uses.get(product.number, 2) == 1:
+                p, q, o = self.value(product.args[0], bind), self.value(product.args[1], bind), self.value(other, bind)
+                if minus:
+                    p, o = (p, f"-{o}") if swapped else (f"-{p}", o)
+                return self.line(self.fresh(), f"fma({p}, {q}, {o})")
+        return self.line(self.fresh(), f"{self.value(a, bind)} {'-' if minus else '+'} {self.value(b, bind)}")
+
+    def _exp(self, x: str) -> str:
+        """e^x: 2^k times a polynomial of degree 12 on |r| <= ln(2)/2 (error 2e-16)."""
+        a, r = self.fresh(), self.fresh()
+        self.line(a, f"{x} if {x} > -708.0 else -708.0")
+        self.line(a, f"{a} if {a} < 709.0 else 709.0")
+        k = self.line(self.fresh(), f"fma({a}, 1.4426950408889634, 6755399441055744.0)")
+        whole = self.line(self.fresh(), f"{k} - 6755399441055744.0")
+        self.line(r, f"fma({whole}, -6.93147180369123816490e-01, {a})")
+        self.line(r, f"fma({whole}, -1.90821492927058770002e-10, {r})")
+        p = self._estrin([1 / math.factorial(i) for i in range(13)], r)
+        return self.line(self.fresh(), f"{p} * as_float((as_bits({k}) + 1023) << 52)")
+
+    def _estrin(self, c: list[float], r: str) -> str:
+        """Polynomial of degree 12 by Estrin's scheme: short chains keep both units busy."""
+        r2 = self.line(self.fresh(), f"{r} * {r}")
+        r4 = self.line(self.fresh(), f"{r2} * {r2}")
+        pairs = [f"fma({literal(c[i + 1])}, {r}, {literal(c[i])})" for i in range(0, 12, 2)]
+        quads = [self.line(self.fresh(), f"fma({pairs[i + 1]}, {r2}, {pairs[i]})") for i in (0, 2, 4)]
+        return self.line(self.fresh(), f"fma(fma(fma({literal(c[12])}, {r4}, {quads[2]}), {r4}, {quads[1]}), {r4}, {quads[0]})")
+
+    def _sine(self, x: str, quarter: bool) -> str:
+        """sin x, or cos x = sin(x + pi/2): reduction by pi in three parts, odd polynomial of degree 17."""
+        k, r = self.fresh(), self.fresh()
+        if quarter:
+            self.line(k, f"fma({x}, 0.3183098861837907, 0.5) + 6755399441055744.0")
+            whole = self.line(self.fresh(), f"({k} - 6755399441055744.0) - 0.5")
+        else:
+            self.line(k, f"fma({x}, 0.3183098861837907, 6755399441055744.0)")
+            whole = self.line(self.fresh(), f"{k} - 6755399441055744.0")
+        self.line(r, f"fma({whole}, -3.141592653589793116, {x})")
+        self.line(r, f"fma({whole}, -1.2246467991473532e-16, {r})")
+        r2 = self.line(self.fresh(), f"{r} * {r}")
+        p = self.line(self.fresh(), horner([literal(c) for c in _SIN], r2))
+        s = self.line(self.fresh(), f"fma({r} * {r2}, {p}, {r})")
+        return self.line(self.fresh(), f"as_float(as_bits({s}) ^ (as_bits({k}) << 63))")
+
+    def _sin(self, x: str) -> str:
+        return self._sine(x, quarter=False)
+
+    def _cos(self, x: str) -> str:
+        return self._sine(x, quarter=True)
+
+    def _log(self, x: str) -> str:
+        """Natural logarithm: exponent, and the odd series of atanh on a mantissa between sqrt(1/2) and sqrt(2)."""
+        bits = self.line(self.fresh(), f"as_bits({x})")
+        e = self.line(self.fresh(), f"(({bits} - 4604544271217802189) >> 52) * 1.0")
+        m = self.line(self.fresh(), f"as_float({bits} - ((({bits} - 4604544271217802189) >> 52) << 52))")
+        s = self.line(self.fresh(), f"({m} - 1.0) / ({m} + 1.0)")
+        s2 = self.line(self.fresh(), f"{s} * {s}")
+        p = self.line(self.fresh(), horner([literal(1 / (2 * i + 3)) for i in range(10)], s2))
+        low = self.line(self.fresh(), f"fma({s} * {s2}, 2.0 * {p}, 2.0 * {s})")
+        natural = self.line(self.fresh(), f"fma({e}, 6.93147180369123816490e-01, fma({e}, 1.90821492927058770002e-10, {low}))")
+        nan = self.line(self.fresh(), f"{natural} if {x} > 0.0 else math.nan")
+        return self.line(self.fresh(), f"{nan} if {x} != 0.0 else -math.inf")

@@ -1,0 +1,86 @@
+"""Errors that say what was given, what is allowed and what to type."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterable
+from typing import Any, NoReturn
+
+__all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather"]
+
+
+class StickslipError(Exception):
+    """Any error that this package raises on purpose."""
+
+
+class InputError(StickslipError, ValueError):
+    """An input that cannot be used; `problems` holds one sentence for each thing wrong with it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     ss.Harmonic(amplitude=-1e-3, omega=float("nan"))
+    ... except ss.InputError as error:
+    ...     len(error.problems)
+    2
+    """
+
+    def __init__(self, what: str, problems: Iterable[str]):
+        self.what = what
+        self.problems = tuple(problems)
+        super().__init__(self._message())
+
+    def _message(self) -> str:
+        if len(self.problems) == 1:
+            return f"{self.what}: {self.problems[0]}"
+        return f"{self.what}: {len(self.problems)} problems\n" + "\n".join(f"  - {p}" for p in self.problems)
+
+
+class SolveError(StickslipError, RuntimeError):
+    """A single run that could not be finished; in a batch the same thing is a status."""
+
+
+class Problems:
+    """Collects what is wrong with one input, so that all of it is reported at once."""
+
+    def __init__(self, what: str):
+        self.what = what
+        self.found: list[str] = []
+
+    def add(self, sentence: str) -> None:
+        """Note one problem."""
+        self.found.append(sentence)
+
+    def include(self, error: InputError, prefix: str = "") -> None:
+        """Take over the problems of another error, each with `prefix` before it."""
+        self.found.extend(prefix + p for p in error.problems)
+
+    def check(self) -> None:
+        """Raise one `InputError` with everything found, or return if nothing was."""
+        if self.found:
+            raise InputError(self.what, self.found)
+
+
+def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:
+    """Call every maker and return the results by name; report the problems of all of them at once."""
+    problems, made = Problems(what), {}
+    for name, make in makers.items():
+        try:
+            made[name] = make()
+        except InputError as error:
+            problems.include(error, f"{name}: ")
+    problems.check()
+    return made
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A sentence that proposes the nearest known name, or lists all of them."""
+    known = list(known)
+    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.55)
+    return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+
+
+def unknown(what: str, name: str, known: Iterable[str]) -> NoReturn:
+    """Raise the error for a name that nobody knows."""
+    raise InputError(what, [f"{name!r} is not known; {did_you_mean(name, known)}"])

@@ -1,0 +1,200 @@
+"""Frozen records whose fields may be numbers, arrays of them, or part of the kind.
+
+A field annotated ``float`` (or ``float | None``) is a number: it may hold a float, a NumPy array or a labelled
+`xarray.DataArray`. Every other field belongs to the kind. A user's own law needs nothing from here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["Record", "at_least", "describe", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
+
+Rule = Callable[[Any], Any]  # value(s) -> bool(s)
+
+
+def is_number_field(field: dataclasses.Field[Any]) -> bool:
+    """Whether a dataclass field holds a number (and not a part of the kind)."""
+    text = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", str(field.type))
+    return "float" in text and "tuple" not in text and "Callable" not in text
+
+
+def is_array(value: Any) -> bool:
+    """Whether a number is really many of them."""
+    return getattr(value, "ndim", 0) > 0
+
+
+def number(value: Any) -> Any:
+    """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither."""
+    if isinstance(value, bool) or isinstance(value, (str, bytes)):
+        raise ValueError(f"{value!r} is not a number")
+    if isinstance(value, (int, float)):
+        return float(value)
+    if hasattr(value, "dims") and hasattr(value, "astype"):
+        return value.astype(float)
+    import numpy as np
+
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{value!r} is not a number") from None
+    if array.ndim == 0:
+        return float(array)
+    array.setflags(write=False)
+    return array
+
+
+def _all(condition: Any) -> bool:
+    return bool(condition.all()) if hasattr(condition, "all") else bool(condition)
+
+
+def describe(value: Any) -> str:
+    """A value as an error message shows it."""
+    if not is_array(value):
+        return repr(value)
+    import numpy as np
+
+    flat = np.asarray(value).ravel()
+    return f"an array of shape {np.shape(value)} from {np.min(flat):.6g} to {np.max(flat):.6g}"
+
+
+def positive(value: Any) -> Any:
+    """Greater than zero."""
+    return value > 0
+
+
+def at_least(bound: float) -> Rule:
+    """Not below `bound`."""
+
+    def rule(value: Any) -> Any:
+        return value >= bound
+
+    rule.__doc__ = f"at least {bound:g}"
+    return rule
+
+
+class Record:
+    """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
+
+    _rules: dict[str, tuple[Rule, str]] = {}  # field -> (rule, what is allowed)
+
+    def __post_init__(self) -> None:
+        problems = Problems(type(self).__name__)
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            if is_number_field(field):
+                self._take(field, problems)
+        self._check(problems)
+        problems.check()
+
+    def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
+        value = getattr(self, field.name)
+        if value is None and "None" in str(field.type):
+            return
+        rule, allowed = self._rules.get(field.name, (None, "a finite number"))
+        try:
+            value = number(value)
+        except ValueError as error:
+            problems.add(f"{field.name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+            return
+        finite = value == value if not is_array(value) else (value == value)
+        good = _all(finite) and _all(abs(value) < float("inf")) and (rule is None or _all(rule(value)))
+        if not good:
+            problems.add(f"{field.name} = {describe(value)}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+        object.__setattr__(self, field.name, value)
+
+    def _check(self, problems: Problems) -> None:
+        """Checks that need more than one field; a subclass adds its own."""
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        mine, theirs = dict(leaves(self, kinds=True)), dict(leaves(other, kinds=True))
+        return mine.keys() == theirs.keys() and all(_same(mine[k], theirs[k]) for k in mine)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``."""
+        changed: Any = self
+        problems = Problems(type(self).__name__)
+        grouped: dict[str, Any] = {}
+        for path, value in {**(changes or {}), **fields}.items():
+            grouped[path] = value
+        for path in grouped:
+            try:
+                _look_up(self, path)
+            except InputError as error:
+                problems.include(error)
+        problems.check()
+        for head, sub in _by_head(grouped).items():
+            part = sub if not isinstance(sub, _Sub) else getattr(changed, head)
+            if isinstance(sub, _Sub):
+                part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
+            changed = dataclasses.replace(changed, **{head: part})
+        return changed
+
+
+@dataclasses.dataclass
+class _Sub:
+    changes: dict[str, Any]
+
+
+def _by_head(changes: dict[str, Any]) -> dict[str, Any]:
+    grouped: dict[str, Any] = {}
+    for path, value in changes.items():
+        head, _, rest = path.partition(".")
+        if rest:
+            grouped.setdefault(head, _Sub({})).changes[rest] = value
+        else:
+            grouped[head] = value
+    return grouped
+
+
+def _look_up(record: Any, path: str) -> Any:
+    head, _, rest = path.partition(".")
+    names = [f.name for f in dataclasses.fields(record)] if dataclasses.is_dataclass(record) else []
+    if head not in names:
+        raise InputError(type(record).__name__, [f"{head!r} is not a field; {did_you_mean(head, names)}"])
+    return _look_up(getattr(record, head), rest) if rest else getattr(record, head)
+
+
+def _example(field: dataclasses.Field[Any]) -> str:
+    return str(field.metadata.get("example", "1.0"))
+
+
+def _same(a: Any, b: Any) -> bool:
+    if is_array(a) or is_array(b):
+        import numpy as np
+
+        return np.array_equal(np.asarray(a), np.asarray(b))
+    return bool(a == b)
+
+
+def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple[str, Any]]:
+    """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is no number.
+
+    A field of ``None`` is no number. The order is the order of the fields, so it is the same for every record of a kind.
+    """
+    if kinds:
+        yield prefix + "__class__", type(record)
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            yield from leaves(value, f"{prefix}{field.name}.", kinds)
+        elif is_number_field(field) and value is not None or kinds:
+            yield prefix + field.name, value
+
+
+def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
+    """A copy, made without any check, in which the named numbers are replaced (the engine puts symbols there)."""
+    copy = object.__new__(type(record))
+    for field in dataclasses.fields(record):
+        value, name = getattr(record, field.name), prefix + field.name
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            value = replace_leaf(value, values, name + ".")
+        object.__setattr__(copy, field.name, values.get(name, value))
+    return copy

@@ -1,0 +1,149 @@
+"""Published parameter sets, one function each, with their source."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stickslip.drives import Harmonic
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.fields import _all, describe, number
+from stickslip.friction import Coulomb, LuGre
+from stickslip.robot import Robot
+from stickslip.tracks import Incline, Level, fold
+
+__all__ = ["PRESETS", "piezo_rig"]
+
+#: Masses [kg] and LuGre numbers of the paper's rig (section 4).
+BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
+LAWS_HERE = ("lugre", "coulomb", "coulomb-static")
+
+
+def piezo_rig(
+    tilt_deg: Any,
+    amplitude: Any,
+    omega: Any = 65.4 * math.pi,
+    mu0: Any = 0.18,
+    f0: Any = 0.21,
+    law: str = "lugre",
+    incline: str = "folded",
+    gravity: Any = 9.81,
+    sigma0: Any = 4e5,
+    sigma1: Any = 100.0,
+    sigma2: Any = 0.04,
+    v_s: Any = 2e-3,
+    body_mass: Any = BODY_MASS,
+    inner_mass: Any = INNER_MASS,
+) -> Robot:
+    """The paper's piezo-driven robot on its inclined track (sections 3 and 4).
+
+    Parameters
+    ----------
+    tilt_deg : float or array
+        Tilt of the track, downhill is forwards [degrees].
+    amplitude : float or array
+        Amplitude of the inner mass [m]. The paper does not print the one it used.
+    omega : float or array
+        Angular frequency of the drive [rad/s].
+    mu0, f0 : float or array
+        Isotropic kinetic and static friction coefficients of body and track [-].
+    law : {"lugre", "coulomb", "coulomb-static"}
+        "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0.
+    incline : {"folded", "gravity"}
+        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act.
+    gravity : float or array
+        Acceleration of gravity [m/s^2].
+    sigma0, sigma1, sigma2, v_s : float or array
+        LuGre numbers (Eq. 5.3) [N/m, N s/m, N s/m, m/s].
+    body_mass, inner_mass : float or array
+        Masses [kg].
+
+    Returns
+    -------
+    Robot
+
+    Examples
+    --------
+    >>> robot = piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    >>> round(robot.friction.mu_plus, 6)
+    0.150255
+    """
+    numbers, problems = _numbers(locals())
+    for name, value, allowed in (("law", law, LAWS_HERE), ("incline", incline, ("folded", "gravity"))):
+        if value not in allowed:
+            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}; {did_you_mean(str(value), allowed)}")
+    if not problems.found:
+        _check_tilt(numbers, law, incline, problems)
+    problems.check()
+    n = numbers
+    tilt = n["tilt_deg"] * (math.pi / 180)
+    fold_by = tilt if incline == "folded" else 0.0 * tilt
+    friction = _friction(law, fold(n["mu0"], fold_by), fold(n["f0"], fold_by), n)
+    return Robot(
+        body_mass=n["body_mass"],
+        inner_mass=n["inner_mass"],
+        drive=Harmonic(amplitude=n["amplitude"], omega=n["omega"]),
+        friction=friction,
+        gravity=n["gravity"],
+        track=Level() if incline == "folded" else Incline(tilt=tilt),
+    )
+
+
+def _friction(law: str, mu: tuple[Any, Any], f: tuple[Any, Any], n: dict[str, Any]) -> Any:
+    if law == "coulomb":
+        return Coulomb(mu_plus=mu[0], mu_minus=mu[1])
+    if law == "coulomb-static":
+        return Coulomb(mu_plus=mu[0], mu_minus=mu[1], f_plus=f[0], f_minus=f[1])
+    return LuGre(*mu, *f, sigma0=n["sigma0"], sigma1=n["sigma1"], sigma2=n["sigma2"], v_s=n["v_s"])
+
+
+def _numbers(arguments: dict[str, Any]) -> tuple[dict[str, Any], Problems]:
+    """The arguments that are numbers, checked one by one; what is wrong with all of them."""
+    problems, numbers = Problems("piezo_rig"), {}
+    for name, value in arguments.items():
+        if name in ("law", "incline"):
+            continue
+        bound = ("any angle below the friction angle [degrees]", None) if name == "tilt_deg" else ("zero or more", 0.0)
+        strict = name not in ("tilt_deg", "amplitude", "sigma1", "sigma2")
+        try:
+            numbers[name] = number(value)
+        except ValueError as error:
+            problems.add(f"{name}: {error}; type for example {name}={EXAMPLES.get(name, '1.0')}")
+            continue
+        x = numbers[name]
+        good = _all(x == x) and _all(abs(x) < float("inf"))
+        if bound[1] is not None:
+            good = good and _all(x > 0 if strict else x >= 0)
+        if not good:
+            allowed = "a positive number" if strict else bound[0]
+            problems.add(f"{name} = {describe(x)}; allowed is {allowed}; type for example {name}={EXAMPLES.get(name, '1.0')}")
+    return numbers, problems
+
+
+EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "omega": "205.46", "mu0": "0.18", "f0": "0.21", "gravity": "9.81"}
+
+
+def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -> None:
+    """Folding needs mu_plus > 0: the track must be flatter than the friction angle."""
+    import numpy as np
+
+    if law != "coulomb" and not _all(n["f0"] >= n["mu0"]):
+        problems.add(f"f0 = {describe(n['f0'])} is below mu0 = {describe(n['mu0'])}; allowed is f0 >= mu0; type for example f0=0.21")
+    tilt, angle = np.asarray(n["tilt_deg"]), np.degrees(np.arctan(np.asarray(n["mu0"])))
+    if incline == "folded" and not np.all(abs(tilt) < angle if tilt.shape == angle.shape or not tilt.ndim or not angle.ndim else abs(tilt) < np.min(angle)):
+        problems.add(
+            f"tilt_deg = {describe(n['tilt_deg'])} is at or beyond the friction angle atan(mu0) = {np.min(angle):.4g} degrees, where the folded "
+            'mu_plus is not positive; allowed is a smaller tilt; type incline="gravity" for a robot that slides down by itself'
+        )
+    elif incline == "gravity" and not np.all(abs(tilt) < 90):
+        problems.add(f"tilt_deg = {describe(n['tilt_deg'])}; allowed is between -90 and 90 degrees; type for example tilt_deg=1.7")
+
+
+PRESETS = {"piezo_rig": piezo_rig}
+
+
+def preset(name: str) -> Any:
+    """The preset of this name."""
+    if name not in PRESETS:
+        raise InputError("preset", [f"{name!r} is not known; {did_you_mean(name, PRESETS)}"])
+    return PRESETS[name]

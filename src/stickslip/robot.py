@@ -1,0 +1,148 @@
+"""The vibration-driven robot: what it is, and its equations of motion."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.batch import shape_of
+from stickslip.errors import InputError, Problems
+from stickslip.fields import Record, positive
+from stickslip.tables import from_toml, record_html, to_toml
+from stickslip.tracks import Level
+
+__all__ = ["Robot"]
+
+
+@dataclass(frozen=True, eq=False)
+class Robot(Record):
+    r"""A rigid body on a track with a mass that vibrates inside it: Eqs 2.1 to 2.3 of the paper.
+
+    .. math:: \ddot x = -\mu\,\ddot\xi(t) + g\sin\theta - \frac{R}{M+m}, \qquad \mu = \frac{m}{M+m}
+
+    Any number of the robot or of its parts may be an array; arrays broadcast and the result has their shape.
+
+    Parameters
+    ----------
+    body_mass : float
+        Mass M of the body [kg].
+    inner_mass : float
+        Mass m of the vibrating inner mass [kg].
+    drive : Harmonic
+        How the inner mass moves relative to the body.
+    friction : Coulomb or LuGre or any law
+        How the body rubs on the track.
+    gravity : float
+        Acceleration of gravity [m/s^2].
+    track : Level or Incline
+        What gravity does along and across the track.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.Robot(body_mass=0.0626, inner_mass=0.0095, drive=ss.Harmonic(amplitude=6e-4, omega=205.0),
+    ...                  friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21))
+    >>> round(robot.mass_ratio, 4)
+    0.1318
+    """
+
+    body_mass: float = field(metadata={"example": "0.06259"})
+    inner_mass: float = field(metadata={"example": "0.00948"})
+    drive: Any
+    friction: Any
+    gravity: float = field(default=9.81, metadata={"example": "9.81"})
+    track: Any = dataclasses.field(default_factory=Level)
+
+    _rules = {
+        "body_mass": (positive, "a positive mass [kg]"),
+        "inner_mass": (positive, "a positive mass [kg]"),
+        "gravity": (positive, "a positive acceleration [m/s^2]"),
+    }
+    cyclic: ClassVar[bool] = True  # x appears nowhere in the equations: it is a quadrature
+
+    def _check(self, problems: Problems) -> None:
+        for name, needs in (("drive", ("position", "acceleration", "period")), ("track", ("across", "along"))):
+            part = getattr(self, name)
+            lacking = [n for n in needs if not hasattr(part, n)]
+            if isinstance(part, type) or lacking:
+                problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
+        law = self.friction
+        if isinstance(law, type) or not (hasattr(law, "sliding") and hasattr(law, "breakaway") or hasattr(law, "rate") and hasattr(law, "force")):
+            problems.add(
+                f"friction = {law!r}; allowed is an object with sliding and breakaway (set-valued law) or with rate and force "
+                f"(dynamic law); type for example {_PARTS['friction']}"
+            )
+        elif not dataclasses.is_dataclass(law):
+            problems.add(f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known")
+        if not problems.found:
+            try:
+                shape_of(self)
+            except InputError as error:
+                problems.include(error)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch that this robot is; () for one robot."""
+        return shape_of(self)
+
+    @property
+    def total_mass(self) -> Any:
+        """M + m [kg]."""
+        return self.body_mass + self.inner_mass
+
+    @property
+    def mass_ratio(self) -> Any:
+        """mu = m / (M + m), not a friction coefficient [-]."""
+        return self.inner_mass / self.total_mass
+
+    @property
+    def period(self) -> Any:
+        """Period of the drive [s]."""
+        return self.drive.period
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A omega, the velocity that errors are measured against [m/s]."""
+        return self.drive.amplitude * self.drive.omega
+
+    def contact_velocity(self, v: Any) -> Any:
+        """Velocity at the contact [m/s]."""
+        return v
+
+    def load(self, t: Any, x: Any) -> Any:
+        """Normal force N on the track [N]: the weight (M + m) g, on an incline times cos(tilt)."""
+        return self.total_mass * self.track.across(self.gravity)
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the body [m/s^2] (Eq. 2.3)."""
+        return -self.mass_ratio * self.drive.acceleration(t) + self.track.along(self.gravity) - R / self.total_mass
+
+    def actuator_force(self, t: Any, acceleration: Any) -> Any:
+        """Force F of the actuator on the body [N] (second line of Eq. 2.1, with gravity along the track)."""
+        return -self.inner_mass * (acceleration + self.drive.acceleration(t) - self.track.along(self.gravity))
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on these numbers that are no errors, such as a LuGre law that is not passive."""
+        law_notes = getattr(self.friction, "notes", None)
+        return [] if law_notes is None else list(law_notes(self.load(0.0, 0.0)))
+
+    def to_toml(self) -> str:
+        """The robot as TOML text, every digit kept; `from_toml` reads it back."""
+        return to_toml(self)
+
+    @classmethod
+    def from_toml(cls, text: str) -> Robot:
+        """A robot from the TOML text of a study file or of `to_toml`."""
+        return from_toml(text)
+
+    def _repr_html_(self) -> str:
+        return record_html(self)
+
+
+_PARTS = {
+    "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
+    "track": "track=ss.Level()",
+    "friction": "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)",
+}

@@ -1,0 +1,110 @@
+"""Solvers: `solve` picks the method and says what it did. Set-valued laws are solved exactly, dynamic laws by Rosenbrock steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.forces import is_dynamic
+from stickslip.solvers.request import Request, request
+from stickslip.summary import Summary
+from stickslip.trajectory import Trajectory
+
+__all__ = ["METHODS", "solve"]
+
+#: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Rodas4 or Rodas5P by tolerance.
+METHODS = ("auto", "exact", "rodas4", "rodas5p", "rk4", "radau", "lsoda", "bdf", "dop853")
+
+
+def solve(
+    model: Any,
+    periods: int = 200,
+    settle: int | str | None = None,
+    rtol: float = 1e-6,
+    start: dict[str, Any] | None = None,
+    workers: int = 1,
+    keep: str | None = None,
+    samples: int = 400,
+    method: str = "auto",
+    slip_ratio: float = 0.75,
+    dwell: float = 0.03,
+    progress: Callable[[int, int], None] | None = None,
+    **options: Any,
+) -> Trajectory | Summary | Any:
+    r"""Simulate a robot, or every robot of a batch, from its start.
+
+    Parameters
+    ----------
+    model : Robot
+        What to solve. If any of its numbers is an array it is a batch, and the result has that shape.
+    periods : int
+        Drive periods to simulate.
+    settle : int or "auto", optional
+        Drive periods that the mean velocity leaves out; ``None`` is the first half. "auto" (batches) stops a case as soon
+        as its strobe point repeats, at most after `periods`.
+    rtol : float
+        Relative tolerance for dynamic laws, 1e-3 to 1e-12. Exact arcs do not need it.
+    start : dict
+        Start values of ``x`` [m], ``v`` [m/s] and ``z`` [m]; what is left out is zero. Arrays broadcast with the batch.
+    workers : int
+        Threads for a batch. The result does not depend on it.
+    keep : {"trajectory", "summary"}, optional
+        What to return: everything that happened (one case), or the numbers. By default a trajectory for one case.
+    samples : int
+        Instants per period in the columns of a trajectory.
+    method : str
+        One of `METHODS`.
+    slip_ratio, dwell : float
+        When a dynamic law counts as stuck, see `stickslip.motion`; used for the motion types of a batch.
+    progress : callable, optional
+        Called with (cases begun, cases in all).
+    **options
+        Options of the method: ``steps`` per period for "rk4".
+
+    Returns
+    -------
+    Trajectory or Summary
+
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the arguments, at once.
+    SolveError
+        A single trajectory that could not be finished. In a batch this is a status of the case.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> f"{ss.mean_velocity(run):.6f} m/s"
+    '0.002015 m/s'
+    """
+    todo = request(model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options)
+    return _solver(todo)(todo)
+
+
+def _solver(todo: Request) -> Callable[[Request], Any]:
+    """The function that does what was asked."""
+    name, law = todo.method, todo.model.friction
+    if name == "auto":
+        name = "rosenbrock" if is_dynamic(law) else "exact"
+    if name == "exact":
+        from stickslip.solvers import exact
+
+        if is_dynamic(law):
+            raise InputError("solve", [f'method = "exact" is for set-valued laws; {type(law).__name__} has inner states; type method="auto"'])
+        return exact.solve
+    if name in ("rosenbrock", "rodas4", "rodas5p"):
+        from stickslip.solvers import rosenbrock
+
+        if not is_dynamic(law):
+            raise InputError("solve", [f'method = {todo.method!r} is for laws with inner states; {type(law).__name__} is set-valued; type method="auto"'])
+        return rosenbrock.solve
+    if name == "rk4":
+        from stickslip.solvers import rk4
+
+        return rk4.solve
+    from stickslip.solvers import scipy_ivp
+
+    return scipy_ivp.solve

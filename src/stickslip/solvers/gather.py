@@ -1,0 +1,87 @@
+"""From raw results to what a user gets: one place, whatever the solver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.segments import type_of
+from stickslip.solvers.request import Request, provenance
+from stickslip.summary import STATUS, Summary
+from stickslip.trajectory import Trajectory
+
+__all__ = ["Raw", "gather", "trajectory"]
+
+
+@dataclass(frozen=True, eq=False)
+class Raw:
+    """What a batch solver finds for each case, before any word is put on it."""
+
+    displacement: Any  # [m] over the window
+    window: Any  # [drive periods]
+    period: Any  # period number, 0 if none
+    periods_run: Any
+    status: Any
+    v_max: Any
+    v_min: Any
+    seg_count: Any
+    seg_time: Any  # [s]
+    seg_code: Any
+    margin_force: Any
+
+
+def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
+    """A summary from raw results that arrive chunk by chunk."""
+    cases = todo.cases
+    T = np.broadcast_to(np.asarray(_unlabelled(todo)), (cases,)) if todo.labels.shape else np.full(1, float(todo.model.period))
+    columns: dict[str, Any] = {}
+    for (first, last), raw in parts:
+        for name, values in _columns(todo, raw, T[first:last]).items():
+            if name not in columns:
+                columns[name] = np.empty(cases, dtype="U16" if values.dtype.kind == "U" else values.dtype)
+            columns[name][first:last] = values
+    shaped = {name: values.reshape(todo.labels.shape) for name, values in columns.items()}
+    tolerance = None if method == "exact" else todo.rtol
+    return Summary(todo.model, todo.labels, shaped, dict(STATUS), provenance(todo, method, tolerance))
+
+
+def _unlabelled(todo: Request) -> Any:
+    """Periods T of all cases, flat, in the order of the rows."""
+    period = todo.model.period
+    if hasattr(period, "dims") and todo.labels.dims is not None:
+        present = [d for d in todo.labels.dims if d in period.dims]
+        array = np.asarray(period.transpose(*present))
+        period = array.reshape([period.sizes[d] if d in period.dims else 1 for d in todo.labels.dims])
+    return np.broadcast_to(np.asarray(period, float), todo.labels.shape).ravel()
+
+
+def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
+    good = raw.status <= 1
+    with np.errstate(invalid="ignore", divide="ignore"):
+        velocity = np.where(good, raw.displacement / (raw.window * T), np.nan)
+    typed = type_of(raw.seg_count, raw.seg_time / T[:, None], raw.seg_code, raw.period, raw.margin_force, np.sign(raw.displacement), todo.dwell)
+    typed["motion_type"] = np.where(good, typed["motion_type"], "unsolved")
+    for name in ("margin", "stick_fraction", "forward_fraction", "backward_fraction"):
+        typed[name] = np.where(good, typed[name], np.nan)
+    return {
+        "mean_velocity": velocity,
+        **typed,
+        "period": np.where(good, raw.period, 0),
+        "velocity_max": np.where(good, raw.v_max, np.nan),
+        "velocity_min": np.where(good, raw.v_min, np.nan),
+        "displacement": raw.displacement,
+        "periods_run": raw.periods_run,
+        "status": raw.status,
+    }
+
+
+def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any]) -> Trajectory:
+    """A trajectory from dense output."""
+    tolerance = None if method == "exact" else todo.rtol
+    return Trajectory(
+        model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method, status=STATUS[0],
+        samples=todo.samples, start=dict(todo.given_start), provenance=provenance(todo, method, tolerance), counts=counts,
+    )  # fmt: skip

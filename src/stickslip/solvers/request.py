@@ -1,0 +1,143 @@
+"""What a user asks of a solver, checked once."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import Labels, labels_of
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.fields import leaves
+from stickslip.forces import is_dynamic
+
+__all__ = ["Request", "provenance", "request"]
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """Arguments of `solve` in their final form."""
+
+    model: Any
+    labels: Labels
+    periods: int
+    settle: int
+    auto: bool
+    rtol: float
+    start: Any  # (cases, 1 + states): x, v, inner states
+    given_start: dict[str, Any]
+    workers: int
+    keep: str
+    samples: int
+    method: str
+    slip_ratio: float
+    dwell: float
+    progress: Callable[[int, int], None] | None
+    options: dict[str, Any]
+
+    @property
+    def cases(self) -> int:
+        """Number of cases."""
+        return int(np.prod(self.labels.shape, dtype=np.int64))
+
+
+def request(
+    model: Any, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any, dwell: Any,
+    progress: Any, options: dict[str, Any],
+) -> Request:  # fmt: skip
+    """Check the arguments of `solve`; everything wrong with them is reported at once."""
+    problems = Problems("solve")
+    if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
+        raise InputError("solve", [f"{model!r} is no model; allowed is a Robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"])
+    labels = labels_of(model)
+    whole = {"periods": (periods, 1), "workers": (workers, 1), "samples": (samples, 4)}
+    for name, (value, least) in whole.items():
+        if not _is_whole(value) or value < least:
+            problems.add(f"{name} = {value!r}; allowed is a whole number from {least}; type for example {name}={max(least, 200)}")
+    auto = settle == "auto"
+    if settle is not None and not auto and (not _is_whole(settle) or settle < 0 or (_is_whole(periods) and settle >= periods)):
+        problems.add(f'settle = {settle!r}; allowed is a whole number from 0 below periods = {periods!r}, None or "auto"; type for example settle=100')
+    if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
+        problems.add(f"rtol = {rtol!r}; allowed is 1e-12 to 1e-3; type for example rtol=1e-6")
+    for name, value, below in (("slip_ratio", slip_ratio, 1.0), ("dwell", dwell, 0.5)):
+        if not isinstance(value, (int, float)) or not 0.0 < value < below:
+            problems.add(f"{name} = {value!r}; allowed is between 0 and {below:g}; type for example {name}={0.75 if below == 1 else 0.03}")
+    _check_names(labels, keep, method, options, problems)
+    states = _start_states(model, labels, start, problems)
+    problems.check()
+    keep = keep or ("summary" if labels.shape else "trajectory")
+    periods = int(periods)
+    return Request(
+        model, labels, periods, (periods // 2 if settle is None else periods - 1 if auto else int(settle)), auto, float(rtol), states, dict(start or {}),
+        int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
+    )  # fmt: skip
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
+    from stickslip.solvers import METHODS
+
+    if keep not in (None, "trajectory", "summary"):
+        problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
+    if keep == "trajectory" and labels.shape:
+        problems.add(f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case')
+    if method not in METHODS:
+        problems.add(f"method = {method!r} is not known; {did_you_mean(str(method), METHODS)}")
+    known = {"rk4": ("steps",)}.get(method, ())
+    for name in options:
+        if name not in known:
+            arguments = ("periods", "settle", "rtol", "start", "workers", "keep", "samples", "method", "slip_ratio", "dwell", "progress", *known)
+            problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, arguments)}")
+
+
+def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
+    """Start values as a table (cases, 1 + states)."""
+    inner = int(getattr(model.friction, "states", 1)) if is_dynamic(model.friction) else 0
+    cases = int(np.prod(labels.shape, dtype=np.int64))
+    table = np.zeros((cases, 2 + inner))
+    if start is None:
+        return table
+    if not isinstance(start, dict):
+        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
+        return table
+    columns = {"x": [0], "v": [1], "z": list(range(2, 2 + inner))}
+    for name, value in start.items():
+        if name not in columns:
+            problems.add(f"start has no {name!r}; {did_you_mean(str(name), columns)}")
+            continue
+        try:
+            values = np.asarray(value, dtype=float)
+            if name == "z" and inner > 1:
+                values = values if values.ndim else np.repeat(values, inner)
+                table[:, 2:] = np.broadcast_to(values, (*labels.shape, inner)).reshape(cases, inner)
+            elif columns[name] or np.any(values != 0.0):
+                if not columns[name]:
+                    problems.add(f"start has z = {value!r}, but {type(model.friction).__name__} has no inner state; leave z out")
+                    continue
+                table[:, columns[name][0]] = np.broadcast_to(values, labels.shape).ravel()
+        except (TypeError, ValueError):
+            problems.add(f"start[{name!r}] = {value!r}; allowed is a finite number or an array that broadcasts to {labels.shape}")
+    if not np.all(np.isfinite(table)):
+        problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
+    return table
+
+
+def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:
+    """Versions, settings and (for one case) parameters: what it takes to make this result again."""
+    import stickslip
+
+    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
+    if "numba" in sys.modules:
+        versions["numba"] = sys.modules["numba"].__version__
+    settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
+    settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
+    kinds = {"law": type(todo.model.friction).__name__, "model": type(todo.model).__name__}
+    parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
+    return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}

@@ -1,0 +1,88 @@
+"""What came out of a batch: one number per case and result, no trajectories."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import did_you_mean
+
+__all__ = ["STATUS", "Summary"]
+
+#: What a status code says.
+STATUS: dict[int, str] = {
+    0: "finished",
+    1: "stopped: the strobe point repeats",
+    2: "step budget used up",
+    3: "step size too small",
+    4: "not a number",
+    5: "bad input for this case",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Summary:
+    """Results of a batch; each column is an attribute with the shape of the batch.
+
+    Parameters
+    ----------
+    model : Robot
+        The batch that was solved.
+    labels : batch.Labels
+        Its shape, and the names of its dimensions.
+    columns : dict of arrays
+        mean_velocity [m/s], motion_type, pattern, direction, period, margin, stick_fraction, forward_fraction,
+        backward_fraction, velocity_max [m/s], velocity_min [m/s], status, displacement [m], periods_run.
+    statuses : dict
+        The sentence of each status code.
+    provenance : dict
+        Versions and settings that make the batch again.
+
+    Examples
+    --------
+    >>> from stickslip.batch import Labels
+    >>> many = Summary(None, Labels((2,)), {"mean_velocity": np.array([1e-3, 2e-3]), "status": np.array([0, 2])})
+    >>> many.mean_velocity.tolist(), many.status_counts
+    ([0.001, 0.002], {'finished': 1, 'step budget used up': 1})
+    """
+
+    model: Any
+    labels: Any
+    columns: dict[str, Any]
+    statuses: dict[int, str] = field(default_factory=lambda: dict(STATUS))
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    def __getattr__(self, name: str) -> Any:
+        columns = self.__dict__.get("columns", {})
+        if name in columns:
+            return columns[name]
+        raise AttributeError(f"Summary has no {name!r}" + ("" if name.startswith("_") else f"; {did_you_mean(name, columns)}"))
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.columns]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+        return self.labels.shape
+
+    @property
+    def status_counts(self) -> dict[str, int]:
+        """How many cases ended with each sentence."""
+        codes, counts = np.unique(np.asarray(self.columns["status"]), return_counts=True)
+        return {self.statuses.get(int(c), f"status {c}"): int(n) for c, n in zip(codes, counts, strict=True)}
+
+    def to_xarray(self) -> Any:
+        """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""
+        from stickslip.datasets import summary_dataset
+
+        return summary_dataset(self)
+
+    def __repr__(self) -> str:
+        ends = "; ".join(f"{n} {sentence}" for sentence, n in self.status_counts.items()) if "status" in self.columns else ""
+        return f"<Summary of shape {self.shape}: {ends}>"
+
+    def _repr_html_(self) -> str:
+        return self.to_xarray()._repr_html_()

@@ -1,0 +1,128 @@
+"""Records as tables of names and values: TOML text, and the HTML that a notebook shows."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+import tomllib
+from typing import Any
+
+from stickslip.drives import DRIVES
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.fields import describe, is_array, is_number_field
+from stickslip.friction import LAWS
+from stickslip.tracks import TRACKS
+
+__all__ = ["from_table", "from_toml", "record_html", "to_table", "to_toml"]
+
+PARTS: dict[str, dict[str, type]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
+
+
+def _kind_name(part: str, record: Any) -> str:
+    for name, cls in PARTS[part].items():
+        if type(record) is cls:
+            return name
+    raise InputError(
+        "to_toml",
+        [f"{part} is a {type(record).__name__}, which a study file cannot name; allowed are {', '.join(PARTS[part])}. Keep it in a script instead"],
+    )
+
+
+def to_table(record: Any) -> dict[str, Any]:
+    """A record as nested dicts of plain numbers, lists and strings."""
+    table: dict[str, Any] = {}
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if field.name in PARTS:
+            table[field.name] = {"kind": _kind_name(field.name, value), **to_table(value)}
+        elif is_array(value):
+            import numpy as np
+
+            table[field.name] = np.asarray(value).tolist()
+        elif value is not None:
+            table[field.name] = value
+    return table
+
+
+def to_toml(robot: Any) -> str:
+    """A robot as TOML text."""
+    import tomli_w
+
+    return tomli_w.dumps({"robot": to_table(robot)})
+
+
+def from_toml(text: str) -> Any:
+    """A robot from TOML text; all that is wrong with it is reported at once."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError("study file", [f"not readable as TOML: {error}"]) from None
+    if "robot" not in document:
+        raise InputError("study file", ["has no [robot] table; begin with the line [robot] and then body_mass = 0.06259"])
+    return from_table(document["robot"])
+
+
+def from_table(table: dict[str, Any]) -> Any:
+    """A robot from nested dicts."""
+    from stickslip.robot import Robot
+
+    problems, arguments = Problems("study file"), dict(table)
+    for part in PARTS:
+        if isinstance(arguments.get(part), dict):
+            arguments[part] = _part(part, dict(arguments[part]), problems)
+        elif part in arguments or part != "track":
+            problems.add(f"[robot.{part}] is missing or no table; type [robot.{part}] and then kind = {next(iter(PARTS[part]))!r}")
+            arguments.pop(part, None)
+    robot = _build(Robot, arguments, "robot", problems)
+    problems.check()
+    return robot
+
+
+def _part(part: str, table: dict[str, Any], problems: Problems) -> Any:
+    kind = table.pop("kind", None)
+    if kind not in PARTS[part]:
+        problems.add(f"robot.{part}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
+        return None
+    return _build(PARTS[part][kind], table, f"robot.{part}", problems)
+
+
+def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
+    """An instance from its arguments; every unknown, missing or bad one is noted."""
+    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+    allowed = [f.name for f in fields] + (["frequency"] if where == "robot.drive" else [])
+    for name in [n for n in arguments if n not in allowed]:
+        problems.add(f"{where}.{name} is not known; {did_you_mean(name, allowed)}")
+        del arguments[name]
+    optional = {f.name for f in fields if f.default is not dataclasses.MISSING or f.default_factory is not dataclasses.MISSING}
+    for field in fields:
+        if "None" in str(field.type) and field.name not in arguments:
+            arguments[field.name] = None
+        either = field.name == "omega" and "frequency" in arguments
+        if field.name not in arguments and field.name not in optional and not either and field.name not in PARTS:
+            problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {field.metadata.get('example', '1.0')}")
+            arguments[field.name] = 1.0
+    if any(arguments.get(p, 0) is None for p in PARTS) or any(p not in arguments for p in ("drive", "friction") if where == "robot"):
+        return None
+    try:
+        return cls(**arguments)
+    except InputError as error:
+        problems.include(error, f"{where}.")
+        return None
+
+
+def _html_rows(record: Any, prefix: str = "") -> list[str]:
+    rows = []
+    for field in dataclasses.fields(record):
+        value, name = getattr(record, field.name), prefix + field.name
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            rows.append(f"<tr><th style='text-align:left'>{html.escape(name)}</th><td>{html.escape(type(value).__name__)}</td></tr>")
+            rows += _html_rows(value, name + ".")
+        elif is_number_field(field):
+            shown = describe(value) if is_array(value) else f"{value:.6g}" if isinstance(value, float) else str(value)
+            rows.append(f"<tr><td>{html.escape(name)}</td><td>{html.escape(shown)}</td></tr>")
+    return rows
+
+
+def record_html(record: Any) -> str:
+    """A record as a small HTML table."""
+    return f"<table><caption>{html.escape(type(record).__name__)}</caption>{''.join(_html_rows(record))}</table>"

@@ -1,0 +1,254 @@
+"""What happened in one run: every column, every event, and the dense output behind them."""
+
+from __future__ import annotations
+
+import html
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip import forces
+from stickslip.errors import InputError
+from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of
+from stickslip.summary import STATUS, Summary
+from stickslip.variables import VARIABLES
+
+__all__ = ["STATUS", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Summary", "Trajectory"]
+
+
+def _as_column(z: Any) -> Any:
+    return None if z.shape[1] == 0 else z[:, 0] if z.shape[1] == 1 else z
+
+
+def _force_column(name: str) -> property:
+    variable = VARIABLES[name]
+    return property(lambda self: self._forces[name], doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One run of one robot. It is computed once by `solve`; everything here only reads it.
+
+    The columns ``t, x, v, z, mode, acceleration, friction_force, drive_force, xi, xi_rate, xi_acceleration,
+    actuator_force, actuator_power`` are arrays over the same instants: `samples` in each drive period and, exactly,
+    every event (twice where v jumps). Units and meanings stand in `stickslip.variables`.
+
+    Parameters
+    ----------
+    model : Robot
+        What was solved.
+    pieces : Pieces
+        The dense output.
+    periods, settle : int
+        Drive periods run, and how many of them the mean velocity leaves out.
+    rtol : float
+        Relative tolerance of the run.
+    method : str
+        Name of the solver.
+    status : str
+        A sentence that says how the run ended.
+    samples : int
+        Instants per drive period in the columns.
+    start : dict
+        The state it started from.
+    provenance : dict
+        Versions and settings that make the run again.
+    counts : dict
+        Steps taken, rejected, and so on.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-3, law="coulomb")
+    >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 1.0, robot.drive.omega, 2.0, 2.0)
+    >>> run = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand")
+    >>> run.t.size, run.events, float(run.at(0.01)["v"])
+    (401, [], 0.0)
+    """
+
+    model: Any
+    pieces: Any
+    periods: int
+    settle: int
+    rtol: float
+    method: str
+    status: str = STATUS[0]
+    samples: int = 400
+    start: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=dict)
+    counts: dict[str, Any] = field(default_factory=dict)
+
+    # ---- time ----
+    @property
+    def period_time(self) -> float:
+        """Period T of the drive [s]."""
+        return float(self.model.period)
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Start and end of the part after settling [s]."""
+        return self.settle * self.period_time, float(self.pieces.t[-1])
+
+    @cached_property
+    def events(self) -> list[Event]:
+        """Every change of mode, in order. Under a dynamic law these are the reversals of v."""
+        return events_of(self.pieces)
+
+    @cached_property
+    def _instants(self) -> tuple[Any, Any]:
+        """The sampled times and the piece of each; an event at which v jumps stands there with both its pieces."""
+        nodes, T = self.pieces.t, self.period_time
+        grid = np.arange(round((nodes[-1] - nodes[0]) / T) * self.samples + 1) * (T / self.samples) + nodes[0]
+        grid[-1] = nodes[-1]
+        changes = np.flatnonzero(np.diff(self.pieces.mode)) + 1
+        events = nodes[changes]
+        if len(events):
+            after = np.minimum(np.searchsorted(events, grid), len(events) - 1)
+            near = np.minimum(abs(grid - events[after]), abs(grid - events[np.maximum(after - 1, 0)]))
+            grid = grid[near > 1e-12 * T]
+        jumps = changes[self._jumps(changes)]
+        t = np.concatenate([grid, nodes[jumps], events])
+        index = np.concatenate([self._index(grid), jumps - 1, changes])
+        order = np.lexsort((index, t))
+        return t[order], index[order]
+
+    def _jumps(self, changes: Any) -> Any:
+        before, after = self.pieces.evaluate(self.pieces.t[changes], changes - 1)[1], self.pieces.evaluate(self.pieces.t[changes], changes)[1]
+        return abs(after - before) > 1e-6 * self.model.velocity_scale
+
+    def _index(self, t: Any) -> Any:
+        """The piece on which a time lies (the later one at a node)."""
+        return np.clip(np.searchsorted(self.pieces.t, t, side="right") - 1, 0, len(self.pieces.mode) - 1)
+
+    # ---- columns ----
+    @property
+    def t(self) -> Any:
+        """Times of the columns [s]."""
+        return self._instants[0]
+
+    @cached_property
+    def _states(self) -> tuple[Any, Any, Any]:
+        return self.pieces.evaluate(*self._instants)
+
+    @property
+    def x(self) -> Any:
+        """Position of the body [m]."""
+        return self._states[0]
+
+    @property
+    def v(self) -> Any:
+        """Velocity of the body [m/s]."""
+        return self._states[1]
+
+    @property
+    def z(self) -> Any:
+        """Inner state of the law: (n,) if it has one, (n, states) if more, None if it has none."""
+        return _as_column(self._states[2])
+
+    @cached_property
+    def mode(self) -> Any:
+        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v)."""
+        return np.asarray(self.pieces.mode)[self._instants[1]]
+
+    @cached_property
+    def _forces(self) -> dict[str, Any]:
+        return self._forces_at(*self._instants, *self._states)
+
+    def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
+        inner = z[:, 0] if z.shape[1] == 1 else z.T
+        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], t, x, v, inner)
+
+    acceleration = _force_column("acceleration")
+    friction_force = _force_column("friction_force")
+    drive_force = _force_column("drive_force")
+    xi = _force_column("xi")
+    xi_rate = _force_column("xi_rate")
+    xi_acceleration = _force_column("xi_acceleration")
+    actuator_force = _force_column("actuator_force")
+    actuator_power = _force_column("actuator_power")
+
+    def at(self, t: Any) -> dict[str, Any]:
+        """Everything at any time of the run, from the dense output.
+
+        Parameters
+        ----------
+        t : float or array
+            Times within the run [s]. At an event the later piece counts.
+
+        Returns
+        -------
+        dict
+            t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states).
+        """
+        shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
+        first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
+        slack = 1e-12 * (last - first)
+        if not np.all((t >= first - slack) & (t <= last + slack)):
+            raise InputError("Trajectory.at", [f"t reaches from {t.min():.9g} to {t.max():.9g} s; allowed is {first:.9g} to {last:.9g} s, the time of the run"])
+        t = np.clip(t, first, last)
+        index = self._index(t)
+        x, v, z = self.pieces.evaluate(t, index)
+        found = {"t": t, "x": x, "v": v, "mode": np.asarray(self.pieces.mode)[index], **self._forces_at(t, index, x, v, z)}
+        inner = {"z": None if z.shape[1] == 0 else z.reshape(shape + (() if z.shape[1] == 1 else z.shape[1:]))}
+        return {name: column.reshape(shape)[()] for name, column in found.items()} | inner
+
+    # ---- strobe ----
+    @cached_property
+    def strobe_times(self) -> Any:
+        """The starts of the drive periods, k T [s], and the end of the last."""
+        count = int(round((self.pieces.t[-1] - self.pieces.t[0]) / self.period_time))
+        return np.minimum(self.pieces.t[0] + np.arange(count + 1) * self.period_time, self.pieces.t[-1])
+
+    @cached_property
+    def _strobe(self) -> tuple[Any, Any, Any]:
+        return self.pieces.evaluate(self.strobe_times, self._index(self.strobe_times))
+
+    @property
+    def strobe_x(self) -> Any:
+        """Position at the strobe times [m]."""
+        return self._strobe[0]
+
+    @property
+    def strobe_v(self) -> Any:
+        """Velocity at the strobe times [m/s]."""
+        return self._strobe[1]
+
+    @property
+    def strobe_z(self) -> Any:
+        """Inner state at the strobe times, shaped like `z`."""
+        return _as_column(self._strobe[2])
+
+    # ---- doors ----
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on the robot's numbers."""
+        return self.model.notes
+
+    def to_xarray(self) -> Any:
+        """The columns as an `xarray.Dataset` over time, with units, names and provenance."""
+        from stickslip.datasets import trajectory_dataset
+
+        return trajectory_dataset(self)
+
+    def to_mat(self, path: str | Path) -> Path:
+        """Write the columns to a MATLAB file; returns its path."""
+        from stickslip.storage import to_mat
+
+        return to_mat(self, path)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the run to a netCDF4 file that `stickslip.load` reads back; returns its path."""
+        from stickslip.storage import save
+
+        return save(self, path)
+
+    def __repr__(self) -> str:
+        return f"<Trajectory: {self.periods} periods of {self.period_time:.6g} s by {self.method}, {self.status}>"
+
+    def _repr_html_(self) -> str:
+        rows = {"method": self.method, "status": self.status, "periods": f"{self.periods} ({self.settle} to settle)", "rtol": f"{self.rtol:g}"}
+        cells = "".join(f"<tr><td>{k}</td><td>{html.escape(str(v))}</td></tr>" for k, v in {**rows, **self.counts}.items())
+        return f"<table><caption>Trajectory</caption>{cells}</table>{self.model._repr_html_()}"

@@ -1,0 +1,55 @@
+"""Every column and every result once: name, symbol, unit, dimensions, meaning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["VARIABLES", "Variable"]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """What a column holds."""
+
+    name: str
+    symbol: str
+    unit: str
+    dims: tuple[str, ...]
+    long_name: str
+
+
+_TIME: tuple[str, ...] = ("time",)
+_CASE: tuple[str, ...] = ()
+
+VARIABLES: dict[str, Variable] = {
+    v.name: v
+    for v in (
+        Variable("t", "t", "s", _TIME, "time"),
+        Variable("x", "x", "m", _TIME, "position of the body"),
+        Variable("v", "v", "m/s", _TIME, "velocity of the body"),
+        Variable("z", "z", "m", _TIME, "inner state of the friction law (mean bristle deflection)"),
+        Variable("mode", "mode", "1", _TIME, "+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v)"),
+        Variable("acceleration", "dv/dt", "m/s^2", _TIME, "acceleration of the body"),
+        Variable("xi", "ξ", "m", _TIME, "position of the inner mass relative to the body"),
+        Variable("xi_rate", "dξ/dt", "m/s", _TIME, "velocity of the inner mass relative to the body"),
+        Variable("xi_acceleration", "d²ξ/dt²", "m/s^2", _TIME, "acceleration of the inner mass relative to the body"),
+        Variable("friction_force", "R", "N", _TIME, "friction force on the body, positive against forward motion"),
+        Variable("drive_force", "−m d²ξ/dt²", "N", _TIME, "inertial drive force on the whole system"),
+        Variable("actuator_force", "F", "N", _TIME, "force of the actuator on the body (Eq. 2.1)"),
+        Variable("actuator_power", "−F dξ/dt", "W", _TIME, "mechanical power that the actuator delivers"),
+        Variable("mean_velocity", "V", "m/s", _CASE, "mean steady velocity over the window after settling"),
+        Variable("motion_type", "type", "", _CASE, "motion type: rest, presliding, I, II, III, IV or other"),
+        Variable("pattern", "pattern", "", _CASE, "signs of the velocity over one motion period, + forward, 0 stuck, - backward"),
+        Variable("period", "p", "drive periods", _CASE, "period number of the motion; 0 where none was found"),
+        Variable("margin", "margin", "1", _CASE, "distance to the nearest border of the motion type; 0 is on the border"),
+        Variable("direction", "dir", "1", _CASE, "+1 for net motion forwards, -1 backwards, 0 at rest"),
+        Variable("stick_fraction", "s", "1", _CASE, "fraction of the period at rest"),
+        Variable("forward_fraction", "s+", "1", _CASE, "fraction of the period sliding forwards"),
+        Variable("backward_fraction", "s-", "1", _CASE, "fraction of the period sliding backwards"),
+        Variable("velocity_max", "max v", "m/s", _CASE, "largest velocity over the last motion period"),
+        Variable("velocity_min", "min v", "m/s", _CASE, "smallest velocity over the last motion period"),
+        Variable("displacement", "Δx", "m", _CASE, "displacement over the window after settling"),
+        Variable("periods_run", "n", "drive periods", _CASE, "drive periods that were run"),
+        Variable("status", "status", "", _CASE, "what became of the case: a code with its sentence"),
+    )
+}
