@@ -8,25 +8,34 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0.dev0"
 
 if TYPE_CHECKING:
-    from stickslip import paper, plot, presets
-    from stickslip.analysis.energy import energy
-    from stickslip.analysis.motion import Motion, motion
-    from stickslip.analysis.steady import mean_velocity, periodic_mean_velocity
-    from stickslip.check import check
-    from stickslip.dimensionless import DimensionlessRobot, dimensionless
-    from stickslip.drives import Harmonic
-    from stickslip.errors import InputError, SolveError, StickslipError
-    from stickslip.friction import Coulomb, LuGre
-    from stickslip.io import load
-    from stickslip.robot import Robot
-    from stickslip.solvers import solve
-    from stickslip.sweep import sweep
-    from stickslip.tracks import Incline, Level
-    from stickslip.trajectory import Trajectory
+    from stickslip import paper as paper
+    from stickslip import plot as plot
+    from stickslip import presets as presets
+    from stickslip.analysis.energy import energy as energy
+    from stickslip.analysis.motion import Motion as Motion
+    from stickslip.analysis.motion import motion as motion
+    from stickslip.analysis.steady import mean_velocity as mean_velocity
+    from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
+    from stickslip.checking import check as check
+    from stickslip.drives import Harmonic as Harmonic
+    from stickslip.errors import InputError as InputError
+    from stickslip.errors import SolveError as SolveError
+    from stickslip.errors import StickslipError as StickslipError
+    from stickslip.friction import Coulomb as Coulomb
+    from stickslip.friction import LuGre as LuGre
+    from stickslip.io import load as load
+    from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
+    from stickslip.nondimensional import dimensionless as dimensionless
+    from stickslip.robot import Robot as Robot
+    from stickslip.solvers import solve as solve
+    from stickslip.sweeping import sweep as sweep
+    from stickslip.tracks import Incline as Incline
+    from stickslip.tracks import Level as Level
+    from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
     "Coulomb": "friction",
-    "DimensionlessRobot": "dimensionless",
+    "DimensionlessRobot": "nondimensional",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
@@ -37,15 +46,15 @@ _HOMES = {
     "SolveError": "errors",
     "StickslipError": "errors",
     "Trajectory": "trajectory",
-    "check": "check",
-    "dimensionless": "dimensionless",
+    "check": "checking",
+    "dimensionless": "nondimensional",
     "energy": "analysis.energy",
     "load": "io",
     "mean_velocity": "analysis.steady",
     "motion": "analysis.motion",
     "periodic_mean_velocity": "analysis.steady",
     "solve": "solvers",
-    "sweep": "sweep",
+    "sweep": "sweeping",
 }
 _MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
 

@@ -44,7 +44,8 @@ def labels_of(model: Any) -> Labels:
     except ValueError:
         shapes = "; ".join(f"{n} has shape {np.shape(a)}" for n, a in arrays.items())
         raise InputError(
-            type(model).__name__, [f"the shapes of the arrays do not broadcast: {shapes}; give arrays of one shape, or use xarray.DataArray with names"]
+            type(model).__name__,
+            [f"the shapes of the arrays do not broadcast: {shapes}; give arrays of one shape, or use xarray.DataArray with names"],
         ) from None
 
 

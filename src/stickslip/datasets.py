@@ -35,7 +35,7 @@ def trajectory_columns(run: Any) -> dict[str, Any]:
 
 def attributes(run: Any) -> dict[str, Any]:
     """What a reader must know about a run beside its columns."""
-    attrs = {"status": run.status, "method": run.method, "rtol": run.rtol, "periods": run.periods, "settle": run.settle, "samples": run.samples}
+    attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):
         attrs[name] = json.dumps(jsonable(getattr(run, name)))
     try:
@@ -80,8 +80,10 @@ def summary_dataset(many: Any) -> Any:
     coords = {k: v if isinstance(v, tuple) else ((k,), v) for k, v in (labels.coords or {}).items()}
     if labels.dims is None and many.model is not None:
         coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
-    data = {name: (dims, np.reshape(column, labels.shape), _described(name) if name in VARIABLES else {}) for name, column in many.columns.items()}
-    data["status"][2]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items()) if "status" in data else ""
+    told = {name: _described(name) if name in VARIABLES else {} for name in many.columns}
+    data = {name: (dims, np.reshape(column, labels.shape), told[name]) for name, column in many.columns.items()}
+    if "status" in data:
+        told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items())
     return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(jsonable(many.provenance))})
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean
 
@@ -30,7 +30,7 @@ def is_array(value: Any) -> bool:
 
 def number(value: Any) -> Any:
     """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither."""
-    if isinstance(value, bool) or isinstance(value, (str, bytes)):
+    if isinstance(value, (bool, str, bytes)):
         raise ValueError(f"{value!r} is not a number")
     if isinstance(value, (int, float)):
         return float(value)
@@ -80,7 +80,7 @@ def at_least(bound: float) -> Rule:
 class Record:
     """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
 
-    _rules: dict[str, tuple[Rule, str]] = {}  # field -> (rule, what is allowed)
+    _rules: ClassVar[dict[str, tuple[Rule, str]]] = {}  # field -> (rule, what is allowed)
 
     def __post_init__(self) -> None:
         problems = Problems(type(self).__name__)
@@ -100,8 +100,7 @@ class Record:
         except ValueError as error:
             problems.add(f"{field.name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
             return
-        finite = value == value if not is_array(value) else (value == value)
-        good = _all(finite) and _all(abs(value) < float("inf")) and (rule is None or _all(rule(value)))
+        good = _all(value == value) and _all(abs(value) < float("inf")) and (rule is None or _all(rule(value)))
         if not good:
             problems.add(f"{field.name} = {describe(value)}; allowed is {allowed}; type for example {field.name}={_example(field)}")
         object.__setattr__(self, field.name, value)
@@ -185,7 +184,7 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
         value = getattr(record, field.name)
         if dataclasses.is_dataclass(value) and not isinstance(value, type):
             yield from leaves(value, f"{prefix}{field.name}.", kinds)
-        elif is_number_field(field) and value is not None or kinds:
+        elif (is_number_field(field) and value is not None) or kinds:
             yield prefix + field.name, value
 
 

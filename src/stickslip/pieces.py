@@ -205,7 +205,7 @@ def _halves(a: Array) -> tuple[Array, Array]:
     return high, a - high
 
 
-KINDS = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs}
+KINDS: dict[str, Any] = {"polynomial": PolynomialPieces, "harmonic": HarmonicArcs}
 
 
 def kind_of(pieces: Any) -> str:

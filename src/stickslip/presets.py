@@ -130,9 +130,12 @@ def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -
     if law != "coulomb" and not _all(n["f0"] >= n["mu0"]):
         problems.add(f"f0 = {describe(n['f0'])} is below mu0 = {describe(n['mu0'])}; allowed is f0 >= mu0; type for example f0=0.21")
     tilt, angle = np.asarray(n["tilt_deg"]), np.degrees(np.arctan(np.asarray(n["mu0"])))
-    if incline == "folded" and not np.all(abs(tilt) < angle if tilt.shape == angle.shape or not tilt.ndim or not angle.ndim else abs(tilt) < np.min(angle)):
+    if incline == "folded" and not np.all(
+        abs(tilt) < angle if tilt.shape == angle.shape or not tilt.ndim or not angle.ndim else abs(tilt) < np.min(angle)
+    ):
         problems.add(
-            f"tilt_deg = {describe(n['tilt_deg'])} is at or beyond the friction angle atan(mu0) = {np.min(angle):.4g} degrees, where the folded "
+            f"tilt_deg = {describe(n['tilt_deg'])} is at or beyond the friction angle atan(mu0) = {np.min(angle):.4g} degrees, "
+            "where the folded "
             'mu_plus is not positive; allowed is a smaller tilt; type incline="gravity" for a robot that slides down by itself'
         )
     elif incline == "gravity" and not np.all(abs(tilt) < 90):

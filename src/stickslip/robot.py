@@ -54,7 +54,7 @@ class Robot(Record):
     gravity: float = field(default=9.81, metadata={"example": "9.81"})
     track: Any = dataclasses.field(default_factory=Level)
 
-    _rules = {
+    _rules: ClassVar[dict[str, Any]] = {
         "body_mass": (positive, "a positive mass [kg]"),
         "inner_mass": (positive, "a positive mass [kg]"),
         "gravity": (positive, "a positive acceleration [m/s^2]"),
@@ -68,13 +68,17 @@ class Robot(Record):
             if isinstance(part, type) or lacking:
                 problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
         law = self.friction
-        if isinstance(law, type) or not (hasattr(law, "sliding") and hasattr(law, "breakaway") or hasattr(law, "rate") and hasattr(law, "force")):
+        if isinstance(law, type) or not (
+            (hasattr(law, "sliding") and hasattr(law, "breakaway")) or (hasattr(law, "rate") and hasattr(law, "force"))
+        ):
             problems.add(
                 f"friction = {law!r}; allowed is an object with sliding and breakaway (set-valued law) or with rate and force "
                 f"(dynamic law); type for example {_PARTS['friction']}"
             )
         elif not dataclasses.is_dataclass(law):
-            problems.add(f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known")
+            problems.add(
+                f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known"
+            )
         if not problems.found:
             try:
                 shape_of(self)
@@ -135,7 +139,7 @@ class Robot(Record):
     @classmethod
     def from_toml(cls, text: str) -> Robot:
         """A robot from the TOML text of a study file or of `to_toml`."""
-        return from_toml(text)
+        return from_toml(cls, text)
 
     def _repr_html_(self) -> str:
         return record_html(self)

@@ -116,15 +116,24 @@ def _merged(time: Array, label: Array, valid: Array) -> tuple[Array, Array, Arra
 
 def _rotated(start: Array, length: Array, sign: Array) -> Intervals:
     """The intervals turned so that each row begins where its pattern begins."""
-    distinct, which = np.unique(sign, axis=0, return_inverse=True)
-    which = which.ravel()
+    distinct, which = _distinct_rows(sign)
     found = [_canonical([int(s) for s in row if s != _NONE]) for row in distinct]
     count, K = (distinct != _NONE).sum(axis=1)[which][:, None], sign.shape[1]
     places = np.arange(K)[None, :]
     shift = np.array([f[1] for f in found], int)[which][:, None]
     order = np.where(places < count, (places + shift) % np.maximum(count, 1), places)
-    turned = (np.take_along_axis(a, order, axis=1) for a in (start, length, sign))
-    return Intervals(*turned, np.array([f[0] for f in found])[which])
+    start, length, sign = (np.take_along_axis(a, order, axis=1) for a in (start, length, sign))
+    return Intervals(start, length, sign, np.array([f[0] for f in found])[which])
+
+
+def _distinct_rows(sign: Array) -> tuple[Array, Array]:
+    """The different rows of signs, and which one each row is; 32 signs are packed into an integer, two bits each."""
+    packed = [np.zeros(len(sign), np.uint64) for _ in range(0, sign.shape[1], 32)]
+    for k in range(sign.shape[1]):
+        packed[k // 32] |= (sign[:, k] + 1).astype(np.uint64) % np.uint64(7) << np.uint64(2 * (k % 32))
+    keys = packed[0] if len(packed) == 1 else np.stack(packed, axis=1)
+    _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return sign[first], which.ravel()
 
 
 def _canonical(signs: list[int]) -> tuple[str, int]:
@@ -174,7 +183,8 @@ def type_of(
     >>> str(told["motion_type"][0]), str(told["pattern"][0]), float(told["margin"][0])
     ('I', '+0-0', 0.17)
     """
-    count, codes, net = np.asarray(seg_count), np.asarray(seg_code, int), np.asarray(net, float)
+    count, net = np.asarray(seg_count), np.asarray(net, float)
+    codes = np.asarray(seg_code, np.int8)[:, : max(int(count.max(initial=0)), 1)]
     merged = intervals_of(count, seg_time, codes, dwell)
     given = np.arange(codes.shape[1]) < count[:, None]
     sliding = (given & (abs(codes) == 2)).any(axis=1)

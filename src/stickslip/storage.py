@@ -1,7 +1,7 @@
 """Runs on disk: netCDF4 files that come back as they were, and MATLAB files.
 
 A file holds the sampled columns at its root, for MATLAB and every other reader of netCDF4, and the dense output in the group
-``pieces``, from which `load` makes the run again. There is no pickle in it. It is written beside its place and then moved there,
+``pieces``, from which `stickslip.load` makes the run again. There is no pickle in it. It is written beside its place and then moved there,
 so that a reader never sees half a file.
 """
 
@@ -16,8 +16,6 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from stickslip.datasets import attributes, jsonable, trajectory_columns
 from stickslip.errors import InputError
 from stickslip.fields import leaves
@@ -25,11 +23,10 @@ from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS, Coulomb
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
-from stickslip.tables import from_toml, to_toml
-from stickslip.trajectory import Trajectory
+from stickslip.tables import to_toml
 from stickslip.variables import VARIABLES
 
-__all__ = ["FORMAT", "load", "save", "to_mat"]
+__all__ = ["FORMAT", "read", "save", "to_mat"]
 
 #: Version of the file format; a reader refuses a newer one.
 FORMAT = 1
@@ -51,15 +48,16 @@ def _moved_into_place(path: Path, doing: str) -> Iterator[Path]:
 
 
 def _unwritable(path: Path, error: OSError) -> str:
-    why = "that folder does not exist; make it first" if not path.parent.exists() else (error.strerror or str(error))
+    why = (error.strerror or str(error)) if path.parent.exists() else "that folder does not exist; make it first"
     return f"cannot write {str(path)!r}: {why}; give a path in a folder that you may write to"
 
 
 # ---- netCDF4 ----
-def save(run: Trajectory, path: str | Path) -> Path:
+def save(run: Any, path: str | Path) -> Path:
     """Write a run to a netCDF4 file; an existing file is replaced.
 
-    A law of your own is kept by its name and numbers; `load` asks for its class again. A drive or a track of your own cannot be kept.
+    A law of your own is kept by its name and numbers; `stickslip.load` asks for its class again.
+    A drive or a track of your own cannot be kept.
 
     Parameters
     ----------
@@ -81,12 +79,13 @@ def save(run: Trajectory, path: str | Path) -> Path:
         file.dimensions = {"time": len(run.t)}
         for name, column in columns.items():
             dims = ("time",) if column.ndim == 1 else ("time", _dimension(file, column.shape[1]))
-            made = file.create_variable("time" if name == "t" else name, dims, data=column, compression="gzip", compression_opts=1, shuffle=True)
+            place = "time" if name == "t" else name
+            made = file.create_variable(place, dims, data=column, compression="gzip", compression_opts=1, shuffle=True)
             made.attrs.update({"units": VARIABLES[name].unit or "1", "long_name": VARIABLES[name].long_name})
         group = file.create_group("pieces")
         group.attrs["kind"] = kind_of(run.pieces)
         for name, array in run.pieces.arrays().items():
-            made = group.create_variable(name, tuple(_dimension(group, n) for n in array.shape), data=array)
+            group.create_variable(name, tuple(_dimension(group, n) for n in array.shape), data=array)
     return path
 
 
@@ -115,32 +114,8 @@ def _model_attributes(model: Any) -> dict[str, str]:
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 
-def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
-    """Read a run that `Trajectory.save` wrote.
-
-    Parameters
-    ----------
-    path : str or Path
-    laws : sequence of classes
-        Your own friction laws, for runs that used one. Without them such a run still has its motion (t, x, v, z, mode, strobe points);
-        its forces then say what to type.
-
-    Returns
-    -------
-    Trajectory
-
-    Examples
-    --------
-    >>> import tempfile, stickslip as ss
-    >>> from stickslip.trajectory import HarmonicArcs
-    >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
-    >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
-    >>> run = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand")
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     same = ss.load(run.save(folder + "/run.nc"))
-    >>> same.model == robot, bool((same.v == run.v).all())
-    (True, True)
-    """
+def read(path: str | Path, laws: Sequence[type] = ()) -> dict[str, Any]:
+    """What `save` kept of a run, as the arguments of `Trajectory`."""
     import h5netcdf
 
     path = Path(path).expanduser()
@@ -149,28 +124,32 @@ def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
     try:
         file = h5netcdf.File(path, "r")
     except (OSError, ValueError) as error:
-        raise InputError("load", [f"{str(path)!r} is not a netCDF4 file ({error}); give the path of a file that run.save(path) wrote"]) from None
+        why = f"{str(path)!r} is no netCDF4 file ({error})"
+        raise InputError("load", [f"{why}; give the path of a file that run.save(path) wrote"]) from None
     with file:
         _check_format(file.attrs, path)
         attrs = {k: v.item() if hasattr(v, "item") else v for k, v in file.attrs.items()}
         group = file.groups["pieces"]
         pieces = pieces_from_arrays(group.attrs["kind"], {k: v[...] for k, v in group.variables.items()})
-    plain = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
-    return Trajectory(_model(attrs, laws), pieces, **plain, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")})
+    kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
+    return {"model": _model(attrs, laws), "pieces": pieces, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
 
 
 def _check_format(attrs: Any, path: Path) -> None:
-    if "stickslip_format" not in attrs:
-        raise InputError("load", [f"{str(path)!r} was not written by stickslip (it has no attribute stickslip_format); xarray.open_dataset may read it"])
-    version, content = int(attrs["stickslip_format"]), attrs.get("stickslip_content")
-    if version > FORMAT:
-        raise InputError("load", [f"{str(path)!r} has format {version}, this stickslip reads up to {FORMAT}; type pip install --upgrade stickslip"])
-    if content != "trajectory":
-        raise InputError("load", [f"{str(path)!r} holds a {content}, not a trajectory; open it with xarray.open_dataset"])
+    version, content = int(attrs.get("stickslip_format", 0)), attrs.get("stickslip_content")
+    if version == 0:
+        why = "was not written by stickslip (it has no attribute stickslip_format); xarray.open_dataset may read it"
+    elif version > FORMAT:
+        why = f"has format {version}, this stickslip reads up to {FORMAT}; type pip install --upgrade stickslip"
+    elif content != "trajectory":
+        why = f"holds a {content}, not a trajectory; open it with xarray.open_dataset"
+    else:
+        return
+    raise InputError("load", [f"{str(path)!r} {why}"])
 
 
 def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
-    robot = from_toml(attrs["robot"])
+    robot = Robot.from_toml(attrs["robot"])
     if "law" not in attrs:
         return robot
     kept = json.loads(attrs["law"])
@@ -182,7 +161,8 @@ def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
 
 
 def _unknown_law(self: Any, *arguments: Any, **more: Any) -> Any:
-    raise InputError("friction", [f"this run used the law {self.name}({self.numbers}), which is not part of stickslip; type ss.load(path, laws=[{self.name}]) with its class"])
+    what = f"this run used the law {self.name}({self.numbers}), which is not part of stickslip"
+    raise InputError("friction", [f"{what}; type ss.load(path, laws=[{self.name}]) with its class"])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -204,7 +184,7 @@ class _UnknownSetValued:
 
 
 # ---- MATLAB ----
-def to_mat(run: Trajectory, path: str | Path) -> Path:
+def to_mat(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a MATLAB file (version 5), one variable each, with units and status; returns its path."""
     from scipy.io import savemat
 

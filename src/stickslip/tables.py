@@ -15,7 +15,7 @@ from stickslip.tracks import TRACKS
 
 __all__ = ["from_table", "from_toml", "record_html", "to_table", "to_toml"]
 
-PARTS: dict[str, dict[str, type]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
+PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
 
 
 def _kind_name(part: str, record: Any) -> str:
@@ -24,7 +24,10 @@ def _kind_name(part: str, record: Any) -> str:
             return name
     raise InputError(
         "to_toml",
-        [f"{part} is a {type(record).__name__}, which a study file cannot name; allowed are {', '.join(PARTS[part])}. Keep it in a script instead"],
+        [
+            f"{part} is a {type(record).__name__}, which a study file cannot name; "
+            f"allowed are {', '.join(PARTS[part])}. Keep it in a script instead"
+        ],
     )
 
 
@@ -51,21 +54,19 @@ def to_toml(robot: Any) -> str:
     return tomli_w.dumps({"robot": to_table(robot)})
 
 
-def from_toml(text: str) -> Any:
-    """A robot from TOML text; all that is wrong with it is reported at once."""
+def from_toml(cls: type, text: str) -> Any:
+    """A robot (of class `cls`) from TOML text; all that is wrong with it is reported at once."""
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError("study file", [f"not readable as TOML: {error}"]) from None
     if "robot" not in document:
         raise InputError("study file", ["has no [robot] table; begin with the line [robot] and then body_mass = 0.06259"])
-    return from_table(document["robot"])
+    return from_table(cls, document["robot"])
 
 
-def from_table(table: dict[str, Any]) -> Any:
-    """A robot from nested dicts."""
-    from stickslip.robot import Robot
-
+def from_table(cls: type, table: dict[str, Any]) -> Any:
+    """A robot (of class `cls`) from nested dicts."""
     problems, arguments = Problems("study file"), dict(table)
     for part in PARTS:
         if isinstance(arguments.get(part), dict):
@@ -73,7 +74,7 @@ def from_table(table: dict[str, Any]) -> Any:
         elif part in arguments or part != "track":
             problems.add(f"[robot.{part}] is missing or no table; type [robot.{part}] and then kind = {next(iter(PARTS[part]))!r}")
             arguments.pop(part, None)
-    robot = _build(Robot, arguments, "robot", problems)
+    robot = _build(cls, arguments, "robot", problems)
     problems.check()
     return robot
 
@@ -88,7 +89,7 @@ def _part(part: str, table: dict[str, Any], problems: Problems) -> Any:
 
 def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
     """An instance from its arguments; every unknown, missing or bad one is noted."""
-    fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+    fields = dataclasses.fields(cls)
     allowed = [f.name for f in fields] + (["frequency"] if where == "robot.drive" else [])
     for name in [n for n in arguments if n not in allowed]:
         problems.add(f"{where}.{name} is not known; {did_you_mean(name, allowed)}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.fields import Record
 from stickslip.maths import cos, sin
@@ -48,7 +48,7 @@ class Incline(Record):
 
     tilt: float = field(metadata={"example": "0.03"})
 
-    _rules = {"tilt": (lambda x: abs(x) < math.pi / 2, "an angle between -pi/2 and pi/2 [rad]")}
+    _rules: ClassVar[dict[str, Any]] = {"tilt": (lambda x: abs(x) < math.pi / 2, "an angle between -pi/2 and pi/2 [rad]")}
 
     def across(self, gravity: Any) -> Any:
         """Gravity that presses the body on the track [m/s^2]."""

@@ -116,7 +116,7 @@ class Trajectory:
         return t[order], index[order]
 
     def _jumps(self, changes: Any) -> Any:
-        before, after = self.pieces.evaluate(self.pieces.t[changes], changes - 1)[1], self.pieces.evaluate(self.pieces.t[changes], changes)[1]
+        before, after = (self.pieces.evaluate(self.pieces.t[changes], index)[1] for index in (changes - 1, changes))
         return abs(after - before) > 1e-6 * self.model.velocity_scale
 
     def _index(self, t: Any) -> Any:
@@ -187,7 +187,8 @@ class Trajectory:
         first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
         slack = 1e-12 * (last - first)
         if not np.all((t >= first - slack) & (t <= last + slack)):
-            raise InputError("Trajectory.at", [f"t reaches from {t.min():.9g} to {t.max():.9g} s; allowed is {first:.9g} to {last:.9g} s, the time of the run"])
+            given, allowed = f"t reaches from {t.min():.9g} to {t.max():.9g} s", f"{first:.9g} to {last:.9g} s"
+            raise InputError("Trajectory.at", [f"{given}; allowed is {allowed}, the time of the run"])
         t = np.clip(t, first, last)
         index = self._index(t)
         x, v, z = self.pieces.evaluate(t, index)
@@ -199,7 +200,7 @@ class Trajectory:
     @cached_property
     def strobe_times(self) -> Any:
         """The starts of the drive periods, k T [s], and the end of the last."""
-        count = int(round((self.pieces.t[-1] - self.pieces.t[0]) / self.period_time))
+        count = round(float(self.pieces.t[-1] - self.pieces.t[0]) / self.period_time)
         return np.minimum(self.pieces.t[0] + np.arange(count + 1) * self.period_time, self.pieces.t[-1])
 
     @cached_property
@@ -249,6 +250,6 @@ class Trajectory:
         return f"<Trajectory: {self.periods} periods of {self.period_time:.6g} s by {self.method}, {self.status}>"
 
     def _repr_html_(self) -> str:
-        rows = {"method": self.method, "status": self.status, "periods": f"{self.periods} ({self.settle} to settle)", "rtol": f"{self.rtol:g}"}
+        rows = {"method": self.method, "status": self.status, "periods": f"{self.periods} ({self.settle} to settle)", "rtol": self.rtol}
         cells = "".join(f"<tr><td>{k}</td><td>{html.escape(str(v))}</td></tr>" for k, v in {**rows, **self.counts}.items())
         return f"<table><caption>Trajectory</caption>{cells}</table>{self.model._repr_html_()}"

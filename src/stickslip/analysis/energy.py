@@ -104,4 +104,5 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     x, v, z = run.pieces.evaluate(t, index)
     column = forces.columns(run.model, np.asarray(run.pieces.mode)[index], t, x, v, z[:, 0] if z.shape[1] == 1 else z.T)
     gravity = forces.offered_force(run.model, t, x) - column["drive_force"]
-    return {"drive": column["drive_force"] * v, "gravity": gravity * v, "friction": column["friction_force"] * v, "actuator": column["actuator_power"]}
+    works = {"drive": column["drive_force"] * v, "gravity": gravity * v, "friction": column["friction_force"] * v}
+    return works | {"actuator": column["actuator_power"]}

@@ -77,7 +77,7 @@ class Motion:
 
     @cached_property
     def twin(self) -> str | None:
-        """Type of the same robot with exact Coulomb friction at the kinetic coefficients; None if the law has none. Solved when first asked for."""
+        """Type of the same robot with Coulomb friction at its kinetic coefficients, solved when first asked for; None without such."""
         return self.type if self._twin is None else self._twin()
 
 
@@ -125,7 +125,7 @@ def motion(run: Any, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
 def _check(run: Any, slip_ratio: float, dwell: float) -> None:
     problems = []
     if isinstance(run, Summary):
-        problems.append("run is the summary of a batch, which holds its motion types already; type many.motion_type (and many.pattern, many.margin)")
+        problems.append("run is the summary of a batch, which holds its types already; type many.motion_type (many.pattern, many.margin)")
     if not 0 < slip_ratio < 1:
         problems.append(f"slip_ratio = {slip_ratio!r}; allowed is a fraction between 0 and 1; type for example slip_ratio=0.75")
     if not dwell >= 0:

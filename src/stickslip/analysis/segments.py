@@ -43,7 +43,7 @@ def raw_segments(run: Any, period: int, slip_ratio: float) -> Raw:
 
 def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
     """Ends of the pieces within a span, and the number of each."""
-    first, last = np.searchsorted(pieces.t, start, side="right") - 1, np.searchsorted(pieces.t, end, side="left")
+    first, last = int(np.searchsorted(pieces.t, start, side="right")) - 1, int(np.searchsorted(pieces.t, end, side="left"))
     index = np.arange(max(first, 0), max(last, 1))
     edges = np.concatenate([[start], pieces.t[index[1:]], [end]])
     return edges, index
@@ -66,10 +66,10 @@ def _elastic_segments(run: Any, start: float, end: float, slip_ratio: float) -> 
     above = (slip_ratio_at(run, t.ravel(), np.repeat(index, _NODES)) >= slip_ratio).reshape(t.shape)
     row, col = np.nonzero(above[:, 1:] != above[:, :-1])
     crossings = _bisected(run, t[row, col], t[row, col + 1], index[row], above[row, col], slip_ratio)
-    parts_t = np.concatenate([left, crossings])
-    parts_code = np.concatenate([1 + above[:, 0], 1 + above[row, col + 1]]) * np.asarray(run.pieces.mode)[np.concatenate([index, index[row]])]
-    order = np.argsort(parts_t, kind="stable")
-    times, codes = parts_t[order], parts_code[order].astype(int)
+    begins, yielding = np.concatenate([left, crossings]), np.concatenate([above[:, 0], above[row, col + 1]])
+    side = np.asarray(run.pieces.mode)[np.concatenate([index, index[row]])].astype(int)
+    order = np.argsort(begins, kind="stable")
+    times, codes = begins[order], (side * (1 + yielding))[order]
     new = np.flatnonzero(np.diff(codes, prepend=99))
     return np.append(times[new], end), codes[new]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.errors import InputError
 from stickslip.fields import Record, at_least, number, positive
@@ -35,7 +35,7 @@ class Harmonic(Record):
     amplitude: float = field(metadata={"example": "5e-4"})
     omega: float = field(metadata={"example": "205.46"})
 
-    _rules = {
+    _rules: ClassVar[dict[str, Any]] = {
         "amplitude": (at_least(0.0), "zero or more [m]"),
         "omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)"),
     }
@@ -43,7 +43,9 @@ class Harmonic(Record):
     def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None):
         if (omega is None) == (frequency is None):
             given = "both" if omega is not None else "neither"
-            raise InputError("Harmonic", [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; type for example omega=205.46"])
+            raise InputError(
+                "Harmonic", [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; type for example omega=205.46"]
+            )
         if frequency is not None:
             try:
                 omega = 2 * pi * number(frequency)

@@ -17,10 +17,11 @@ from typing import Any
 from stickslip.engine import cache
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.trace import Equations
+from stickslip.engine.trace import Equations, label, trace
 from stickslip.engine.write import Writer
+from stickslip.fields import leaves
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "run"]
 
 SEGMENTS, RINGS, KEPT = 32, 34, 16
 _HEADER = '''"""Written by stickslip: {label}, {method}, {lanes} lanes. A step of the equations, then the driver."""
@@ -103,13 +104,36 @@ class Results:
     pieces: Any = None  # (pieces, 5 + states (degree + 1)) of a recorded case
 
 
+_kernels: dict[Any, Kernel] = {}
+
+
+def kernel_of(model: Any, tableau: Tableau, record: bool) -> Kernel:
+    """The compiled kernel of a model's kind; a kind that was seen before costs nothing."""
+    key = (_kind(model), tableau.name, record)
+    try:
+        known = _kernels.get(key)
+    except TypeError:  # a part of the kind that cannot be compared, such as a list
+        return kernel(trace(model), tableau, label(model), record)
+    if known is None:
+        known = _kernels[key] = kernel(trace(model), tableau, label(model), record)
+    return known
+
+
+def _kind(model: Any) -> tuple[Any, ...]:
+    """What the equations depend on: classes, names of the numbers, and the fields that are no numbers."""
+    numbers = {name for name, _ in leaves(model)}
+    return tuple((name, None if name in numbers else value) for name, value in leaves(model, kinds=True))
+
+
 def kernel(eq: Equations, tableau: Tableau, label: str, record: bool) -> Kernel:
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
     step = write_step(eq, tableau, record)
     width, groups = (1, 1) if record else (8, 2)
     source = _source(eq, tableau, step, width, groups, label, record)
     name = "single" if record else "lanes"
-    module = cache.load(source, f"{name}_{_plain(label)}_{tableau.name.lower()}", f"{label} ({tableau.name}, {'one case' if record else 'many cases'})")
+    module = cache.load(
+        source, f"{name}_{_plain(label)}_{tableau.name.lower()}", f"{label} ({tableau.name}, {'one case' if record else 'many cases'})"
+    )
     return Kernel(module, width * groups, len(step.fields) + _constants(eq, step), eq.states, step.degree, record, eq.names)
 
 
@@ -132,7 +156,9 @@ def _source(eq: Equations, tableau: Tableau, step: Step, width: int, groups: int
         "ZSCALE": len(step.case_nodes) + 2 if eq.inner_scales else -1, "F_C": len(step.fields) * lanes,
         "F_Y": offsets["y0"], "F_B": offsets["b0"], "F_ON": offsets["on0"], "F_M": offsets.get("m1", 0), "F_K": offsets.get("k0_0", 0),
     }  # fmt: skip
-    named |= {f"F_{f.upper()}": offsets.get(f, 0) for f in ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc")}
+    named |= {
+        f"F_{f.upper()}": offsets.get(f, 0) for f in ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc")
+    }
     named |= {f"F_{f.upper()}": offsets.get(f, 0) for f in ("t0", "hh", "x0", "side")}
     parts = [
         _HEADER.format(label=label, method=tableau.name, lanes=lanes),
@@ -169,7 +195,9 @@ def _sides(eq: Equations) -> str:
         w.line(f"b{k}", f"-1.0 if g{k} < 0.0 else 1.0")
         bind[f"b{k}"] = f"b{k}"
     body = [*w.lines, *(f"out[{k}] = g{k}" for k in range(len(eq.guards)))]
-    return '@njit("void(float64[::1], float64[::1], float64[::1])", **OPTIONS)\ndef sides(row, start, out):\n' + "".join(f"    {line}\n" for line in body)
+    return '@njit("void(float64[::1], float64[::1], float64[::1])", **OPTIONS)\ndef sides(row, start, out):\n' + "".join(
+        f"    {line}\n" for line in body
+    )
 
 
 def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], constants_at: int) -> str:
@@ -186,7 +214,15 @@ def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], con
     return "\n".join(text)
 
 
-def run(k: Kernel, params: Any, start: Any, job: Job, progress: Callable[[int], None] | None = None, keep_pieces: bool = False) -> Results:
+def run(
+    k: Kernel,
+    params: Any,
+    start: Any,
+    job: Job,
+    progress: Callable[[int], None] | None = None,
+    keep_pieces: bool = False,
+    slice_calls: int = 0,
+) -> Results:
     """Run all cases of a table, returning to Python after every slice, so that Ctrl-C works.
 
     Results do not depend on how cases are spread over lanes, slices, calls and threads.
@@ -202,7 +238,7 @@ def run(k: Kernel, params: Any, start: Any, job: Job, progress: Callable[[int], 
     out, count = np.full((cases, 5 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + n * (k.degree + 1))), []
-    slice_calls = 8192 if k.lanes == 1 else 65536  # about 5 and 30 milliseconds
+    slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     while k.module.advance(
         S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,
         job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls,

@@ -113,7 +113,7 @@ class _StepWriter:
         w.line("_hh", "_h")
         if self.eq.stribeck_velocity is not None:
             v_s = w.value(self.eq.stribeck_velocity, self.start)
-            second = combine(self.T[0], []) if self.n == 0 else self.T[0]
+            second = self.T[0]
             for j in range(self.n):
                 second = f"fma({self.J[0][j]}, {self.f[j]}, {second})"
             w.line("_jerk", f"abs({second})")
@@ -167,10 +167,7 @@ class _StepWriter:
         for q in range(tab.stages):
             f = self.f
             if q:
-                again = q > 1 and tab.a[q][:-1] == tab.a[q - 1] and tab.a[q][-1] == 1.0
-                for i in n:
-                    base, terms = (f"_w{i}", [(1.0, f"_u{q - 1}_{i}")]) if again else (f"_y{i}", [(a, f"_u{j}_{i}") for j, a in enumerate(tab.a[q])])
-                    w.line(f"_w{q}x{i}" if not again else f"_w{q}x{i}", combine(base if not again else f"_w{q - 1}x{i}", terms))
+                self._argument(q)
                 c = tab.c[q]
                 if c not in times:
                     times[c] = w.line(f"_t{q}", f"fma({literal(c)}, _hh, _t)")
@@ -186,6 +183,16 @@ class _StepWriter:
         for i in n:
             w.line(f"_n{i}", f"_w{last}x{i} + _u{last}_{i}")
             w.line(f"_e{i}", f"abs(_u{last}_{i})")
+
+    def _argument(self, q: int) -> None:
+        """Where stage q evaluates f; the last stages only add an increment to the argument before."""
+        a = self.tab.a
+        adds = q > 1 and a[q][:-1] == a[q - 1] and a[q][-1] == 1.0
+        for i in range(self.n):
+            if adds:
+                self.w.line(f"_w{q}x{i}", f"_w{q - 1}x{i} + _u{q - 1}_{i}")
+            else:
+                self.w.line(f"_w{q}x{i}", combine(f"_y{i}", [(c, f"_u{j}_{i}") for j, c in enumerate(a[q])]))
 
     def _dense(self) -> None:
         """Coefficients of the continuous extension in powers of theta: _k<state>_<power>."""
@@ -232,21 +239,27 @@ class _StepWriter:
         w.line("_d0", "_k0_1 * _b0")
         w.line("_d1", "(" + " + ".join(f"{m}.0 * _k0_{m}" for m in range(1, d + 1)) + ") * _b0")
         w.line("_dip", "_d0 < 0.0 and _d1 > 0.0 and _g0e >= 0.0")
+        w.line("_low", "_g0e")
+        w.line("_tiny", f"-1e-14 * {self.scale_v}")
+        if self.record:
+            w.line("_tx", "1.0")
+            w.begin_if("_dip")
         w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
         second = horner(["2.0 * _k0_2", *(f"{m * (m - 1)}.0 * _k0_{m}" for m in range(3, d + 1))], "_tx")
         w.line("_curve", second)
         w.line("_tx", f"_tx - ({self._rate_at(0, '_tx')}) / (_curve if _dip else 1.0)")
         w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
         w.line("_low", f"({self._at(0, '_tx')}) * _b0")
-        w.line("_tiny", f"-1e-14 * {self.scale_v}")
         w.line("_dip", "_dip and _low < _tiny")
+        w.end_if()
         w.line("_te", "_tx if _dip else 1.0")
         w.line("_ge", "_low if _dip else _g0e")
-        w.line("_cr", "_ge < _tiny")
+        w.line("_late", "_g0s < _tiny and _on0 < 0.5")  # it starts on the wrong side: another guard's flip moved this one
+        w.line("_cr", "_ge < _tiny or _late")
         w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
-        w.line("_th", "_te * _gs / (_gs - _ge if _cr else 1.0)")
+        w.line("_th", "_te * _gs / (_gs - _ge if _ge < _tiny else 1.0)")
         w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
-        w.line("_wrong", f"{self.f[0]} * _b0 < 0.0")
+        w.line("_wrong", f"_late or {self.f[0]} * _b0 < 0.0")
         w.line("_which", "0.0")
         end = self._bind("_t + _hh", [f"_n{i}" for i in range(self.n)])
         for k in range(1, self.g):
@@ -254,24 +267,35 @@ class _StepWriter:
 
     def _other_crossing(self, k: int, end: dict[str, str]) -> None:
         """The same for another guard of the law; the one that goes first is kept."""
-        w = self.w
+        w, guard = self.w, self.eq.guards[k]
         w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
-        w.line(f"_g{k}e", f"{w.value(self.eq.guards[k], end)} * _b{k}")
-        w.line(f"_cr{k}", f"_g{k}e < 0.0")
+        w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
+        w.line(
+            "_noise",
+            f"-1e-13 * ({' + '.join(f'abs({w.value(a, end)})' for a in guard.args)})" if guard.op in ("add", "subtract") else "0.0",
+        )
+        w.line("_late", f"_g{k}s < _noise and _on{k} < 0.5")
+        w.line(f"_out{k}", f"_g{k}e < _noise")
+        w.line(f"_cr{k}", f"_out{k} or _late")
         w.line(f"_gp{k}", f"_g{k}s if _g{k}s > 0.0 else 0.0")
-        w.line(f"_th{k}", f"_gp{k} / (_gp{k} - _g{k}e if _cr{k} else 1.0)")
+        w.line(f"_th{k}", f"_gp{k} / (_gp{k} - _g{k}e if _out{k} else 1.0)")
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
-        w.line("_wrong", f"{self.guard_rate[k]} * _b{k} < 0.0 if _first else _wrong")
+        w.line("_wrong", f"(_late or {self.guard_rate[k]} * _b{k} < 0.0) if _first else _wrong")
         for name, value in (("_gs", f"_gp{k}"), ("_ge", f"_g{k}e"), ("_th", f"_th{k}"), ("_te", "1.0"), ("_which", f"{k}.0")):
             w.line(name, f"{value} if _first else {name}")
         w.line("_cr", f"_cr or _cr{k}")
 
     def _locate(self) -> None:
         """theta of the event on the dense output: safeguarded Newton for v, a bracketing secant where other guards exist."""
-        w = self.w
+        w, skip = self.w, self.record and self.g == 1  # one lane need not locate what did not happen
         w.line("_lo", "0.0")
         w.line("_hi", "_te")
+        if skip:
+            w.line("_conv", "False")
+            for i in range(self.n):
+                w.line(f"_v{i}", "0.0")
+            w.begin_if("_cr")
         if self.g == 1:
             for _ in range(self.k.newton):
                 w.line("_pv", f"({self._at(0, '_th')}) * _b0")
@@ -300,6 +324,7 @@ class _StepWriter:
             w.line("_conv", "_pv <= 1e-9 * _span")
         for i in range(self.n):
             w.line(f"_v{i}", self._at(i, "_th"))
+        w.end_if()
 
     def _guard_at(self, theta: str) -> str:
         """Value of the chosen guard on its held side, on the dense output."""

@@ -93,7 +93,9 @@ class Sym:
         raise TraceError(_IF)
 
     def __float__(self) -> float:
-        raise TraceError("a law turns a symbol into a number; call exp, sqrt, sin, cos, tanh, log from stickslip.maths, not from math or numpy")
+        raise TraceError(
+            "a law turns a symbol into a number; call exp, sqrt, sin, cos, tanh, log from stickslip.maths, not from math or numpy"
+        )
 
     __int__ = __index__ = __float__  # type: ignore[assignment]
 
@@ -180,7 +182,9 @@ class Graph:
     def constant(self, value: Any) -> Sym:
         """A literal number."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise TraceError(f"{value!r} of type {type(value).__name__} stands in an equation; allowed are numbers, fields of the law, v, z and load")
+            raise TraceError(
+                f"{value!r} of type {type(value).__name__} stands in an equation; allowed are numbers, fields of the law, v, z and load"
+            )
         if not math.isfinite(value):
             raise TraceError(f"{value!r} stands in an equation")
         return self._node("constant", (), CONSTANT, value=float(value))

@@ -136,7 +136,8 @@ RODAS5P = Tableau(
             4.883087185713722,
         ),
     ),
-    source="G. Steinebach, Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia Differential Equations package, BIT Numer. Math. 63 (2023) 27",
+    source="G. Steinebach, Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia "
+    "Differential Equations package, BIT Numer. Math. 63 (2023) 27",
 )
 
 TABLEAUX = {"rodas4": RODAS4, "rodas5p": RODAS5P}

@@ -55,21 +55,31 @@ def inner_states(law: Any) -> int:
 def _as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
     values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
     if len(values) != count:
-        raise TraceError(f"{what} gives {len(values)} values; the law has {count} inner state{'s' if count > 1 else ''} (class attribute states)")
+        raise TraceError(
+            f"{what} gives {len(values)} values; the law has {count} inner state{'s' if count > 1 else ''} (class attribute states)"
+        )
     return values
 
 
 def trace(model: Any) -> Equations:
     """The equations of a model with a dynamic law; `InputError` says what to change in a law that cannot be traced."""
+    return _explained(_trace, model)
+
+
+def _explained(work: Any, model: Any) -> Any:
+    """Do some work on a user's law; what goes wrong in it is said as what to write."""
     law_name = type(model.friction).__name__
     try:
-        return _trace(model)
+        return work(model)
     except TraceError as error:
         raise InputError(law_name, [str(error)]) from error
     except AttributeError as error:
         raise InputError(
             law_name,
-            [f"{error}; while a law is traced it has its dataclass fields and methods and nothing else: compute in the method, or make it a field"],
+            [
+                f"{error}; while a law is traced it has its dataclass fields and methods and nothing else: compute in the method, "
+                "or make it a field"
+            ],
         ) from error
     except TypeError as error:
         raise InputError(law_name, [f"{error}; call functions from stickslip.maths in a law, not from math or numpy"]) from error
@@ -129,6 +139,10 @@ def _along_flow(graph: Graph, guard: Sym, t: Sym, y: tuple[Sym, ...], f: tuple[S
 
 def check_numbers(model: Any) -> None:
     """Call the law with plain floats of the first case; a law that returns NaN is said here, before any compiling."""
+    _explained(_check_numbers, model)
+
+
+def _check_numbers(model: Any) -> None:
     import math
 
     from stickslip.batch import rows_of
@@ -138,13 +152,19 @@ def check_numbers(model: Any) -> None:
     law, count = case.friction, inner_states(model.friction)
     load, speed = float(case.load(0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
     z0 = (0.0,) * count if count > 1 else 0.0
-    for v in (0.0, speed, -speed, 1e-6 * speed):
-        rate = _as_tuple(law.rate(v, z0, load), count, "rate")
-        force = law.force(v, z0, rate if count > 1 else rate[0], load)
-        for what, value in (("rate", max(map(abs, rate))), ("force", force)):
+    for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
+        try:
+            rate = _as_tuple(law.rate(v, z0, load), count, "rate")
+            values = {"rate": max(map(abs, rate)), "force": law.force(v, z0, rate if count > 1 else rate[0], load)}
+        except (ValueError, ZeroDivisionError, OverflowError) as error:
+            values = {"rate or force": f"no number ({error})"}
+        for what, value in values.items():
             if not isinstance(value, (int, float)) or not math.isfinite(value):
                 numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
                 raise InputError(
                     type(law).__name__,
-                    [f"{what}(v={v:.6g}, z=0, load={load:.6g}) is {value!r} with {numbers}; allowed is a finite number; check the law's formula and fields"],
+                    [
+                        f"{what}(v={v:.6g}, z=0, load={load:.6g}) is {value} with {numbers}; "
+                        "allowed is a finite number; check the law's formula and fields"
+                    ],
                 )

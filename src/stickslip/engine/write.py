@@ -44,7 +44,7 @@ def horner(coefficients: Sequence[str], x: str) -> str:
 
 
 _SIN = (-1 / 6, 8.3333333333333333e-3, -1.9841269841269841e-4, 2.7557319223985893e-6, -2.5052108385441720e-8)
-_SIN += (1.6059043836821613e-10, -7.6471637318198164e-13, 2.8114572543455206e-15)  # sin r = r + r^3 (…), Taylor
+_SIN += (1.6059043836821613e-10, -7.6471637318198164e-13, 2.8114572543455206e-15, -8.2206352466243297e-18)  # sin r = r + r^3 (…)
 
 
 class Writer:
@@ -58,11 +58,21 @@ class Writer:
         self._uses: dict[int, int] = {}
         self._count = 0
         self._prefix = prefix
+        self.indent = ""
 
     def line(self, name: str, expression: str) -> str:
         """Write ``name = expression``; returns the name."""
-        self.lines.append(f"{name} = {expression}")
+        self.lines.append(f"{self.indent}{name} = {expression}")
         return name
+
+    def begin_if(self, condition: str) -> None:
+        """What follows is done only if the condition holds (for kernels of one lane)."""
+        self.lines.append(f"if {condition}:")
+        self.indent = "    "
+
+    def end_if(self) -> None:
+        """End of what `begin_if` began."""
+        self.indent = ""
 
     def fresh(self) -> str:
         """A new local name."""
@@ -163,7 +173,7 @@ class Writer:
         return self.line(self.fresh(), f"fma(fma(fma({literal(c[12])}, {r4}, {quads[2]}), {r4}, {quads[1]}), {r4}, {quads[0]})")
 
     def _sine(self, x: str, quarter: bool) -> str:
-        """sin x, or cos x = sin(x + pi/2): reduction by pi in three parts, odd polynomial of degree 17."""
+        """sin x, or cos x = sin(x + pi/2): reduction by pi in three parts, odd polynomial of degree 19."""
         k, r = self.fresh(), self.fresh()
         if quarter:
             self.line(k, f"fma({x}, 0.3183098861837907, 0.5) + 6755399441055744.0")

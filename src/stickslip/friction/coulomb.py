@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import Record, at_least
@@ -42,7 +42,7 @@ class Coulomb(Record):
     f_plus: float | None = None
     f_minus: float | None = None
 
-    _rules = {
+    _rules: ClassVar[dict[str, Any]] = {
         "mu_plus": (at_least(0.0), "zero or more"),
         "mu_minus": (at_least(0.0), "zero or more"),
         "f_plus": (at_least(0.0), "zero or more, or None"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import Record, at_least, positive
@@ -61,7 +61,7 @@ class LuGre(Record):
     sigma2: float
     v_s: float
 
-    _rules = {
+    _rules: ClassVar[dict[str, Any]] = {
         "mu_plus": (positive, "a positive number"),
         "mu_minus": (positive, "a positive number"),
         "f_plus": (positive, "a positive number, or None"),

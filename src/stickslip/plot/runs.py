@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import motion
-from stickslip.analysis.steady import period_number
+from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, prefix, publication
@@ -121,7 +121,7 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
     ----------
     run : Trajectory or list of Trajectory
     periods : float, optional
-        How many drive periods to show; if not given, up to 16 of those after settling.
+        How many drive periods to show; if not given, one motion period, or up to 16 drive periods if the motion does not repeat.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     labels : list of str, optional
@@ -141,7 +141,8 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
         for i, ((s, v, strobe_s, strobe_v), name) in enumerate(zip(orbits, names, strict=True)):
             ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-            ax.plot(strobe_s * across, strobe_v * up, "o", markersize=3.2, color=COLOURS[i % 7], markeredgecolor="white", markeredgewidth=0.5, zorder=9)
+            marker = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
+            ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
         ax.set_xlabel(f"displacement without drift $x - Vt$ ({metres}m)")
         ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
         ax.margins(0.06)
@@ -149,8 +150,8 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
 
 
 def _shown(run: Any) -> int:
-    count = max(min(16, len(run.strobe_times) - 1 - int(run.settle)), 1)
-    return max(count - count % (period_number(run) or 1), 1)
+    """One motion period, or what there is of 16 drive periods if none was found."""
+    return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
 
 
 def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
@@ -183,7 +184,8 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
     """
     (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
     start, end = _span(run, periods)
-    curves = {"drive force $-m\\ddot\\xi$": _sampled(run, start, end, "drive_force"), "friction force $R$": _sampled(run, start, end, "friction_force")}
+    shown = {"drive force $-m\\ddot\\xi$": "drive_force", "friction force $R$": "friction_force"}
+    curves = {name: _sampled(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)
     factor, unit = prefix(*(f for _, f in curves.values()))
     with publication():

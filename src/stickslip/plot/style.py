@@ -18,7 +18,7 @@ INK, SHADE = "#333333", "#DFE3E8"
 #: Width of a journal column [inch].
 WIDTH = 3.5
 
-_RC: dict[str, Any] = {
+_RC: Any = {
     "figure.dpi": 150,
     "savefig.dpi": 300,
     "figure.constrained_layout.use": True,

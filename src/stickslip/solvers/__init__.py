@@ -93,13 +93,17 @@ def _solver(todo: Request) -> Callable[[Request], Any]:
         from stickslip.solvers import exact
 
         if is_dynamic(law):
-            raise InputError("solve", [f'method = "exact" is for set-valued laws; {type(law).__name__} has inner states; type method="auto"'])
+            raise InputError(
+                "solve", [f'method = "exact" is for set-valued laws; {type(law).__name__} has inner states; type method="auto"']
+            )
         return exact.solve
     if name in ("rosenbrock", "rodas4", "rodas5p"):
         from stickslip.solvers import rosenbrock
 
         if not is_dynamic(law):
-            raise InputError("solve", [f'method = {todo.method!r} is for laws with inner states; {type(law).__name__} is set-valued; type method="auto"'])
+            raise InputError(
+                "solve", [f'method = {todo.method!r} is for laws with inner states; {type(law).__name__} is set-valued; type method="auto"']
+            )
         return rosenbrock.solve
     if name == "rk4":
         from stickslip.solvers import rk4

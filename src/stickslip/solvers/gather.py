@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.forces import is_dynamic
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
 from stickslip.summary import STATUS, Summary
@@ -41,7 +42,7 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last]).items():
             if name not in columns:
-                columns[name] = np.empty(cases, dtype="U16" if values.dtype.kind == "U" else values.dtype)
+                columns[name] = np.empty(cases, dtype="U32" if name == "pattern" else "U12" if values.dtype.kind == "U" else values.dtype)
             columns[name][first:last] = values
     shaped = {name: values.reshape(todo.labels.shape) for name, values in columns.items()}
     tolerance = None if method == "exact" else todo.rtol
@@ -62,7 +63,12 @@ def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
     good = raw.status <= 1
     with np.errstate(invalid="ignore", divide="ignore"):
         velocity = np.where(good, raw.displacement / (raw.window * T), np.nan)
-    typed = type_of(raw.seg_count, raw.seg_time / T[:, None], raw.seg_code, raw.period, raw.margin_force, np.sign(raw.displacement), todo.dwell)
+    moving = (raw.v_max > 0) | (raw.v_min < 0)
+    floor = np.maximum(1e-12, todo.rtol if is_dynamic(todo.model.friction) else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
+    typed = type_of(
+        raw.seg_count, raw.seg_time / T[:, None], raw.seg_code, raw.period, raw.margin_force, raw.displacement, todo.dwell, moving,
+        floor * raw.window,
+    )  # fmt: skip
     typed["motion_type"] = np.where(good, typed["motion_type"], "unsolved")
     for name in ("margin", "stick_fraction", "forward_fraction", "backward_fraction"):
         typed[name] = np.where(good, typed[name], np.nan)

@@ -46,13 +46,15 @@ class Request:
 
 
 def request(
-    model: Any, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any, dwell: Any,
-    progress: Any, options: dict[str, Any],
+    model: Any, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any,
+    dwell: Any, progress: Any, options: dict[str, Any],
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")
     if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
-        raise InputError("solve", [f"{model!r} is no model; allowed is a Robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"])
+        raise InputError(
+            "solve", [f"{model!r} is no model; allowed is a Robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"]
+        )
     labels = labels_of(model)
     whole = {"periods": (periods, 1), "workers": (workers, 1), "samples": (samples, 4)}
     for name, (value, least) in whole.items():
@@ -60,7 +62,8 @@ def request(
             problems.add(f"{name} = {value!r}; allowed is a whole number from {least}; type for example {name}={max(least, 200)}")
     auto = settle == "auto"
     if settle is not None and not auto and (not _is_whole(settle) or settle < 0 or (_is_whole(periods) and settle >= periods)):
-        problems.add(f'settle = {settle!r}; allowed is a whole number from 0 below periods = {periods!r}, None or "auto"; type for example settle=100')
+        allowed = f'a whole number from 0 below periods = {periods!r}, None or "auto"'
+        problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
     if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
         problems.add(f"rtol = {rtol!r}; allowed is 1e-12 to 1e-3; type for example rtol=1e-6")
     for name, value, below in (("slip_ratio", slip_ratio, 1.0), ("dwell", dwell, 0.5)):
@@ -71,8 +74,9 @@ def request(
     problems.check()
     keep = keep or ("summary" if labels.shape else "trajectory")
     periods = int(periods)
+    settled = periods // 2 if settle is None else periods - 1 if auto else int(settle)
     return Request(
-        model, labels, periods, (periods // 2 if settle is None else periods - 1 if auto else int(settle)), auto, float(rtol), states, dict(start or {}),
+        model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
     )  # fmt: skip
 
@@ -87,13 +91,28 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
     if keep not in (None, "trajectory", "summary"):
         problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
     if keep == "trajectory" and labels.shape:
-        problems.add(f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case')
+        problems.add(
+            f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
+        )
     if method not in METHODS:
         problems.add(f"method = {method!r} is not known; {did_you_mean(str(method), METHODS)}")
     known = {"rk4": ("steps",)}.get(method, ())
     for name in options:
         if name not in known:
-            arguments = ("periods", "settle", "rtol", "start", "workers", "keep", "samples", "method", "slip_ratio", "dwell", "progress", *known)
+            arguments = (
+                "periods",
+                "settle",
+                "rtol",
+                "start",
+                "workers",
+                "keep",
+                "samples",
+                "method",
+                "slip_ratio",
+                "dwell",
+                "progress",
+                *known,
+            )
             problems.add(f"{name!r} is not an argument of solve; {did_you_mean(name, arguments)}")
 
 

@@ -1,5 +1,5 @@
 # Exact stick-slip under Coulomb friction and a harmonic drive: text of a kernel, loaded by engine/cache.py, never imported.
-# ruff: noqa: F821, D103
+# ruff: noqa: F821
 # mypy: ignore-errors
 """The mode machine of w' = sin(tau) - r, with r = r_plus for w > 0 and -r_minus for w < 0 (Eqs 2.3 and 2.4).
 
@@ -82,7 +82,7 @@ def prepare(row, q):
     q[GAMMA] = row[4]
 
 
-@njit("b1(f8, f8, f8)", **OPTIONS, inline="always")
+@njit(**OPTIONS, inline="always")
 def within(phase, begin, end):
     """Whether a phase lies in [begin, end), which may reach across the end of the period."""
     if begin <= end:
@@ -126,7 +126,7 @@ def zero(u, q, S, C, lo, hi, x):
     return x + step, S1 + step * C1 - half * S1, C1 - step * S1 - half * C1, moved
 
 
-@njit("UniTuple(f8, 5)(f8[::1], f8[::1], i8, f8, f8, f8, f8)", **FUSED, inline="always")
+@njit(**FUSED, inline="always")
 def slip(q, last, side, phase, u, S, C):
     """A sliding arc, to its zero or to the end of the period: new phase, u, S, C, and the displacement."""
     base = BACK * side
@@ -156,7 +156,7 @@ def slip(q, last, side, phase, u, S, C):
     return new, 0.0, S1, C1, moved
 
 
-@njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS, inline="always")
+@njit(**OPTIONS, inline="always")
 def arc(q, last, phase, w, s, c):
     """One arc of the mode machine, not beyond the end of the period: new phase, w, sin, cos, the displacement and the mode."""
     if w > 0.0 or (w == 0.0 and within(phase, q[AWAY], q[AWAY + 1])):
@@ -182,3 +182,9 @@ def one_period(q, last, w):
         if phase >= TAU:
             return w, x, True
     return w, x, False
+
+
+@njit("Tuple((f8, f8, f8, f8, f8, i8))(f8[::1], f8[::1], f8, f8, f8, f8)", **OPTIONS)
+def one_arc(q, last, phase, w, s, c):
+    """The same, compiled once for those who are in no hurry."""
+    return arc(q, last, phase, w, s, c)

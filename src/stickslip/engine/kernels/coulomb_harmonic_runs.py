@@ -1,5 +1,5 @@
 # Runs of the mode machine: text that follows coulomb_harmonic.py in one kernel, loaded by engine/cache.py, never imported.
-# ruff: noqa: F821, D103
+# ruff: noqa: F821
 # mypy: ignore-errors
 """A batch without trajectories, and one case with all its arcs."""
 
@@ -34,7 +34,7 @@ def observe(q, row, last, w, periods, seg_time, seg_code, out):
         phase, s, c = 0.0, 0.0, 1.0
         for _ in range(STEPS):
             start, v, s0, c0 = phase, w, s, c
-            phase, w, s, c, moved, mode = arc(q, last, phase, w, s, c)
+            phase, w, s, c, moved, mode = one_arc(q, last, phase, w, s, c)
             x += moved
             if mode * before == -1 and v == 0.0:
                 margin = min(margin, force_margin(q, row, s0))
@@ -85,104 +85,123 @@ def period_number(ring, n, tolerance):
 
 @njit("f8(f8[::1], i8)", **OPTIONS)
 def remaining(ring, n):
-    """Estimated distance from the periodic state: the last change of the strobe point times lambda/(1 - lambda)."""
-    d1 = abs(ring[n % RINGS] - ring[(n - 1) % RINGS])
-    if d1 == 0.0 or n < 2:
-        return d1 if d1 == 0.0 else math.inf
-    d0 = abs(ring[(n - 1) % RINGS] - ring[(n - 2) % RINGS])
-    return d1 * d1 / (d0 - d1) if d1 < d0 else math.inf
+    """Estimated distance from the periodic state: the last change of the strobe point times rate/(1 - rate)."""
+    d2, d1, d0 = abs(ring[n % RINGS] - ring[(n - 1) % RINGS]), 0.0, 0.0
+    if d2 == 0.0:
+        return 0.0
+    if n > 2:
+        d1, d0 = abs(ring[(n - 1) % RINGS] - ring[(n - 2) % RINGS]), abs(ring[(n - 2) % RINGS] - ring[(n - 3) % RINGS])
+    rate = max(d2 / d1, d1 / d0)  # not a number or infinite where there is none
+    return d2 * rate / (1.0 - rate) if rate < 1.0 else math.inf
+
+
+@njit("UniTuple(f8, 2)(f8, f8, f8)", **OPTIONS)
+def add(total, excess, term):
+    """Kahan's sum: the new total, and by how much it is too large."""
+    term -= excess
+    new = total + term
+    return new, (new - total) - term
+
+
+@njit("UniTuple(i8, 3)(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], i8, i8, b1, b1)", **OPTIONS)
+def follow(q, last, ring, early, sums, periods, settle, auto, skip):
+    """Run up to `periods` drive periods from the strobe point ring[0]: periods done, period number (0: not asked for), status.
+
+    sums receives the displacement over the window after `settle`, and over all; early the window's first periods one by one.
+    `auto` stops at the repeated strobe point. `skip`: the same point to the last bit means the same period over and over.
+    """
+    w, n, window, x, excess, excess_x = ring[0], 0, 0.0, 0.0, 0.0, 0.0
+    status, p = FINISHED, 0
+    while n < periods and p == 0 and status == FINISHED:
+        w, moved, good = one_period(q, last, w)
+        n += 1
+        ring[n % RINGS] = w
+        x, excess_x = add(x, excess_x, moved)
+        if not good:
+            status = TOO_LONG
+        elif w - w != 0.0:
+            status = NOT_A_NUMBER
+        elif auto:
+            scale = 1.0 + abs(w)
+            if remaining(ring, n) <= 1e-14 * scale or misfit(ring, n, 1) <= 4e-16 * scale:
+                p = 1
+            elif n % 64 == 0:
+                p = period_number(ring, n, 1e-14)
+        elif n > settle:
+            if n - settle <= KEPT:
+                early[n - settle - 1] = moved
+            window, excess = add(window, excess, moved)
+        if skip and not auto and w == ring[(n - 1) % RINGS]:
+            x, excess_x = add(x, excess_x, moved * (periods - n))
+            window, excess = add(window, excess, moved * min(periods - n, periods - settle))
+            for k in range(max(n - settle, 0), KEPT):
+                early[k] = moved
+            for k in range(RINGS):
+                ring[k] = w
+            n = periods
+    sums[0], sums[1] = window, x
+    return n, p, status
 
 
 @njit("void(f8[:,::1], i8, i8, i8, i8, b1, b1, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **OPTIONS)
 def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1 of a batch; everything dimensionless.
 
-    rows: r_plus, r_minus, s_plus, s_minus, gamma, w at the start. out: displacement over the window, its periods, largest and
-    smallest w and the margin of the last motion period, estimated distance from the periodic state, displacement in all, w at the
-    end. count: status, period number, periods run, segments.
+    rows: r_plus, r_minus, s_plus, s_minus, gamma, w at the start. out: displacement over the window (`auto`: over the last motion
+    period), its periods, largest and smallest w and the margin of the last motion period, estimated distance from the periodic
+    state, displacement in all, w at the end. count: status, period number, periods run, segments.
     """
-    q, last, ring, early = np.empty(CONSTANTS), np.empty(2), np.empty(RINGS), np.empty(KEPT)
+    q, last, ring, early, sums = np.empty(CONSTANTS), np.empty(2), np.empty(RINGS), np.empty(KEPT), np.empty(2)
     for i in range(i0, i1):
         row = rows[i]
         prepare(row, q)
         last[0], last[1] = -1.0, -1.0
-        w, x, window, low, low_all, status, n, p = row[5], 0.0, 0.0, 0.0, 0.0, FINISHED, 0, 0
-        ring[0] = w
-        while n < periods:
-            w, moved, good = one_period(q, last, w)
-            n += 1
-            ring[n % RINGS] = w
-            if not (good and w - w == 0.0):
-                status = TOO_LONG if not good else NOT_A_NUMBER
-                break
-            add = moved - low_all
-            total = x + add
-            x, low_all = total, (total - x) - add
-            if auto:
-                here = 1e-14 * (1.0 + abs(w))
-                if remaining(ring, n) <= here or misfit(ring, n, 1) <= 4e-16 * (1.0 + abs(w)):
-                    p = 1
-                    break
-                if n % 64 == 0:
-                    p = period_number(ring, n, 4e-16)
-                    if p > 0:
-                        break
-            elif n > settle:
-                if n - settle <= KEPT:
-                    early[n - settle - 1] = moved
-                add = moved - low
-                total = window + add
-                window, low = total, (total - window) - add
-            if skip and not auto and w == ring[(n - 1) % RINGS]:
-                rest = periods - n  # the same point again: the rest is the same period over and over
-                window += moved * min(rest, periods - settle)
-                x += moved * rest
-                for k in range(max(n - settle, 0), min(KEPT, periods - settle)):
-                    early[k] = moved
-                for k in range(RINGS):
-                    ring[k] = w
-                n = periods
-        error = remaining(ring, n)
-        if status == FINISHED and p == 0:
-            p = period_number(ring, n, tolerance)
-        elif status == FINISHED:
-            status = REPEATED
-        number = min(max(p, 1), n)
-        count[i, 0], count[i, 1], count[i, 2], count[i, 3] = status, p, n, 0
-        out[i, 1], out[i, 5], out[i, 6], out[i, 7] = number, error, x, w
-        out[i, 0], out[i, 2], out[i, 3], out[i, 4] = math.nan, math.nan, math.nan, math.nan
-        if status == FINISHED or status == REPEATED:
-            count[i, 3] = observe(q, row, last, ring[(n - number) % RINGS], number, seg_time[i], seg_code[i], out[i])
+        ring[0] = row[5]
+        n, p, status = follow(q, last, ring, early, sums, periods, settle, auto, skip)
+        out[i, 7] = ring[n % RINGS]
+        for k in range(6):
+            out[i, k] = math.nan
+        count[i, 3] = 0
+        if status == FINISHED:
+            status = REPEATED if p > 0 else FINISHED
+            p = p if p > 0 else period_number(ring, n, tolerance)
+            number = min(max(p, 1), n)
+            out[i, 1], out[i, 5] = number, remaining(ring, n) if p < 2 else misfit(ring, n, p)
+            begin = n if status == REPEATED else n - number  # where it repeats, the next motion period is the best one yet
+            count[i, 3] = observe(q, row, last, ring[begin % RINGS], number, seg_time[i], seg_code[i], out[i])
+            if status == REPEATED:
+                n += number
+                sums[1] += out[i, 0]
             if not auto:
                 first = (periods - settle) % number
                 first = first if first < periods - settle else 0
                 for k in range(first):
-                    window -= early[k]
-                out[i, 0], out[i, 1] = window, periods - settle - first
+                    sums[0] -= early[k]
+                out[i, 0], out[i, 1] = sums[0], periods - settle - first
+        out[i, 6] = sums[1]
+        count[i, 0], count[i, 1], count[i, 2] = status, p, n
 
 
-@njit("UniTuple(i8, 2)(f8[::1], f8[::1], i8, i8, i8[::1], f8[:,::1], i1[::1])", **OPTIONS)
+@njit("UniTuple(i8, 2)(f8[::1], f8[::1], i8, i8, i8[::1], f8[:,::1], i8[::1])", **OPTIONS)
 def record(row, state, n, periods, number, arcs, mode):
     """The arcs of one case from period n on, as many as there is room for: drive period, (phase, displacement, w) and mode of each.
 
-    state holds w, the displacement and what it lacks, and the last zeros; the next call goes on from it. Returns (arcs, next period);
+    state holds w, the displacement and its excess, and the last zeros; the next call goes on from it. Returns (arcs, next period);
     (-1, period) if one has too many arcs.
     """
     q, last = np.empty(CONSTANTS), np.empty(2)
     prepare(row, q)
     last[0], last[1] = state[3], state[4]
-    w, x, low, i = state[0], state[1], state[2], 0
+    w, x, excess, i = state[0], state[1], state[2], 0
     while n < periods and i + STEPS <= len(mode):
         phase, s, c, steps = 0.0, 0.0, 1.0, 0
         while phase < TAU:
             number[i], arcs[i, 0], arcs[i, 1], arcs[i, 2] = n, phase, x, w
-            phase, w, s, c, moved, mode[i] = arc(q, last, phase, w, s, c)
-            add = moved - low
-            total = x + add
-            x, low = total, (total - x) - add
+            phase, w, s, c, moved, mode[i] = one_arc(q, last, phase, w, s, c)
+            x, excess = add(x, excess, moved)
             i, steps = i + 1, steps + 1
             if steps >= STEPS:
                 return -1, n
         n += 1
-    state[0], state[1], state[2], state[3], state[4] = w, x, low, last[0], last[1]
+    state[0], state[1], state[2], state[3], state[4] = w, x, excess, last[0], last[1]
     return i, n

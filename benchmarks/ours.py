@@ -1,0 +1,41 @@
+"""stickslip, as a user calls it: many cases in one `solve`, and one case alone."""
+
+from __future__ import annotations
+
+from functools import cache
+from time import process_time
+
+import numpy as np
+
+from problem import OMEGA, Problem
+from rivals.base import Outcome, Rival
+
+
+def _solve(problem: Problem, rtol: float) -> np.ndarray:
+    """Mean velocity of each case [m/s]."""
+    import stickslip as ss
+
+    amplitude = problem.amplitude if len(problem.amplitude) > 1 else float(problem.amplitude[0])
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, omega=OMEGA, mu0=problem.mu0)
+    run = ss.solve(robot, periods=problem.periods, settle=problem.settle, keep="summary", rtol=rtol)
+    return np.atleast_1d(np.asarray(run.mean_velocity, dtype=float))
+
+
+@cache
+def _warm(lanes: bool) -> None:
+    """Compile, or fetch from the cache, both drivers."""
+    _solve(Problem(0.18, np.linspace(4e-4, 8e-4, 16 if lanes else 1), periods=2, settle=1), 1e-4)
+
+
+def _run(problem: Problem, rtol: float) -> Outcome:
+    _warm(len(problem.amplitude) > 1)
+    start = process_time()
+    velocities = _solve(problem, rtol)
+    return velocities, process_time() - start
+
+
+OURS = Rival(
+    name="stickslip", pip="stickslip", module="stickslip", run=_run, alone=True,
+    settings=(3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+    note="setting: rtol; everything between the call and the number counts",
+)

@@ -1,0 +1,95 @@
+"""Work and precision of stickslip and of what installs from PyPI: one command, one table.
+
+    python benchmarks/work_precision.py                         # everything: 10 to 15 minutes
+    python benchmarks/work_precision.py --quick                 # 64 cases, small budgets: 2 minutes
+    python benchmarks/work_precision.py --only heyoka           # ours and the rows whose name contains it
+    python benchmarks/work_precision.py --json out.json --plot out.png
+    python benchmarks/work_precision.py --arith                 # the core's multiply-add peak, nothing else
+"""
+
+from __future__ import annotations
+
+import pin  # isort: skip  # before NumPy
+
+import argparse
+import sys
+from dataclasses import replace
+
+import chart
+import table
+from measure import Curve, curve
+from ours import OURS
+from problem import Problem, alone, sweep
+from rivals import ALL, Rival
+
+FRICTIONS = (0.18, 0.03)
+MANY = "512 amplitudes 0.4 to 0.8 mm, CPU us per drive period and case at a worst relative error of the mean velocity (x: times ours)"
+ONE = "one case alone, A = 0.6 mm, same units"
+
+
+def arguments(given: list[str] | None = None) -> argparse.Namespace:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--mu0", type=float, action="append", choices=FRICTIONS, help="only this friction (default: both)")
+    parser.add_argument("--only", action="append", metavar="TEXT", help="only ours and rivals whose name contains TEXT")
+    parser.add_argument("--repeats", type=int, default=5, help="of each fast measurement; the median counts (default 5)")
+    parser.add_argument("--budget", type=float, default=40, help="CPU seconds for a row on one problem (default 40)")
+    parser.add_argument("--quick", action="store_true", help="64 cases, 3 repeats, budget 8 s")
+    parser.add_argument("--json", metavar="FILE", help="write everything measured")
+    parser.add_argument("--plot", metavar="FILE", help="draw the work-precision diagram")
+    parser.add_argument("--arith", action="store_true", help="measure the core's double FMA peak instead")
+    found = parser.parse_args(given)
+    if found.quick:
+        found.repeats, found.budget = 3, 8.0
+    return found
+
+
+def chosen(only: list[str] | None) -> tuple[Rival, ...]:
+    """Ours first, then everybody asked for."""
+    return (OURS, *(r for r in ALL if not only or any(text.lower() in r.name.lower() for text in only)))
+
+
+def measured(rivals: tuple[Rival, ...], problems: list[Problem], repeats: int, budget: float) -> list[list[Curve]]:
+    """One row of curves for each rival."""
+    rows = []
+    for rival in rivals:
+        row = []
+        for problem in problems:
+            progress(f"{rival.name}, mu0 {problem.mu0:g}")
+            row.append(curve(rival, problem, repeats, budget))
+        rows.append(row)
+    progress("")
+    return rows
+
+
+def progress(what: str) -> None:
+    """One line that is written over, on a terminal only."""
+    if sys.stderr.isatty():
+        print(f"\r{what:78s}\r", end="", file=sys.stderr, flush=True)
+
+
+def main() -> None:
+    """Measure, print, and write what was asked for."""
+    asked = arguments()
+    if asked.arith:
+        import arith
+
+        arith.report()
+        return
+    frictions = asked.mu0 or FRICTIONS
+    rivals = chosen(asked.only)
+    many = [sweep(mu0).some(64) if asked.quick else sweep(mu0) for mu0 in frictions]
+    print(f"# {pin.WHERE}; " + ", ".join(f"{k} {v}" for k, v in table.versions().items()))
+    rows = measured(rivals, many, asked.repeats, asked.budget)
+    print(table.text(MANY, rows), "\n", flush=True)
+    singles = tuple(replace(r, cases=1, cases_stiff=0) for r in rivals if r.alone)
+    single_rows = measured(singles, [alone(mu0) for mu0 in frictions], asked.repeats, asked.budget)
+    print(table.text(ONE, single_rows))
+    if asked.json:
+        table.write_json(asked.json, {"many": rows, "alone": single_rows}, pinned=pin.WHERE)
+    if asked.plot:
+        chart.draw(asked.plot, rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+"""Sphinx builds the documentation from this file: offline, strictly, without a script or a font from elsewhere."""
+
+import sys
+from importlib import metadata
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+project = "stickslip"
+author = "The stickslip contributors"
+copyright = "2026, The stickslip contributors"
+release = metadata.version("stickslip")
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml"]
+exclude_patterns = ["_build"]
+
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+myst_update_mathjax = False
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the docstrings say type, unit and shape
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+
+html_theme = "furo"
+html_title = f"stickslip {release}"
+html_static_path = ["_static"]
+html_css_files = ["style.css"]
+html_math_renderer = "mathml"
+html_show_sphinx = False
+html_copy_source = False

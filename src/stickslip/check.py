@@ -1,0 +1,271 @@
+"""How sure is an answer? Several judges solve the same robot, and the digits on which they agree are counted."""
+
+from __future__ import annotations
+
+import html
+import math
+import time
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from stickslip.analysis.energy import energy
+from stickslip.analysis.steady import mean_velocity, period_number, periodic_mean_velocity
+from stickslip.batch import shape_of
+from stickslip.errors import InputError, SolveError
+from stickslip.forces import is_dynamic
+from stickslip.solvers import solve
+
+__all__ = ["Check", "Judge", "check"]
+
+#: Steps per period of the fixed-step judges.
+RK4_STEPS = (2000, 10_000, 50_000)
+#: Drive periods that scipy's judge does, and its tolerance: Python code, so a few.
+SCIPY = {True: ("radau", 6, 1e-9), False: ("dop853", 12, 1e-11)}
+#: Tolerances of the ladder below the one that is judged.
+LADDER = (1.0, 0.1, 1e-2, 1e-4)
+_TIGHTEST = 1e-12
+
+
+@dataclass(frozen=True)
+class Judge:
+    """One run of one method.
+
+    Parameters
+    ----------
+    name : str
+        What it is.
+    setting : str
+        Its tolerance or step.
+    periods : int
+        Drive periods.
+    mean_velocity : float
+        Over the second half of them [m/s]; nan where it failed.
+    difference : float
+        From the reference with the same number of periods [m/s].
+    seconds : float
+        What it took here.
+    counts : bool
+        Whether it limits the number of certain digits.
+    remark : str
+        Why it failed, or what it is compared with.
+    """
+
+    name: str
+    setting: str
+    periods: int
+    mean_velocity: float
+    difference: float
+    seconds: float
+    counts: bool = True
+    remark: str = ""
+
+
+@dataclass(frozen=True)
+class Check:
+    """What the judges found; `print` shows it as a table.
+
+    Parameters
+    ----------
+    mean_velocity : float
+        The answer that is judged [m/s].
+    best : float
+        The most accurate value found [m/s].
+    uncertainty : float
+        Largest difference among the judges that count [m/s].
+    digits : int
+        Digits of `mean_velocity` that are certain.
+    period : int or None
+        Period number of the motion.
+    energy : float
+        Worst relative residual of the energy balance of a drive period after settling.
+    judges : tuple of Judge
+    notes : tuple of str
+        Remarks on the robot's numbers.
+    verdict : str
+        All this in a sentence.
+    """
+
+    mean_velocity: float
+    best: float
+    uncertainty: float
+    digits: int
+    period: int | None
+    energy: float
+    judges: tuple[Judge, ...]
+    notes: tuple[str, ...]
+    verdict: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers and text."""
+        return {**asdict(self), "judges": [asdict(judge) for judge in self.judges], "notes": list(self.notes)}
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """The judges as rows of text, the heading first."""
+        head = ("judge", "setting", "periods", "mean velocity [m/s]", "difference", "time [s]", "")
+        return [head, *(_row(judge) for judge in self.judges)]
+
+    def __str__(self) -> str:
+        rows = self.rows()
+        widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+        lines += ["", f"energy balance: worst residual {self.energy:.1e} of the drive's work in a period", self.verdict]
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def _repr_html_(self) -> str:
+        cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in self.rows()]
+        notes = "".join(f"<p>note: {html.escape(note)}</p>" for note in self.notes)
+        return f"<table><caption>{html.escape(self.verdict)}</caption>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>{notes}"
+
+
+def _row(judge: Judge) -> tuple[str, ...]:
+    value = f"{judge.mean_velocity:.12e}" if math.isfinite(judge.mean_velocity) else "-"
+    difference = f"{judge.difference:+.1e}" if math.isfinite(judge.difference) else "-"
+    return judge.name, judge.setting, str(judge.periods), value, difference, f"{judge.seconds:.2f}", judge.remark
+
+
+def check(
+    robot: Any,
+    periods: int = 200,
+    rtol: float = 1e-6,
+    start: dict[str, Any] | None = None,
+    rk4_steps: tuple[int, ...] = RK4_STEPS,
+    scipy: bool = True,
+) -> Check:
+    """Let several methods solve one robot and say how many digits of its mean velocity are certain.
+
+    The answer is the mean velocity over the second half of `periods`. Beside it stand tighter tolerances of the same solver, one of
+    scipy's integrators on the same law in plain Python over a few periods, for Coulomb friction the closed formula of the periodic
+    motion, and classical Runge-Kutta with fixed steps. The last does not count: it shows what a hand-written script would say.
+
+    Parameters
+    ----------
+    robot : Robot
+        One robot, no batch.
+    periods : int
+        Drive periods.
+    rtol : float
+        The tolerance that is judged.
+    start : dict
+        As for `solve`.
+    rk4_steps : tuple of int
+        Steps per period of the Runge-Kutta judges.
+    scipy : bool
+        Whether to ask scipy, which takes most of the time.
+
+    Returns
+    -------
+    Check
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.check import check
+    >>> sure = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=100, rk4_steps=(2000,))
+    >>> f"{sure.mean_velocity:.6f} m/s", sure.digits >= 8
+    ('0.002015 m/s', True)
+    """
+    if shape_of(robot):
+        raise InputError("check", [f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it"])
+    court = _Court(robot, periods, start)
+    dynamic = is_dynamic(robot.friction)
+    run, judges = court.ladder(rtol) if dynamic else court.exact()
+    best = judges[-1].mean_velocity if dynamic else judges[0].mean_velocity
+    if scipy:
+        judges.append(court.scipy(*SCIPY[dynamic], tight=max(1e-4 * rtol, _TIGHTEST)))
+    judges += [court.judge("RK4, fixed steps", f"{n} per period", best, counts=False, method="rk4", steps=n) for n in rk4_steps]
+    period, balance = period_number(run), energy(run).worst
+    answer = judges[0].mean_velocity
+    differences = [abs(judge.difference) for judge in judges if judge.counts and math.isfinite(judge.difference)]
+    uncertainty = max([*differences, 2e-16 * abs(answer)])
+    digits = _digits(answer, uncertainty)
+    return Check(
+        answer,
+        best,
+        uncertainty,
+        digits,
+        period,
+        balance,
+        tuple(judges),
+        tuple(robot.notes),
+        _verdict(answer, uncertainty, digits, period, judges, robot),
+    )
+
+
+class _Court:
+    """Calls the judges one by one."""
+
+    def __init__(self, robot: Any, periods: int, start: dict[str, Any] | None):
+        self.robot, self.periods, self.start = robot, periods, start
+
+    def judge(
+        self, name: str, setting: str, reference: float | None, counts: bool = True, periods: int | None = None, **options: Any
+    ) -> Judge:
+        """One run; a run that fails is reported, not raised."""
+        begin = time.perf_counter()
+        periods = periods or self.periods
+        try:
+            value = mean_velocity(solve(self.robot, periods=periods, start=self.start, **options))
+        except SolveError as error:
+            return Judge(name, setting, periods, math.nan, math.nan, time.perf_counter() - begin, False, str(error).split(";")[0])
+        difference = math.nan if reference is None else value - reference
+        return Judge(name, setting, periods, value, difference, time.perf_counter() - begin, counts)
+
+    def ladder(self, rtol: float) -> tuple[Any, list[Judge]]:
+        """The answer and the same at tighter tolerances; the tightest is the reference of the others."""
+        tolerances = sorted({max(rtol * part, _TIGHTEST) for part in LADDER}, reverse=True)
+        run = solve(self.robot, periods=self.periods, start=self.start, rtol=rtol)
+        found = [self.judge(f"{run.method}", f"rtol {tolerance:.0e}", None, rtol=tolerance) for tolerance in tolerances]
+        best = found[-1].mean_velocity
+        last = {"remark": "the reference"}
+        return run, [Judge(**{**asdict(j), "difference": j.mean_velocity - best, **(last if j is found[-1] else {})}) for j in found]
+
+    def exact(self) -> tuple[Any, list[Judge]]:
+        """The exact run, and the closed formula of the periodic motion, compared with a run until the strobe point repeats."""
+        run = solve(self.robot, periods=self.periods, start=self.start)
+        first = self.judge("exact arcs", "no tolerance", None)
+        judges = [Judge(**{**asdict(first), "difference": 0.0, "remark": "the reference"})]
+        begin = time.perf_counter()
+        formula = float(periodic_mean_velocity(self.robot))
+        settled = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)
+        judges.append(
+            Judge(
+                "closed formula", "periodic motion", int(settled.periods_run), formula, formula - float(settled.mean_velocity),
+                time.perf_counter() - begin, remark="against a run until the strobe point repeats",
+            )
+        )  # fmt: skip
+        return run, judges
+
+    def scipy(self, method: str, periods: int, rtol: float, tight: float) -> Judge:
+        """An integrator that is not ours, over fewer periods, against our own tight run of the same length."""
+        periods = min(periods, self.periods)
+        own = self.judge("", "", None, periods=periods, rtol=tight)
+        return self.judge(f"scipy {method}", f"rtol {rtol:.0e}", own.mean_velocity, periods=periods, method=method, rtol=rtol)
+
+
+def _digits(answer: float, uncertainty: float) -> int:
+    """Certain digits: half a unit of the last one is more than the uncertainty."""
+    if uncertainty <= 0:
+        return 15 if answer else 0
+    return max(0, min(15, math.floor(-math.log10(2 * uncertainty / abs(answer))))) if answer else 0
+
+
+def _verdict(answer: float, uncertainty: float, digits: int, period: int | None, judges: list[Judge], robot: Any) -> str:
+    small = 1e-9 * float(robot.velocity_scale)
+    if abs(answer) <= max(uncertainty, small):
+        within = f"zero to within {max(uncertainty, abs(answer)):.1e} m/s" if answer or uncertainty else "exactly zero"
+        sentence = f"There is no net motion: the mean velocity is {within}."
+    elif digits == 0:
+        sentence = f"No digit of the mean velocity {answer:.3e} m/s is certain: the judges differ by {uncertainty:.1e} m/s. Ask for a smaller rtol."
+    else:
+        shown = f"{answer:.{max(digits - 1, 0)}e}"
+        count = f"{digits} digits" if digits > 1 else "1 digit"
+        sentence = (
+            f"{count} of the mean velocity {shown} m/s {'are' if digits > 1 else 'is'} certain: the judges agree to {uncertainty:.1e} m/s."
+        )
+    if period is None:
+        sentence += " The motion did not repeat within the run, so this mean still depends on how long the run is."
+    wrong = [j for j in judges if j.name.startswith("RK4") and abs(j.difference) > 0.01 * abs(answer) > small]
+    if wrong:
+        coarse = max(wrong, key=lambda j: abs(j.difference))
+        sentence += f" Runge-Kutta with {coarse.setting.replace('per', 'steps per')} would have said {coarse.mean_velocity:.3e} m/s."
+    return sentence

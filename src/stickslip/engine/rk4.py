@@ -1,0 +1,155 @@
+"""The classical Runge-Kutta method with a fixed step, compiled: what a hand-written script does.
+
+It reads the same traced equations as every other method, but holds nothing fixed: the side of v (and every other condition
+in the law) is decided anew in each stage, from the state of that stage, as a script with ``sign(v)`` does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.engine import cache
+from stickslip.engine.lanes import _HEADER, _plain, _prelude
+from stickslip.engine.symbols import Graph, Sym, TraceError
+from stickslip.engine.trace import _lift, label, trace
+from stickslip.engine.write import Writer
+from stickslip.errors import InputError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.forces import is_dynamic
+
+__all__ = ["Kernel", "Slopes", "kernel", "slopes"]
+
+#: What the compiled function is: row, state (x, v, z...), periods, steps per period, steps per node (0: no nodes), then what it fills:
+#: strobe states, nodes (x, v, z..., dv, dz...), largest and smallest v. It returns the periods done, fewer where the state is no number.
+_SIGNATURE = "int64(float64[::1], float64[::1], int64, int64, int64, float64[:,::1], float64[:,::1], float64[::1])"
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """What a Runge-Kutta stage needs to know of a model; y[0] = v, then the inner states."""
+
+    names: tuple[str, ...]
+    t: Sym
+    y: tuple[Sym, ...]
+    f: tuple[Sym, ...]
+    guards: tuple[Sym, ...]
+    held: Sym | None  # dv/dt at v = 0 exactly, for a set-valued law
+    period: Sym
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The compiled loop, and the numbers of the model that make its row."""
+
+    module: Any
+    names: tuple[str, ...]
+    states: int
+
+
+def slopes(model: Any) -> Slopes:
+    """The right side of a model's equations, for a law of either kind."""
+    if is_dynamic(model.friction):
+        eq = trace(model)
+        return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards, None, eq.period)
+    try:
+        return _set_valued(model)
+    except (TraceError, AttributeError, TypeError) as error:
+        raise InputError(
+            type(model.friction).__name__, [f"{error}; a law is traced: use its own fields, and functions from stickslip.maths"]
+        ) from error
+
+
+def _set_valued(model: Any) -> Slopes:
+    """The usual practice: sliding friction by the sign of v, and at v = 0 what holds the body, up to break-away."""
+    graph = Graph()
+    names = tuple(name for name, _ in leaves(model))
+    symbolic: Any = replace_leaf(model, {name: graph.case(name) for name in names})
+    t, v, zero = graph.variable("t"), graph.variable("v"), graph.constant(0.0)
+    graph.sign(v)
+    load = _lift(graph, symbolic.load(t, zero))
+    slide = symbolic.friction.sliding(_lift(graph, symbolic.contact_velocity(v)), load)
+    backward, forward = (_lift(graph, limit) for limit in symbolic.friction.breakaway(load))
+    free, one = _lift(graph, symbolic.acceleration(t, zero, zero, 0.0)), _lift(graph, symbolic.acceleration(t, zero, zero, 1.0))
+    offered = free / (free - one)  # the friction force that leaves no acceleration
+    below = graph.select(graph.sign(offered - backward), offered, backward)
+    held = graph.select(graph.sign(forward - below), below, forward)
+    accelerations = [_lift(graph, symbolic.acceleration(t, zero, v, R)) for R in (slide, held)]
+    return Slopes(names, t, (v,), (accelerations[0],), tuple(graph.guards), accelerations[1], _lift(graph, symbolic.period))
+
+
+def kernel(model: Any) -> Kernel:
+    """The compiled loop of a model's kind."""
+    s, name = slopes(model), label(model)
+    body = _Loop(s).text()
+    source = "\n\n".join([_HEADER.format(label=name, method="RK4", lanes=1), *body])
+    return Kernel(cache.load(source, f"rk4_{_plain(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
+
+
+class _Loop:
+    """Writes the loop over periods and steps."""
+
+    def __init__(self, s: Slopes):
+        self.s, self.w, self.n = s, Writer(), len(s.y)
+
+    def _stage(self, q: int, t: str, y: list[str]) -> list[str]:
+        """Slopes k<q>_<i> at one stage; every flag is read off the stage's own state."""
+        w = self.w
+        bind = {symbol.name: name for symbol, name in zip(self.s.y, y, strict=True)} | {"t": t}
+        for k, guard in enumerate(self.s.guards):
+            bind[f"b{k}"] = w.line(f"_b{q}_{k}", f"1.0 if {w.value(guard, bind)} > 0.0 else -1.0")
+        f = [w.line(f"_k{q}_{i}", f"1.0 * {w.value(fi, bind)}") for i, fi in enumerate(self.s.f)]
+        if self.s.held is not None:
+            w.line(f[0], f"{w.value(self.s.held, bind)} if {y[0]} == 0.0 else {f[0]}")
+        return f
+
+    def _lines(self) -> tuple[list[str], list[str]]:
+        """The lines of one step: before the nodes are kept, and after."""
+        w, n = self.w, range(self.n)
+        y = [f"_y{i}" for i in n]
+        w.line("_t", "s * h")
+        stages = [self._stage(1, "_t", y)]
+        first = len(w.lines)
+        w.line("_th", "_t + 0.5 * h")
+        w.line("_te", "_t + h")
+        speeds = [y[0]]
+        for q, (part, t) in enumerate((("0.5 * h", "_th"), ("0.5 * h", "_th"), ("h", "_te")), start=2):
+            at = [w.line(f"_y{q}_{i}", f"_y{i} + {part} * {stages[-1][i]}") for i in n]
+            speeds.append(at[0])
+            stages.append(self._stage(q, t, at))
+        w.line("_x", f"_x + h / 6.0 * ({speeds[0]} + 2.0 * ({speeds[1]} + {speeds[2]}) + {speeds[3]})")
+        for i in n:
+            k = [stage[i] for stage in stages]
+            w.line(f"_y{i}", f"_y{i} + h / 6.0 * ({k[0]} + 2.0 * ({k[1]} + {k[2]}) + {k[3]})")
+        return w.lines[:first], w.lines[first:]
+
+    def text(self) -> list[str]:
+        """The source of `prelude` and `advance`."""
+        before, after = self._lines()
+        nodes = self.w.case_nodes
+        n, many = range(self.n), len(nodes)
+        keep = ["_x", *(f"_y{i}" for i in n), *(f"_k1_{i}" for i in n)]
+        lines = [f'@njit("{_SIGNATURE}", **OPTIONS)', "def advance(row, state, periods, steps, every, strobe, nodes, extremes):"]
+        lines += [f"    c = np.empty({many + 1})", "    prelude(row, c)", *(f"    _c{i} = c[{i}]" for i in range(many))]
+        lines += [f"    h = c[{many}] / steps", "    kept = 0", "    _x = state[0]", *(f"    _y{i} = state[{i + 1}]" for i in n)]
+        lines += [
+            "    low, high = _y0, _y0",
+            "    for p in range(periods):",
+            "        strobe[p, 0] = _x",
+            *(f"        strobe[p, {i + 1}] = _y{i}" for i in n),
+        ]
+        lines += ["        for s in range(steps):", *(f"            {line}" for line in before)]
+        lines += [
+            "            if every > 0 and s % every == 0:",
+            *(f"                nodes[kept, {j}] = {name}" for j, name in enumerate(keep)),
+        ]
+        lines += ["                kept += 1", *(f"            {line}" for line in after)]
+        lines += ["            low = min(low, _y0)", "            high = max(high, _y0)"]
+        lines += ["        if not (" + " and ".join(f"_y{i} - _y{i} == 0.0" for i in n) + "):", "            return p"]
+        lines += [
+            "    state[0] = _x",
+            *(f"    state[{i + 1}] = _y{i}" for i in n),
+            "    extremes[0], extremes[1] = low, high",
+            "    return periods",
+        ]
+        return [_prelude(self.s, [*nodes, self.s.period]), "\n".join(lines)]

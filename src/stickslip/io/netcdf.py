@@ -1,0 +1,40 @@
+"""Runs from netCDF4 files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from stickslip.storage import read
+from stickslip.trajectory import Trajectory
+
+__all__ = ["load"]
+
+
+def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
+    """Read a run that `Trajectory.save` wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+    laws : sequence of classes
+        Your own friction laws, for runs that used one. Without them such a run still has its motion (t, x, v, z, mode, strobe points);
+        its forces then say what to type.
+
+    Returns
+    -------
+    Trajectory
+
+    Examples
+    --------
+    >>> import tempfile, numpy as np, stickslip as ss
+    >>> from stickslip.trajectory import HarmonicArcs
+    >>> robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=1e-4, law="coulomb")
+    >>> arcs = HarmonicArcs(np.array([0.0, robot.period]), np.array([0]), np.zeros(1), np.zeros(1), 0.555, robot.drive.omega, 1.77, 1.77)
+    >>> run = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     same = ss.load(run.save(folder + "/run.nc"))
+    >>> same.model == robot, bool((same.v == run.v).all())
+    (True, True)
+    """
+    return Trajectory(**read(path, laws))

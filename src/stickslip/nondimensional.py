@@ -1,0 +1,239 @@
+"""The paper's dimensionless form of the LuGre robot, Eqs 5.1 and 5.2, and the way back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives import Harmonic
+from stickslip.errors import InputError, Problems
+from stickslip.fields import Record, at_least, positive
+from stickslip.friction import LuGre
+from stickslip.friction.sides import by_side, static
+from stickslip.maths import exp
+from stickslip.robot import Robot
+from stickslip.tracks import Level
+
+__all__ = ["DimensionlessLuGre", "DimensionlessRobot", "UnitDrive", "dimensionless", "ratios"]
+
+
+@dataclass(frozen=True, eq=False)
+class DimensionlessLuGre(Record):
+    r"""The bristle of Eq. 5.1, in units of the amplitude and of the drive's phase.
+
+    .. math:: \dot z = v - \frac{d\,|v|\,z}{1 + (k_1 - 1) e^{-(v/v_s)^2}} \;(v > 0), \qquad
+              \dot z = v - \frac{d\,|v|\,z}{k_3 (1 + (k_2 - 1) e^{-(v/v_s)^2})} \;(v < 0)
+
+    Parameters
+    ----------
+    a, b, c : float
+        Stiffness sigma0/(omega^2 (M+m)), damping sigma1/(omega (M+m)) and viscous friction sigma2/(omega (M+m)) [-].
+    d : float
+        A sigma0/(mu_plus (M+m) g) [-].
+    k1, k2, k3 : float
+        Ratios f_plus/mu_plus, f_minus/mu_minus and mu_minus/mu_plus [-].
+    v_s : float
+        Stribeck velocity over A omega [-].
+
+    Examples
+    --------
+    >>> law = DimensionlessLuGre(a=1.0, b=0.1, c=0.0, d=10.0, k1=1.2, k2=1.1, k3=1.4, v_s=0.02)
+    >>> law.rate(v=0.0, z=0.05, load=1.0)
+    0.0
+    """
+
+    a: float
+    b: float
+    c: float
+    d: float
+    k1: float
+    k2: float
+    k3: float
+    v_s: float
+
+    _rules: ClassVar[dict[str, Any]] = {
+        **{name: (positive, "a positive number") for name in ("a", "d", "k3", "v_s")},
+        **{name: (at_least(0.0), "zero or more") for name in ("b", "c")},
+        **{name: (at_least(1.0), "one or more (static friction is not below kinetic friction)") for name in ("k1", "k2")},
+    }
+
+    def coefficient(self, v: Any) -> Any:
+        """Steady friction over mu_plus N (the denominators of Eq. 5.1)."""
+        fade = exp(-((v / self.v_s) ** 2))
+        return by_side(v, 1 + (self.k1 - 1) * fade, self.k3 * (1 + (self.k2 - 1) * fade))
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """dz/dt of Eq. 5.1; the load is 1."""
+        return v - self.d * abs(v) * z / (load * self.coefficient(v))
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """What Eq. 5.1 subtracts from mu sin t."""
+        return self.a * z + self.b * zdot + self.c * v
+
+    def scale(self, load: Any) -> Any:
+        """A typical deflection."""
+        return 0.5 * (1 + self.k3) * load / self.d
+
+    def velocity_scale(self) -> Any:
+        """The velocity over which friction changes."""
+        return self.v_s
+
+
+@dataclass(frozen=True, eq=False)
+class UnitDrive(Record):
+    """xi/A = sin t, the drive of Eq. 5.1."""
+
+    amplitude: ClassVar[float] = 1.0
+    omega: ClassVar[float] = 1.0
+    period: ClassVar[float] = 2 * math.pi
+
+    def position(self, t: Any) -> Any:
+        """Relative position over A."""
+        return Harmonic.position(self, t)  # type: ignore[arg-type]
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity over A omega."""
+        return Harmonic.velocity(self, t)  # type: ignore[arg-type]
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration over A omega^2."""
+        return Harmonic.acceleration(self, t)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, eq=False)
+class DimensionlessRobot(Record):
+    r"""The robot of Eq. 5.1: :math:`\dot v = \mu \sin t - R(v, z)` with t, x, v, z in units of 1/omega, A, A omega, A.
+
+    Parameters
+    ----------
+    mu : float
+        Mass ratio m/(M+m) [-].
+    friction : DimensionlessLuGre
+        The bristle.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> form = ss.dimensionless(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))
+    >>> round(form.friction.k3, 6)
+    1.394880
+    """
+
+    mu: float
+    friction: Any
+    drive: Any = field(default_factory=UnitDrive)
+    _rules: ClassVar[dict[str, Any]] = {"mu": (lambda x: (x > 0) * (x < 1) > 0, "between 0 and 1")}
+    cyclic: ClassVar[bool] = True
+    period: ClassVar[float] = 2 * math.pi
+    velocity_scale: ClassVar[float] = 1.0
+    total_mass: ClassVar[float] = 1.0
+    notes: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def inner_mass(self) -> Any:
+        """The inner mass in units of the whole mass [-]."""
+        return self.mu
+
+    def contact_velocity(self, v: Any) -> Any:
+        """Velocity at the contact."""
+        return v
+
+    def load(self, t: Any, x: Any) -> Any:
+        """The unit of load is mu_plus (M+m) g, put into d."""
+        return 1.0
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Second line of Eq. 5.1."""
+        return -self.mu * self.drive.acceleration(t) - R
+
+    def actuator_force(self, t: Any, acceleration: Any) -> Any:
+        """Second line of Eq. 2.1 in these units."""
+        return -self.mu * (acceleration + self.drive.acceleration(t))
+
+    def robot(self, amplitude: Any, omega: Any, total_mass: Any, gravity: Any = 9.81) -> Robot:
+        """The way back: the robot in SI units that has this form, given its scales."""
+        law = self.friction
+        mu_plus = amplitude * law.a * omega**2 / (law.d * gravity)
+        mu_minus = law.k3 * mu_plus
+        friction = LuGre(
+            mu_plus=mu_plus,
+            mu_minus=mu_minus,
+            f_plus=law.k1 * mu_plus,
+            f_minus=law.k2 * mu_minus,
+            sigma0=law.a * omega**2 * total_mass,
+            sigma1=law.b * omega * total_mass,
+            sigma2=law.c * omega * total_mass,
+            v_s=law.v_s * amplitude * omega,
+        )
+        inner = self.mu * total_mass
+        return Robot(total_mass - inner, inner, Harmonic(amplitude=amplitude, omega=omega), friction, gravity)
+
+
+def dimensionless(robot: Robot) -> DimensionlessRobot:
+    """The dimensionless form of a LuGre robot with a harmonic drive on a level (or folded) track: Eq. 5.1.
+
+    Parameters
+    ----------
+    robot : Robot
+
+    Returns
+    -------
+    DimensionlessRobot
+        Solve it like a robot: velocities come out in units of A omega, times in units of 1/omega.
+
+    Raises
+    ------
+    InputError
+        If the law is not LuGre, the drive not harmonic, or gravity acts along the track: Eq. 5.1 has no such terms.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
+    >>> back = ss.dimensionless(robot).robot(6e-4, robot.drive.omega, robot.total_mass)
+    >>> bool(abs(back.friction.v_s - 2e-3) < 1e-15)
+    True
+    """
+    problems = Problems("dimensionless")
+    for name, part, kind in (("friction", robot.friction, LuGre), ("drive", robot.drive, Harmonic), ("track", robot.track, Level)):
+        if not isinstance(part, kind):
+            problems.add(f"{name} is a {type(part).__name__}; Eq. 5.1 is written for {kind.__name__}")
+    problems.check()
+    if not _nonzero(robot.drive.amplitude):
+        raise InputError("dimensionless", ["amplitude = 0 leaves nothing to measure lengths with; give a positive amplitude"])
+    law, A, omega, mass = robot.friction, robot.drive.amplitude, robot.drive.omega, robot.total_mass
+    k1, k2, k3 = static(law.f_plus, law.mu_plus) / law.mu_plus, static(law.f_minus, law.mu_minus) / law.mu_minus, law.mu_minus / law.mu_plus
+    friction = DimensionlessLuGre(
+        a=law.sigma0 / (omega**2 * mass),
+        b=law.sigma1 / (omega * mass),
+        c=law.sigma2 / (omega * mass),
+        d=A * law.sigma0 / (law.mu_plus * mass * robot.gravity),
+        k1=k1,
+        k2=k2,
+        k3=k3,
+        v_s=law.v_s / (A * omega),
+    )
+    return DimensionlessRobot(mu=robot.mass_ratio, friction=friction)
+
+
+def _nonzero(amplitude: Any) -> bool:
+    good = amplitude != 0
+    return bool(good.all()) if hasattr(good, "all") else bool(good)
+
+
+def ratios(mu0: Any, f0: Any, tilt: Any) -> tuple[Any, Any, Any]:
+    """k1, k2 and k3 of a folded incline from isotropic coefficients: Eq. 5.2 with the right k3.
+
+    The paper prints k3 = (f0 + tan)/(mu0 - tan); k3 = mu_minus/mu_plus makes it (mu0 + tan)/(mu0 - tan).
+
+    Examples
+    --------
+    >>> k1, k2, k3 = ratios(0.18, 0.21, math.radians(1.7))
+    >>> round(k3, 6)
+    1.394880
+    """
+    from stickslip.maths import cos, sin
+
+    slope = sin(tilt) / cos(tilt)
+    return (f0 - slope) / (mu0 - slope), (f0 + slope) / (mu0 + slope), (mu0 + slope) / (mu0 - slope)

@@ -1,0 +1,116 @@
+"""The claims page: each claim of the paper with a verdict that was computed, its evidence, and how sure it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.paper.amplitudes import Amplitudes
+from stickslip.paper.runs import Runs, Tell
+from stickslip.paper.table import Row
+
+__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "claims", "verdict"]
+
+CONFIRMED, NOT_CONFIRMED, UNDECIDED = "confirmed", "not confirmed", "cannot be decided from the text"
+VERDICTS = (CONFIRMED, NOT_CONFIRMED, UNDECIDED)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A claim about one case or one reading, when the whole claim has several."""
+
+    label: str
+    verdict: str
+    evidence: str
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """One claim of the paper.
+
+    Parameters
+    ----------
+    key : str
+        Short name.
+    section : str
+        Where the paper makes it.
+    claim : str
+        What is claimed, in a sentence.
+    quote : str
+        The paper's own words.
+    verdict : str
+        One of `VERDICTS`.
+    evidence : tuple of str
+        Sentences with the numbers of this run.
+    certainty : str
+        "high", "moderate" or "low", and why.
+    numbers : dict
+        The same numbers for machines, SI units.
+    parts : tuple of Part
+        Verdicts case by case or reading by reading, where there are several.
+    """
+
+    key: str
+    section: str
+    claim: str
+    quote: str
+    verdict: str
+    evidence: tuple[str, ...]
+    certainty: str
+    numbers: dict[str, Any] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What the claims are judged on."""
+
+    fast: bool
+    runs: Runs
+    table: tuple[Row, ...]
+    amplitudes: Amplitudes
+    tell: Tell
+
+
+def verdict(holds: Any) -> str:
+    """Confirmed or not."""
+    return CONFIRMED if bool(holds) else NOT_CONFIRMED
+
+
+def claims(study: Study) -> tuple[Claim, ...]:
+    """Every claim, in the order of the paper."""
+    judges, found = _judges(), []
+    for i, judge in enumerate(judges):
+        study.tell(f"judging claims: {(judge.__doc__ or '').splitlines()[0].rstrip('.')}", i, len(judges))
+        found.append(judge(study))
+    study.tell("judging claims", len(judges), len(judges))
+    return tuple(found)
+
+
+def _judges() -> tuple[Callable[[Study], Claim], ...]:
+    from stickslip.paper import claims_comparison as comparison
+    from stickslip.paper import claims_excitation as excitation
+    from stickslip.paper import claims_friction as friction
+    from stickslip.paper import claims_irregular as irregular
+
+    return (
+        comparison.anisotropy,
+        comparison.folding_coulomb,
+        comparison.folding_lugre,
+        comparison.four_types,
+        comparison.six_groups,
+        comparison.closer_in_number,
+        comparison.closer_in_shape,
+        comparison.type_four_same,
+        excitation.harmonic,
+        excitation.all_types_by_amplitude,
+        excitation.always_periodic,
+        excitation.omega_as_amplitude,
+        friction.ratios_above_one,
+        friction.kinetic_range,
+        irregular.quasi_periodic,
+        irregular.period_two,
+        friction.only_three_and_four,
+        friction.all_types_by_static,
+    )

@@ -1,0 +1,59 @@
+"""Numbers as the report writes them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+__all__ = ["listed", "millimetres", "percent", "plain", "power", "speed"]
+
+
+def speed(v: Any, digits: int = 4) -> str:
+    """A velocity in mm/s.
+
+    Examples
+    --------
+    >>> speed(0.0017413), speed(-1.02e-7)
+    ('1.741 mm/s', '−1.020·10⁻⁴ mm/s')
+    """
+    return f"{plain(1e3 * float(v), digits)} mm/s"
+
+
+def millimetres(length: Any, digits: int = 4) -> str:
+    """A length in mm, to 0.1 micrometre."""
+    return f"{1e3 * float(length):.{digits}f} mm"
+
+
+def percent(fraction: Any, digits: int = 2) -> str:
+    """A fraction in per cent."""
+    return f"{plain(100 * float(fraction), digits)} %"
+
+
+def plain(x: Any, digits: int = 4) -> str:
+    """A number with significant digits, as a power of ten where it is very small or very large."""
+    x = float(x)
+    if not math.isfinite(x) or x == 0:
+        return "0" if x == 0 else "none"
+    exponent = math.floor(math.log10(abs(x)) + 1e-12)
+    if -3 <= exponent <= 5:
+        return f"{x:.{max(digits - 1 - exponent, 0)}f}".replace("-", "−")
+    mantissa = f"{x / 10.0**exponent:.{digits - 1}f}".replace("-", "−")
+    return f"{mantissa}·{power(exponent)}"
+
+
+def power(exponent: int) -> str:
+    """A power of ten with a raised exponent."""
+    return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def listed(things: Iterable[Any], last: str = "and") -> str:
+    """A list as a sentence writes it.
+
+    Examples
+    --------
+    >>> listed(["I", "II", "IV"])
+    'I, II and IV'
+    """
+    texts = [str(t) for t in things]
+    return texts[0] if len(texts) == 1 else f"{', '.join(texts[:-1])} {last} {texts[-1]}" if texts else "none"

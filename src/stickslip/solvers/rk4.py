@@ -1,0 +1,209 @@
+"""Classical Runge-Kutta steps of fixed length: the naive judge, what the paper and every hand-written script does.
+
+It is here to be compared with, not to be used. For laws with an inner state it solves the plain equations; for set-valued
+laws it follows the usual practice: friction by the sign of v, and a body that rests only where v is 0 to the last bit. So it
+chatters where it should stick, and its error falls no faster than its step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import rows_of
+from stickslip.engine import rk4 as engine
+from stickslip.errors import InputError, SolveError
+from stickslip.fields import replace_leaf
+from stickslip.forces import is_dynamic
+from stickslip.pieces import PolynomialPieces
+from stickslip.solvers import strobes
+from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.request import Request
+from stickslip.summary import STATUS, Summary
+from stickslip.trajectory import Trajectory
+
+__all__ = ["STEPS", "solve"]
+
+#: Steps per drive period, if none are asked for.
+STEPS = 2000
+#: Steps that one call of the kernel does: it returns to Python so that Ctrl-C works.
+SLICE = 1_000_000
+#: Pieces of dense output per drive period; finer steps are thinned.
+PIECES = 1000
+_NOT_A_NUMBER = 4
+
+
+def solve(todo: Request) -> Trajectory | Summary:
+    """Solve as asked; the option ``steps`` is the number of steps in each drive period."""
+    steps = todo.options.get("steps", STEPS)
+    if not isinstance(steps, (int, np.integer)) or isinstance(steps, bool) or not 4 <= steps <= 10_000_000:
+        raise InputError(
+            "solve", [f"steps = {steps!r}; allowed is a whole number of steps per period, 4 to 10000000; type for example steps={STEPS}"]
+        )
+    kernel = engine.kernel(todo.model)
+    rows = rows_of(todo.model, kernel.names)
+    if todo.keep == "summary":
+        return gather(todo, "rk4", _parts(todo, kernel, rows, int(steps)))
+    march = _March(todo.model, kernel, rows[0], todo.start[0], int(steps), thinned=True)
+    march.go(todo.periods)
+    if march.done < todo.periods:
+        raise SolveError(
+            f"the run stopped in period {march.done + 1} of {todo.periods}: {STATUS[_NOT_A_NUMBER]}; type more steps per period (now steps={steps})"
+        )
+    return trajectory(todo, "rk4", march.pieces(), {"steps": todo.periods * int(steps), "steps_per_period": int(steps)})
+
+
+class _March:
+    """One case on its way: its state, its strobe states, and what of its steps is kept."""
+
+    def __init__(self, model: Any, kernel: engine.Kernel, row: Any, start: Any, steps: int, thinned: bool):
+        self.model, self.kernel, self.row, self.steps = model, kernel, row, steps
+        self.state = np.array(start, float)
+        self.every = -(-steps // PIECES) if thinned else 0
+        self.strobe, self.nodes, self.extremes, self.done = [self.state[None, :].copy()], [], np.array([np.inf, -np.inf]), 0
+
+    def go(self, periods: int, every: int | None = None) -> None:
+        """Do some periods; `done` counts those that went well."""
+        every = self.every if every is None else every
+        block = max(1, SLICE // self.steps)
+        per_period = -(-self.steps // every) if every else 0
+        while periods > 0:
+            count = min(block, periods)
+            strobe, nodes = np.empty((count, len(self.state))), np.empty((per_period * count, 2 * len(self.state) - 1))
+            found = np.empty(2)
+            finished = self.kernel.module.advance(self.row, self.state, count, self.steps, every, strobe, nodes, found)
+            self.done += finished
+            if finished < count:
+                return
+            self.strobe += [strobe[1:], self.state[None, :].copy()]
+            self.nodes.append(nodes)
+            self.extremes = np.array([min(self.extremes[0], found[0]), max(self.extremes[1], found[1])])
+            periods -= count
+
+    @property
+    def strobes(self) -> Any:
+        """x, v and z at the starts of the periods, and at the end."""
+        return np.concatenate(self.strobe)
+
+    def pieces(self) -> PolynomialPieces:
+        """Dense output from the kept nodes, for all periods done."""
+        T, n = float(self.model.period), self.kernel.states
+        starts = np.arange(0, self.steps, self.every) / self.steps
+        t = np.append((np.arange(self.done)[:, None] + starts).ravel(), self.done) * T
+        nodes = np.concatenate(self.nodes)
+        y = np.concatenate([nodes[:, : n + 1], self.state[None, :]])
+        slope = np.concatenate([nodes[:, n + 1 :], nodes[:1, n + 1 :]])
+        slope[-1] = self._last_slope()
+        return _dense(t, y, slope)
+
+    def _last_slope(self) -> Any:
+        """Slopes at the end of the run: those at the start of the next period."""
+        node = np.empty((1, 2 * len(self.state) - 1))
+        self.kernel.module.advance(
+            self.row, self.state.copy(), 1, self.steps, self.steps, np.empty((1, len(self.state))), node, np.zeros(2)
+        )
+        return node[0, self.kernel.states + 1 :]
+
+
+def _dense(t: Any, y: Any, slope: Any) -> PolynomialPieces:
+    """Cubic Hermite pieces, with a quartic term in v so that its integral is the step's own change of x."""
+    h = np.diff(t)[:, None]
+    a, b, da, db = y[:-1, 1:], y[1:, 1:], slope[:-1] * h, slope[1:] * h
+    c = np.stack([a, da, 3 * (b - a) - 2 * da - db, 2 * (a - b) + da + db, np.zeros_like(a)], axis=2)
+    missing = 30 * ((y[1:, 0] - y[:-1, 0]) / h[:, 0] - (c[:, 0] / np.arange(1, 6)).sum(axis=1))
+    c[:, 0, 2:] += missing[:, None] * [1, -2, 1]
+    return PolynomialPieces(*_cut_at_rest(t, y[:-1, 0], c))
+
+
+def _cut_at_rest(t: Any, x0: Any, c: Any) -> tuple[Any, Any, Any, Any]:
+    """The pieces, those in which v changes its sign cut in two there: (t, mode, x0, coefficients)."""
+    powers = np.arange(c.shape[2])
+    ends = c[:, 0].sum(axis=1)
+    crossed = np.flatnonzero(c[:, 0, 0] * ends < 0)
+    low, high = np.zeros(len(crossed)), np.ones(len(crossed))
+    for _ in range(53):
+        middle = 0.5 * (low + high)
+        same = (c[crossed, 0] * middle[:, None] ** powers).sum(axis=1) * c[crossed, 0, 0] > 0
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    part = 0.5 * (low + high)
+    h = np.diff(t)
+    where = crossed + 1
+    late = _shifted(c[crossed], part)
+    late[:, 0, 0] = 0.0
+    middle_x = x0[crossed] + h[crossed] * part * (c[crossed, 0] * part[:, None] ** powers / (powers + 1)).sum(axis=1)
+    c = c.copy()
+    c[crossed] *= part[:, None, None] ** powers
+    mode = np.sign(c[:, 0].sum(axis=1) + c[:, 0, 0]).astype(np.int8)
+    mode[crossed] = np.sign(c[crossed, 0, 0])
+    return (
+        np.insert(t, where, t[crossed] + part * h[crossed]), np.insert(mode, where, np.sign(ends[crossed]).astype(np.int8)),
+        np.insert(x0, where, middle_x), np.insert(c, where, late, axis=0),
+    )  # fmt: skip
+
+
+def _shifted(c: Any, part: Any) -> Any:
+    """The same polynomials on what lies behind `part`, with theta again from 0 to 1."""
+    from math import comb
+
+    degree, rest = c.shape[2], 1 - part[:, None]
+    late = [sum(comb(k, j) * c[:, :, k] * part[:, None] ** (k - j) for k in range(j, degree)) * rest**j for j in range(degree)]
+    return np.stack(late, axis=2)
+
+
+# ---- batches ----
+def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Iterator[tuple[tuple[int, int], Raw]]:
+    """Raw results case by case, in order; the compiled loop lets go of the lock, so threads help."""
+
+    def work(i: int) -> dict[str, Any]:
+        model = replace_leaf(todo.model, dict(zip(kernel.names, map(float, rows[i]), strict=True)))
+        result = _summary(todo, _March(model, kernel, rows[i], todo.start[i], steps, thinned=False))
+        if todo.progress is not None:
+            todo.progress(i + 1, len(rows))
+        return result
+
+    with ThreadPoolExecutor(todo.workers) as pool:
+        for i, result in enumerate(pool.map(work, range(len(rows)))):
+            yield (i, i + 1), strobes.raw([result])
+
+
+def _summary(todo: Request, march: _March) -> dict[str, Any]:
+    asked, period = 0, 0
+    for count in _blocks(todo):
+        march.go(count)
+        asked += count
+        if march.done < asked:
+            return {**strobes.NOTHING, "status": _NOT_A_NUMBER, "periods_run": march.done}
+        period = strobes.period_of(march.model, march.strobes, (0.1 if todo.auto else 30.0) * todo.rtol)
+        if period and todo.auto:
+            break
+    settle = march.done - period if todo.auto and period else todo.settle
+    displacement, window = strobes.window_of(march.strobes, settle, period)
+    done = march.done
+    count, seg_time, seg_code = _last(todo, march, period or 1)
+    return {
+        "displacement": displacement, "window": window, "period": period, "periods_run": done, "status": int(bool(todo.auto and period)),
+        "v_min": march.extremes[0], "v_max": march.extremes[1], "seg_count": count, "seg_time": seg_time, "seg_code": seg_code,
+        "margin_force": strobes.margin_force(march.model),
+    }  # fmt: skip
+
+
+def _blocks(todo: Request) -> list[int]:
+    """Periods to do before each look at the strobe points."""
+    if not todo.auto:
+        return [todo.periods]
+    return [min(8, todo.periods - first) for first in range(0, todo.periods, 8)]
+
+
+def _last(todo: Request, march: _March, period: int) -> tuple[int, Any, Any]:
+    """Segments and extremes of one more motion period, at the instants of the steps."""
+    march.nodes.clear()
+    march.extremes = np.array([np.inf, -np.inf])
+    march.go(period, every=max(1, march.steps // 5000))
+    nodes = np.concatenate(march.nodes)
+    v, z = nodes[:, 1], nodes[:, 2 : 1 + march.kernel.states]
+    mode = np.where(v > 0, 1, -1) if is_dynamic(march.model.friction) else np.sign(v).astype(int)
+    codes = strobes.codes_of(march.model, v, z, mode, todo.slip_ratio)
+    return strobes.segments_of(np.full(len(v), period * float(march.model.period) / len(v)), codes)
