@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
     from stickslip.drives import Harmonic as Harmonic
+    from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
     from stickslip.errors import StickslipError as StickslipError
@@ -49,6 +50,7 @@ _HOMES = {
     "check": "checking",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
+    "latex": "engine.latex",
     "load": "io",
     "mean_velocity": "analysis.steady",
     "motion": "analysis.motion",

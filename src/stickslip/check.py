@@ -164,6 +164,8 @@ def check(
     >>> f"{sure.mean_velocity:.6f} m/s", sure.digits >= 8
     ('0.002015 m/s', True)
     """
+    if not hasattr(robot, "friction"):
+        raise InputError("check", [f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"])
     if shape_of(robot):
         raise InputError("check", [f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it"])
     court = _Court(robot, periods, start)
@@ -178,17 +180,8 @@ def check(
     differences = [abs(judge.difference) for judge in judges if judge.counts and math.isfinite(judge.difference)]
     uncertainty = max([*differences, 2e-16 * abs(answer)])
     digits = _digits(answer, uncertainty)
-    return Check(
-        answer,
-        best,
-        uncertainty,
-        digits,
-        period,
-        balance,
-        tuple(judges),
-        tuple(robot.notes),
-        _verdict(answer, uncertainty, digits, period, judges, robot),
-    )
+    verdict = _verdict(answer, uncertainty, digits, period, judges, robot)
+    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(robot.notes), verdict)
 
 
 class _Court:
@@ -255,7 +248,7 @@ def _verdict(answer: float, uncertainty: float, digits: int, period: int | None,
         within = f"zero to within {max(uncertainty, abs(answer)):.1e} m/s" if answer or uncertainty else "exactly zero"
         sentence = f"There is no net motion: the mean velocity is {within}."
     elif digits == 0:
-        sentence = f"No digit of the mean velocity {answer:.3e} m/s is certain: the judges differ by {uncertainty:.1e} m/s. Ask for a smaller rtol."
+        sentence = f"No digit of the mean velocity {answer:.3e} m/s is certain: the judges differ by {uncertainty:.1e} m/s."
     else:
         shown = f"{answer:.{max(digits - 1, 0)}e}"
         count = f"{digits} digits" if digits > 1 else "1 digit"

@@ -115,7 +115,7 @@ def _joined(parts: list[Any], words: dict[str, list[Any]]) -> Any:
     made = [json.loads(part.attrs["provenance"]) for part in parts]
     for name, values in reversed(words.items()):
         many = len(values)
-        parts = [xr.concat(parts[i : i + many], dim=name, join="exact", combine_attrs="drop") for i in range(0, len(parts), many)]
+        parts = [xr.concat(parts[i : i + many], dim=name, join="exact", combine_attrs="override") for i in range(0, len(parts), many)]
     return parts[0].assign_attrs(provenance=json.dumps(made[0] if len(made) == 1 else made))
 
 

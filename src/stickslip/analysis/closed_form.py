@@ -35,7 +35,7 @@ _CHUNK = 1 << 16  # cases at a time, so that a large map needs little memory
 
 def _checked(*alphas: Array) -> list[Array]:
     """The alphas as arrays of one shape."""
-    arrays = np.broadcast_arrays(*(np.asarray(a, float) for a in alphas))
+    arrays = list(np.broadcast_arrays(*(np.asarray(a, float) for a in alphas)))
     if not all(np.all(a >= 0) for a in arrays):
         raise InputError("alpha", ["negative or not a number; allowed is zero or more: what slides down by itself has no period"])
     return arrays
@@ -87,7 +87,7 @@ def border_iii_iv(ratio: Array) -> Array:
 
     .. math:: \alpha_+ = \frac{\sin\delta}{\sqrt{\delta^2+(1-\delta\cot\delta)^2}}, \qquad \delta = \frac{\pi k}{1+k}
 
-    Below it the body never rests. At it, it comes to zero just where it would break away again.
+    Below it the body never rests.
 
     Parameters
     ----------
@@ -225,10 +225,6 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
         The same for break-away, if it is higher. Then two motions can live side by side; this is the one that starts from rest.
     workers : int
         Threads.
-
-    Returns
-    -------
-    Periodic
 
     Examples
     --------

@@ -16,7 +16,8 @@ AMPLITUDE_5 = 6e-4
 PRINTED = "printed"
 INFERRED_4 = "inferred: the paper prints no amplitude here; this one reproduces the printed type and mean velocities of this angle"
 INFERRED_5 = (
-    "inferred: the paper prints no amplitude here; this is the only multiple of 0.1 mm for which the five frequencies give rest and all four types, "
+    "inferred: the paper prints no amplitude here; this is the only multiple of 0.1 mm for which the five frequencies give rest and "
+    "all four types, "
     "and μ₀ = 0.04 gives period two"
 )
 #: Figures that the fast subset draws.

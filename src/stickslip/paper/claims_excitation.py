@@ -118,8 +118,10 @@ def omega_as_amplitude(study: Study) -> Claim:
         "The excitation frequency has the same effect as the excitation amplitude A",
         verdict(gap["coulomb"] < 1e-9 and gap["lugre"] < 0.05 and all(p.verdict == CONFIRMED for p in parts)),
         (
-            f"At A = 0.6 mm (inferred) the five frequencies give {listed(types)}: the order in which a growing amplitude passes through the types.",
-            f"Coulomb: only Aω² matters. V/(Aμω) at {len(omega)} frequencies and at the amplitudes with the same Aω² agree to {plain(gap['coulomb'], 2)}.",
+            f"At A = 0.6 mm (inferred) the five frequencies give {listed(types)}: the order in which a growing amplitude passes "
+            "through the types.",
+            f"Coulomb: only Aω² matters. V/(Aμω) at {len(omega)} frequencies and at the amplitudes with the same Aω² agree to "
+            f"{plain(gap['coulomb'], 2)}.",
             f"LuGre: a, b, c and v_s* change with ω as well, and V/(Aμω) differs by up to {percent(gap['lugre'])} of its largest value.",
         ),
         "high for Coulomb (it follows from the equations); for LuGre nearly, not exactly",

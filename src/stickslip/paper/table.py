@@ -75,7 +75,7 @@ def _row(e: Experiment, runs: Runs) -> Row:
         experiment=e,
         coulomb=mean_velocity(runs.coulomb[e.name]),
         lugre=mean_velocity(runs.lugre[e.name]),
-        gravity=mean_velocity(runs.gravity[e.name]),
+        gravity=runs.gravity[e.name],
         type=exact.type,
         margin=exact.margin,
         pattern=exact.pattern,

@@ -90,7 +90,7 @@ def solve_rows(
     seg_time, seg_code = np.zeros((n, SEGMENTS)), np.zeros((n, SEGMENTS), np.int8)
     auto, kernel = settle == "auto", _kernel()
     whole = (periods, 0 if auto else int(settle), auto, skip, tolerance, out, count, seg_time, seg_code)
-    size = max(1, min(int(_SLICE / (_COST * periods)) + 1, -(-n // max(workers, 1))))
+    size = max(1, min(int(_SLICE / (_COST * periods)) + 1, -(-n // (8 * workers if workers > 1 else 1))))
     starts = range(0, n, size)
 
     def part(i: int) -> int:
@@ -108,7 +108,7 @@ def solve_rows(
             done += part(i)
             _tell(progress, done, n)
     names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "x_end", "v_end")
-    raw = {name: out[:, k] for k, name in enumerate(names)}
+    raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
     return {**raw, "seg_time": seg_time, "seg_code": seg_code}
 
@@ -168,7 +168,7 @@ def solve_batch(
     for name in (*_IN_METRES, *_IN_METRES_PER_SECOND):
         raw[name] = raw[name] * (a / arcs.omega ** (2 if name in _IN_METRES else 1))
     for i in np.flatnonzero(good & ~driven):
-        undriven.fill(raw, i, arcs, v0[i], periods, settle)
+        undriven.fill(raw, int(i), arcs, v0[i], periods, settle)
     raw["x_end"] = raw["x_end"] + x0
     for name in (*_IN_METRES, *_IN_METRES_PER_SECOND, "margin_force"):
         raw[name][~good] = np.nan

@@ -51,7 +51,7 @@ def solve(todo: Request) -> Trajectory | Summary:
     march.go(todo.periods)
     if march.done < todo.periods:
         raise SolveError(
-            f"the run stopped in period {march.done + 1} of {todo.periods}: {STATUS[_NOT_A_NUMBER]}; type more steps per period (now steps={steps})"
+            f"the run stopped in period {march.done + 1} of {todo.periods}: {STATUS[_NOT_A_NUMBER]}; type more than steps={steps}"
         )
     return trajectory(todo, "rk4", march.pieces(), {"steps": todo.periods * int(steps), "steps_per_period": int(steps)})
 

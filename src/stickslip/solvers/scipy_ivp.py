@@ -142,7 +142,7 @@ def _integrate(todo: Request, equations: _Equations, t: float, y: Any, end: floa
     if solved.status < 0 or not np.all(np.isfinite(solved.y[:, -1])):
         why = solved.message if np.all(np.isfinite(solved.y[:, -1])) else STATUS[_NOT_A_NUMBER]
         raise SolveError(
-            f"scipy's {NAMES[todo.method]} stopped at t = {solved.t[-1]:.6g} s of {end:.6g} s: {why}; try another rtol (now {todo.rtol:g}) or method"
+            f"scipy's {NAMES[todo.method]} stopped at t = {solved.t[-1]:.6g} s of {end:.6g} s: {why}; try another rtol or method"
         )
     return solved
 
@@ -245,7 +245,8 @@ def _summary(todo: Request, model: Any, pieces: PolynomialPieces) -> dict[str, A
     codes = strobes.codes_of(model, v, z, np.asarray(pieces.mode)[index].astype(int), todo.slip_ratio)
     number, seg_time, seg_code = strobes.segments_of(np.full(count, (period or 1) * T / count), codes)
     return {
-        "displacement": displacement, "window": window, "period": period, "periods_run": todo.periods, "status": 0, "v_min": v.min(), "v_max": v.max(),
+        "displacement": displacement, "window": window, "period": period, "periods_run": todo.periods, "status": 0,
+        "v_min": v.min(), "v_max": v.max(),
         "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
     }  # fmt: skip
 

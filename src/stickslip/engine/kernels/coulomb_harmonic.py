@@ -97,7 +97,7 @@ def zero(u, q, S, C, lo, hi, x):
     Returns d, S and C there, and the displacement.
     """
     step, sine, short, cosine1, lift, f, slope = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for _ in range(120):
+    for trial in range(160):
         sine, short, cosine1, lift = trig(x)
         f = u + q * x - S * short + C * cosine1
         slope = q - S * cosine1 + C * sine
@@ -107,19 +107,20 @@ def zero(u, q, S, C, lo, hi, x):
         else:
             hi = x
         t = 0.5 * f * bend
-        step = -f * slope / (slope * slope - t)
+        square = slope * slope
+        step = -f * slope / (square - t)
         new = x + step
-        if new >= lo and new <= hi:
-            t = t / (slope * slope)
+        near = abs(t) <= square and new >= lo and new <= hi  # else it may be a turning point that draws the steps
+        if near and abs(t) <= 0.1 * square:
+            t = t / square
             if abs(step) * (t * t + step * step / abs(slope)) <= 1e-17 * x or abs(step) <= 2.2e-16 * x:
                 break
-            x = new
-        else:
+        if not near or trial > 8:
             step = 0.0
             new = 0.5 * (lo + hi)
-            if new <= lo or new >= hi:
+            if new <= lo or new >= hi or hi - lo <= 1e-30:
                 break
-            x = new
+        x = new
     S1, C1 = S + C * sine - S * cosine1, C - C * cosine1 - S * sine
     moved = u * x + 0.5 * q * x * x - S * lift + C * short + step * (f + step * (0.5 * slope + step * C1 / 6.0))
     half = 0.5 * step * step

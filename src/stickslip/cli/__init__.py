@@ -1,0 +1,105 @@
+"""The command ``stickslip``: which commands there are, and what becomes of an error. Nothing heavy is imported for the help.
+
+Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong. Results go to stdout, everything else to stderr.
+There are no colours and no bars where nobody looks at a terminal.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from stickslip.errors import InputError, StickslipError, did_you_mean
+
+__all__ = ["COMMANDS", "main"]
+
+#: Command -> (module, what it does).
+COMMANDS = {
+    "run": ("run", "simulate one robot and say how it moves"),
+    "check": ("check", "let several methods solve one robot: how many digits are certain?"),
+    "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
+    "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
+    "presets": ("lists", "published robots, with the arguments they take"),
+    "laws": ("lists", "friction laws"),
+    "drives": ("lists", "drives of the inner mass"),
+    "doctor": ("doctor", "versions, the cache folder and what is wrong with them"),
+    "warmup": ("doctor", "compile the usual kernels now instead of at their first use"),
+}
+
+_HELP = """\
+stickslip: vibration-driven robots and stick-slip friction
+
+usage: stickslip COMMAND [ROBOT] [NAME=VALUE ...] [options]
+
+commands
+{commands}
+
+ROBOT is the name of a preset (see `stickslip presets`) or a TOML study file. NAME=VALUE sets a number of it, or an argument
+of the solver: periods, settle, rtol, method, samples, steps, start.v, start.z. Numbers are SI units; angles named _deg are
+in degrees; 65.4pi is a number too. `stickslip sweep` also takes a..b:n (n values from a to b) and a,b,c.
+
+examples
+  stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4
+  stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png --data run.nc
+  stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
+  stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
+  stickslip paper
+
+`stickslip COMMAND --help` explains one command; every command takes --json.
+Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong.
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Do what the command line says and return the exit code.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        The arguments after ``stickslip``; by default those of this process.
+
+    Examples
+    --------
+    >>> main(["--version"])
+    stickslip ...
+    0
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        return _dispatch(words)
+    except InputError as error:
+        return _say(str(error), 2)
+    except StickslipError as error:
+        return _say(str(error), 1)
+    except KeyboardInterrupt:
+        return _say("interrupted", 1)
+    except BrokenPipeError:  # the reader of our stdout has gone: nobody is left to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except Exception as error:
+        if os.environ.get("STICKSLIP_TRACEBACK"):
+            raise
+        return _say(f"{type(error).__name__}: {error}\nThis is an error of stickslip itself; set STICKSLIP_TRACEBACK=1 to see where", 1)
+
+
+def _say(sentence: str, code: int) -> int:
+    print(f"stickslip: {sentence}", file=sys.stderr)
+    return code
+
+
+def _dispatch(words: list[str]) -> int:
+    if not words or words[0] in ("-h", "--help", "help"):
+        width = max(map(len, COMMANDS))
+        print(_HELP.format(commands="\n".join(f"  {name:<{width}}  {about}" for name, (_, about) in COMMANDS.items())), end="")
+        return 0 if words else 2
+    if words[0] in ("-V", "--version"):
+        from stickslip import __version__
+
+        print(f"stickslip {__version__}")
+        return 0
+    name, rest = words[0], words[1:]
+    if name not in COMMANDS:
+        raise InputError("command", [f"{name!r} is not known; type stickslip --help for the list; {did_you_mean(name, COMMANDS)}"])
+    return int(importlib.import_module(f"stickslip.cli.{COMMANDS[name][0]}").act(name, rest))

@@ -1,0 +1,190 @@
+"""The words after a command: one parser class and one grammar, NAME=VALUE, for all of them."""
+
+from __future__ import annotations
+
+import argparse
+import inspect
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NoReturn
+
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["Parser", "Subject", "parser", "settings", "subject", "value"]
+
+#: Arguments of the solver that a command line may set.
+SOLVER = ("periods", "settle", "rtol", "method", "samples", "steps", "workers", "slip_ratio", "dwell", "start.x", "start.v", "start.z")
+_EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4"}
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse, with our sentences for its errors."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise what is wrong as an `InputError`, with the nearest option there is."""
+        found = re.search(r"unrecognized arguments: (\S+)", message)
+        if found:
+            options = [option for option in self._option_string_actions if option.startswith("--")]
+            message = f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
+        raise InputError(self.prog, [f"{message} (type {self.prog} --help)"])
+
+
+def parser(command: str, about: str, robot: bool = True, more: str = "") -> Parser:
+    """A parser with what all commands share."""
+    plain = argparse.RawDescriptionHelpFormatter
+    made = Parser(prog=f"stickslip {command}", description=about, epilog=more, allow_abbrev=False, formatter_class=plain)
+    if robot:
+        made.add_argument("robot", metavar="ROBOT", help="name of a preset, or path of a TOML study file")
+        made.add_argument("settings", metavar="NAME=VALUE", nargs="*", help="numbers of the robot, and arguments of the solver")
+    made.add_argument("--json", action="store_true", help="print all results as JSON on stdout")
+    return made
+
+
+def value(text: str) -> Any:
+    """What stands behind the = sign: a whole number, a number, a multiple of pi, none, or a word.
+
+    Examples
+    --------
+    >>> value("200"), value("5e-4"), round(value("65.4pi"), 3), value("lugre"), value("none")
+    (200, 0.0005, 205.46, 'lugre', None)
+    """
+    text = text.strip()
+    if re.fullmatch(r"[+-]?\d+", text):
+        return int(text)
+    multiple = re.fullmatch(r"([+-]?[\d.]*(?:e[+-]?\d+)?)\s*\*?\s*pi", text, re.IGNORECASE)
+    try:
+        if multiple:
+            return float({"": "1", "+": "1", "-": "-1"}.get(multiple[1], multiple[1])) * 3.141592653589793
+        return float(text)
+    except ValueError:
+        return None if text.lower() == "none" else text
+
+
+def values(text: str) -> Any:
+    """The same for a sweep, where a..b:n and a,b,c are several values."""
+    spread = re.fullmatch(r"(.+?)\.\.(.+?):(\d+)", text)
+    if spread:
+        first, last, count = value(spread[1]), value(spread[2]), int(spread[3])
+        if isinstance(first, (int, float)) and isinstance(last, (int, float)) and count >= 1:
+            steps = max(count - 1, 1)
+            return [first + (last - first) * (i / steps) if i < steps or count == 1 else float(last) for i in range(count)]
+        raise ValueError(f"{text!r} is no range; allowed is a..b:n, such as 4e-4..8e-4:9")
+    if "," in text:
+        return [value(part) for part in text.split(",") if part.strip()]
+    return value(text)
+
+
+def settings(words: list[str], many: bool, problems: Problems) -> dict[str, Any]:
+    """NAME=VALUE words as a dict; what is wrong with them is noted."""
+    found: dict[str, Any] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals or not name or not text:
+            problems.add(f"{word!r} is not NAME=VALUE; type for example amplitude=5.525e-4")
+        elif name in found:
+            problems.add(f"{name} is given twice")
+        elif not many and (".." in text or ("," in text)):
+            example = f"{name}={_EXAMPLES.get(name, '1.0')}"
+            problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
+        else:
+            try:
+                found[name] = values(text) if many else value(text)
+            except ValueError as error:
+                problems.add(f"{name}: {error}")
+    return found
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a command is to work on.
+
+    Parameters
+    ----------
+    name : str
+        The preset or file.
+    make : callable or Robot
+        As `sweep` takes it.
+    arguments : dict
+        Its numbers that were set.
+    options : dict
+        Arguments of the solver.
+    """
+
+    name: str
+    make: Any
+    arguments: dict[str, Any]
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def robot(self) -> Any:
+        """The robot itself."""
+        return self.make(**self.arguments) if callable(self.make) else self.make.replace(self.arguments)
+
+    def title(self) -> str:
+        """What was asked for, in the words of the command line."""
+        return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])
+
+
+def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, ...] = SOLVER) -> Subject:
+    """The preset or study file of this name with its settings; everything that is wrong is reported at once."""
+    problems = Problems("arguments")
+    given = settings(words, many, problems)
+    make, from_file = _found(name)
+    if callable(make):
+        parameters = inspect.signature(make).parameters
+        known = list(parameters)
+        for p in parameters.values():
+            if p.default is p.empty and p.name not in given:
+                problems.add(f"{p.name} is missing; {name} has no default for it; type for example {p.name}={_EXAMPLES.get(p.name, '1.0')}")
+    else:
+        from stickslip.fields import leaves
+
+        known = [path for path, _ in leaves(make)]
+    options = {k: v for k, v in given.items() if k in solver}
+    arguments = {k: v for k, v in given.items() if k not in solver}
+    for word in arguments:
+        if word not in known:
+            problems.add(f"{word!r} is not known; {did_you_mean(word, [*known, *solver])}")
+    problems.check()
+    return Subject(name, make, arguments, _start({**from_file, **options}))
+
+
+def _start(options: dict[str, Any]) -> dict[str, Any]:
+    """Options with start.v and the like gathered into `start`."""
+    start = {**options.pop("start", {}), **{k.partition(".")[2]: options.pop(k) for k in list(options) if k.startswith("start.")}}
+    return {**options, **({"start": start} if start else {})}
+
+
+def _found(name: str) -> tuple[Any, dict[str, Any]]:
+    """The preset's function or the study file's robot, and the file's [solve] table."""
+    from stickslip.presets import PRESETS
+
+    if name in PRESETS:
+        return PRESETS[name], {}
+    path = Path(name).expanduser()
+    if path.suffix.lower() != ".toml" and not path.exists():
+        near = did_you_mean(name, PRESETS)
+        raise InputError("robot", [f"{name!r} is neither a preset nor a study file; give the path of a .toml file or a preset: {near}"])
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (UnicodeDecodeError, OSError) as error:
+        why = "it is not text" if isinstance(error, UnicodeDecodeError) else error.strerror
+        what = "give the path of a TOML file, such as robot.to_toml() writes"
+        raise InputError("study file", [f"{name!r} cannot be read: {why}; {what}"]) from None
+    return _study(text)
+
+
+def _study(text: str) -> tuple[Any, dict[str, Any]]:
+    import tomllib
+
+    from stickslip.robot import Robot
+
+    robot = Robot.from_toml(text)
+    table = tomllib.loads(text).get("solve", {})
+    names = {name.partition(".")[0] for name in SOLVER}
+    problems = Problems("study file")
+    for name in table:
+        if name not in names:
+            problems.add(f"solve.{name} is not known; {did_you_mean(name, names)}")
+    problems.check()
+    return robot, table

@@ -1,0 +1,30 @@
+"""``stickslip check``: several methods, one robot, and the digits on which they agree."""
+
+from __future__ import annotations
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser, subject
+
+__all__ = ["act"]
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(
+        command,
+        "Let several methods solve one robot and say how many digits of its mean velocity are certain.",
+        more="example: stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4 rtol=1e-6",
+    )
+    made.add_argument("--no-scipy", action="store_true", help="leave out scipy's integrator, which takes most of the time")
+    asked = made.parse_intermixed_args(words)
+    study = subject(asked.robot, asked.settings, solver=("periods", "rtol", "start.x", "start.v", "start.z"))
+    robot = study.robot()
+
+    from stickslip.check import check
+
+    found = check(robot, scipy=not asked.no_scipy, **study.options)
+    if asked.json:
+        show.print_json({"robot": study.title(), **found.to_dict()})
+    else:
+        print(f"{study.title()}\n{found}")
+    return 0

@@ -1,0 +1,135 @@
+"""``stickslip run``: one robot, its motion in a few lines, and the figure and data on request."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser, subject
+
+__all__ = ["act"]
+
+FIGURES = (".png", ".svg", ".pdf")
+DATA = (".nc", ".mat", ".csv")
+_MORE = "example: stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png"
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Simulate one robot and say how it moves.", more=_MORE)
+    made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
+    made.add_argument("--data", metavar="FILE", help="write every column (.nc, .mat or .csv)")
+    asked = made.parse_intermixed_args(words)
+    figure, data = show.writable("--figure", asked.figure, FIGURES), show.writable("--data", asked.data, DATA)
+    study = subject(asked.robot, asked.settings)
+
+    from stickslip.solvers import solve
+
+    run = solve(study.robot(), **study.options, keep="trajectory")
+    written = [str(path) for path in (_drawn(run, figure), _written(run, data)) if path is not None]
+    record = _record(study, run, written)
+    if asked.json:
+        show.print_json(record)
+    else:
+        print(_told(record))
+    return 0
+
+
+def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
+    """Everything that the command says, by name, in SI units."""
+    from dataclasses import asdict
+
+    from stickslip.analysis.energy import energy
+    from stickslip.analysis.motion import motion
+    from stickslip.analysis.steady import mean_velocity
+    from stickslip.fields import leaves
+
+    m, balance = motion(run), energy(run)
+    last = run.t >= run.pieces.t[-1] - (m.period or 1) * run.period_time * (1 + 1e-12)
+    told = {k: v for k, v in asdict(m).items() if k != "_twin"} | {"twin": m.twin}
+    works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
+    return {
+        "robot": study.title(),
+        "law": type(run.model.friction).__name__,
+        "parameters": {name: float(value) for name, value in leaves(run.model)},
+        "mean_velocity": mean_velocity(run),
+        "motion": told,
+        "period_time": run.period_time,
+        "velocity_max": float(run.v[last].max()),
+        "velocity_min": float(run.v[last].min()),
+        "displacement": float(run.strobe_x[-1] - run.strobe_x[0]),
+        "energy": {**works, "worst_residual": balance.worst},
+        "status": run.status,
+        **run.provenance["settings"],
+        "counts": run.counts,
+        "notes": run.notes,
+        "provenance": run.provenance,
+        "written": written,
+    }
+
+
+def _told(record: dict[str, Any]) -> str:
+    """The record as a person reads it."""
+    m, work = record["motion"], record["energy"]
+    percent = ", ".join(f"{name} {100 * m[f'{name}_fraction']:.1f} %" for name in ("forward", "backward", "stick"))
+    count = f"{m['period']} drive periods" if m["period"] != 1 else "1 drive period"
+    twin = f"; with Coulomb friction {m['twin']}" if m["slip_ratio"] is not None and m["twin"] else ""
+    versions = record["provenance"]["versions"]
+    rows = [
+        ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),
+        ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
+        ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g} s"),
+        ("margin", f"{show.quantity(m['margin'], digits=4)}  (0 is the border to another type)"),
+        ("parts of a period", percent),
+        ("velocity", f"{show.quantity(record['velocity_min'], 'm/s')} to {show.quantity(record['velocity_max'], 'm/s')}"),
+        ("energy per period", _works(work)),
+        ("energy balance", f"worst residual {work['worst_residual']:.1e}"),
+        ("status", f"{record['status']}, {record['periods']} periods ({record['settle']} to settle)"),
+        *(("note", note) for note in record["notes"]),
+        *(("written", path) for path in record["written"]),
+        ("made by", f"stickslip {versions['stickslip']}, {record['method']}" + (f" at rtol {record['rtol']:g}" if record["rtol"] else "")),
+    ]
+    return f"{record['robot']}\n{show.facts(rows)}"
+
+
+def _works(work: dict[str, float]) -> str:
+    """Works of one period; what is rounding is left out."""
+    shown = {name: work[name] for name in ("drive", "gravity", "friction")}
+    return ", ".join(f"{name} {value:.4g} J" for name, value in shown.items() if abs(value) > 1e-12 * abs(work["drive"]) or name == "drive")
+
+
+def _drawn(run: Any, path: Path | None) -> Path | None:
+    if path is None:
+        return None
+    from matplotlib.figure import Figure
+
+    from stickslip import plot
+
+    with plot.publication():
+        figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        plot.velocity(run, ax=left)
+        plot.phase(run, ax=right)
+        figure.savefig(path)
+    return path
+
+
+def _written(run: Any, path: Path | None) -> Path | None:
+    if path is None:
+        return None
+    if path.suffix.lower() == ".nc":
+        return Path(run.save(path))
+    if path.suffix.lower() == ".mat":
+        return Path(run.to_mat(path))
+    import numpy as np
+
+    from stickslip.datasets import trajectory_columns
+    from stickslip.variables import VARIABLES
+
+    columns = trajectory_columns(run)
+    flat = {name: column for name, column in columns.items() if column.ndim == 1}
+    flat |= {f"{name}_{i}": column[:, i] for name, column in columns.items() if column.ndim == 2 for i in range(column.shape[1])}
+    head = ",".join(f"{name} [{VARIABLES[name.partition('_')[0] if name not in VARIABLES else name].unit}]" for name in flat)
+    np.savetxt(path, np.column_stack(list(flat.values())), delimiter=",", header=head, comments="", fmt="%.17g", encoding="utf-8")
+    return path

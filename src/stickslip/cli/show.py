@@ -1,0 +1,86 @@
+"""How results look in a terminal, and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import InputError
+
+__all__ = ["facts", "print_json", "progress", "quantity", "table", "writable"]
+
+
+def quantity(value: float, unit: str = "", digits: int = 7) -> str:
+    """A number with its unit; a dash where there is none.
+
+    Examples
+    --------
+    >>> quantity(0.002014682060674, "m/s"), quantity(float("nan"), "m/s")
+    ('0.002014682 m/s', '-')
+    """
+    if value is None or not math.isfinite(value):
+        return "-"
+    return f"{value:.{digits}g} {unit}".rstrip()
+
+
+def facts(rows: Iterable[tuple[str, str]]) -> str:
+    """Names and values in two columns."""
+    rows = list(rows)
+    width = max(len(name) for name, _ in rows)
+    return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Rows of text in aligned columns."""
+    widths = [max([len(head[i]), *(len(row[i]) for row in rows)]) for i in range(len(head))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in [head, *rows])
+
+
+def print_json(record: Any) -> None:
+    """Strict JSON: numbers that are no numbers become null."""
+    print(json.dumps(_strict(record), indent=1, allow_nan=False, ensure_ascii=False))
+
+
+def _strict(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(k): _strict(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_strict(v) for v in value]
+    if hasattr(value, "tolist"):
+        return _strict(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if isinstance(value, (str, int, bool, type(None))) else str(value)
+
+
+def progress(what: str) -> Callable[[int, int], None] | None:
+    """A counter on stderr, if a person looks at it."""
+    if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+        return None
+
+    def tell(done: int, whole: int) -> None:
+        print(f"\r{done}/{whole} {what}", end="\n" if done >= whole else "", file=sys.stderr, flush=True)
+
+    return tell
+
+
+def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | None:
+    """The path if a file of a known kind can be written there; said before the work, not after it."""
+    if path is None:
+        return None
+    target = Path(path).expanduser()
+    if target.suffix.lower() not in suffixes:
+        raise InputError(
+            option, [f"{path!r} ends in {target.suffix!r}; allowed are {', '.join(suffixes)}; type for example result{suffixes[0]}"]
+        )
+    folder = target.parent
+    if not folder.is_dir():
+        raise InputError(option, [f"{path!r}: the folder {str(folder)!r} does not exist; make it first, or give another path"])
+    if target.is_dir() or not os.access(target if target.exists() else folder, os.W_OK):
+        raise InputError(option, [f"{path!r} cannot be written; give a path in a folder that you may write to"])
+    return target

@@ -1,0 +1,119 @@
+"""How the paper's figures are put together: panels side by side in a file, and each on its own in the report."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.plot.style import SHADE, WIDTH, publication
+
+__all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "curve", "render", "shade_rest"]
+
+Panel = Callable[[Any], None]
+
+#: The laws' colours and dashes: dotted and dashed as in the paper.
+COULOMB: dict[str, Any] = {"color": "#D55E00", "linestyle": (0, (1, 1.1)), "linewidth": 1.5}
+LUGRE: dict[str, Any] = {"color": "#0072B2", "linestyle": (0, (5, 1.6)), "linewidth": 1.2}
+MEASURED: dict[str, Any] = {"color": "#000000", "linestyle": "-", "linewidth": 0.9}
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A figure that was drawn.
+
+    Parameters
+    ----------
+    key : str
+        Name of its files.
+    title, caption, alt : str
+        What it is called, what it shows, and what a reader who cannot see it should know.
+    section : str
+        Section of the paper, or "evidence".
+    files : tuple of Path
+        PNG and SVG.
+    panels : tuple of str
+        Each panel as SVG text.
+    """
+
+    key: str
+    title: str
+    caption: str
+    alt: str
+    section: str
+    files: tuple[Path, ...]
+    panels: tuple[str, ...]
+
+
+def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2, columns: int = 2, **texts: str) -> Picture:
+    """Draw panels side by side into PNG and SVG files, and each alone for the report."""
+    from matplotlib.figure import Figure
+
+    with publication():
+        import matplotlib as mpl
+
+        mpl.rcParams.update({"svg.fonttype": "path", "svg.hashsalt": key})
+        rows = -(-len(panels) // columns)
+        whole = Figure(figsize=(WIDTH * min(columns, len(panels)), height * rows))
+        for place, draw in enumerate(panels):
+            draw(whole.add_subplot(rows, min(columns, len(panels)), place + 1))
+        files = tuple(folder / f"{key}.{kind}" for kind in ("png", "svg"))
+        for file in files:
+            whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
+        return Picture(key=key, files=files, panels=tuple(_alone(draw, height, f"{key}-{i}") for i, draw in enumerate(panels)), **texts)
+
+
+def _alone(draw: Panel, height: float, salt: str) -> str:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    mpl.rcParams["svg.hashsalt"] = salt
+    figure = Figure(figsize=(WIDTH, height))
+    draw(figure.subplots())
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:
+    """Everything about the last drive periods of a run, sampled evenly and at each event; `phase` counts drive periods."""
+    start, end = (float(run.strobe_times[i]) for i in (-1 - periods, -1))
+    events = [e.t for e in run.events if start < e.t < end]
+    found = run.at(np.unique(np.concatenate([np.linspace(start, end, points), events])))
+    drift = (found["x"][-1] - found["x"][0]) / (end - start)
+    swing = found["x"] - drift * (found["t"] - start)
+    strobe = run.at(run.strobe_times[-1 - periods : -1])
+    middle = 0.5 * (swing.max() + swing.min())
+    return {
+        "phase": (found["t"] - start) / run.period_time,
+        "v": found["v"],
+        "s": swing - middle,
+        "strobe_v": strobe["v"],
+        "strobe_s": strobe["x"] - drift * (strobe["t"] - start) - middle,
+        "rest": _rests(run, periods),
+    }
+
+
+def _rests(run: Any, periods: int) -> list[tuple[float, float]]:
+    """Where the body rests, in drive periods from the start of the curve: exactly, or by the rule for LuGre words."""
+    from stickslip.analysis.motion import motion
+
+    told = motion(run)
+    if told.type in ("rest", "presliding"):
+        return []
+    count, found = told.period or 1, []
+    for first in range(periods % count - count, periods, count):
+        found += [(first + a, first + a + b) for a, b, sign in told.intervals if sign == 0]
+        found += [(first - count + a, first - count + a + b) for a, b, sign in told.intervals if sign == 0 and a + b > count]
+    return [(max(a, 0.0), min(b, float(periods))) for a, b in found if b > 0 and a < periods]
+
+
+def shade_rest(ax: Any, rests: list[tuple[float, float]], factor: float = 1.0) -> None:
+    """Shade where the body rests."""
+    for a, b in rests:
+        ax.axvspan(a * factor, b * factor, color=SHADE, linewidth=0, zorder=0)

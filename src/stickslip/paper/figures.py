@@ -1,0 +1,217 @@
+"""Figures 6 to 30 as the paper draws them: time history, and phase portrait with the drift removed."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, PRINTED, Case, Experiment
+from stickslip.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
+from stickslip.paper.runs import Runs, Tell
+from stickslip.paper.table import Row
+from stickslip.paper.words import millimetres, plain, speed
+from stickslip.plot.style import INK
+
+__all__ = ["draw"]
+
+PERIODS = 3
+WHERE_INFERRED = "A = 0.6 mm (inferred). "
+
+
+def draw(runs: Runs, table: tuple[Row, ...], folder: Path, fast: bool, tell: Tell) -> tuple[Picture, ...]:
+    """Draw every figure of sections 4 and 5 (the fast subset: some of them)."""
+    rows = {r.experiment.figure: r for r in table}
+    jobs: dict[int, Any] = {6: partial(_four_types, runs, table)}
+    jobs |= {e.figure: partial(_experiment, runs, rows[e.figure]) for e in EXPERIMENTS}
+    limits = {c.section: _limits(runs, c.section) for c in CASES}
+    jobs |= {c.figure: partial(_case, runs, c, limits[c.section]) for c in CASES}
+    wanted = [n for n in sorted(jobs) if not fast or n in FAST_FIGURES]
+    found = []
+    for i, number in enumerate(wanted):
+        tell(f"drawing Figure {number}", i, len(wanted))
+        found.append(jobs[number](folder))
+    tell("drawing figures", len(wanted), len(wanted))
+    return tuple(found)
+
+
+# ---- Figure 6 ----
+def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
+    order = sorted(table, key=lambda r: ("I", "II", "III", "IV").index(r.type))
+    panels = [partial(_exact_panel, runs.coulomb[r.experiment.name], r) for r in order]
+    text = "; ".join(f"type {r.type}: {r.experiment.tilt_deg}°, signs {r.pattern.replace('-', '−')}" for r in order)
+    return render(
+        folder, "figure-06", panels, height=1.9, title="Figure 6. The four types of motion with Coulomb friction", section="4.1",
+        caption="Exact arcs; shaded: the body rests. The paper does not print the parameters of this figure: the four experiments of section 4 are our choice.",
+        alt=f"Four panels of velocity over three drive periods, one for each type of motion. {text}.",
+    )  # fmt: skip
+
+
+def _exact_panel(run: Any, row: Row, ax: Any) -> None:
+    found = curve(run, PERIODS)
+    shade_rest(ax, found["rest"])
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    ax.plot(found["phase"], 1e3 * found["v"], color=COULOMB["color"], linewidth=1.2)
+    ax.set_title(f"type {row.type}: tilt {row.experiment.tilt_deg}°, $A$ = {millimetres(row.experiment.amplitude)}", loc="left")
+    _time_axis(ax, "velocity $v$ (mm/s)")
+
+
+def _time_axis(ax: Any, label: str, periods: int = PERIODS) -> None:
+    ax.set_xlim(0, periods)
+    ax.set_xticks(range(periods + 1))
+    ax.set_xlabel("time $t/T$ (drive periods)")
+    ax.set_ylabel(label)
+
+
+# ---- Figures 7 to 10 ----
+def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
+    e = row.experiment
+    return render(
+        folder, f"figure-{e.figure:02}", [partial(_velocities, runs, e), partial(_levels, row)], height=2.5,
+        title=f"Figure {e.figure}. Coulomb and LuGre friction at {e.tilt_deg}°, type {e.type}", section=e.section,
+        caption=f"A = {millimetres(e.amplitude)} (inferred). Left: velocity of the body with Coulomb friction (dotted; shaded where it rests) and LuGre friction "
+        "(dashed). The measured record is not available: only its printed mean is drawn, as a level. Right: mean velocities, lines as printed, circles as computed here.",
+        alt=f"Velocity over three drive periods at {e.tilt_deg} degrees; both laws' curves nearly coincide. Mean velocities: measured {speed(e.measured)}; Coulomb "
+        f"printed {speed(e.coulomb)}, computed {speed(row.coulomb)}; LuGre printed {speed(e.lugre)}, computed {speed(row.lugre)}.",
+    )  # fmt: skip
+
+
+def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
+    exact, bristles = curve(runs.coulomb[e.name], PERIODS), curve(runs.lugre[e.name], PERIODS)
+    shade_rest(ax, exact["rest"])
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    ax.plot(bristles["phase"], 1e3 * bristles["v"], **LUGRE, label="LuGre", zorder=3)
+    ax.plot(exact["phase"], 1e3 * exact["v"], **COULOMB, label="Coulomb", zorder=4)
+    ax.axhline(1e3 * e.measured, **MEASURED, label="measured mean (printed)", zorder=2)
+    _time_axis(ax, "velocity $v$ (mm/s)")
+    handles, labels = ax.get_legend_handles_labels()
+    order = [labels.index(n) for n in ("Coulomb", "LuGre", "measured mean (printed)")]
+    ax.legend(
+        [handles[i] for i in order],
+        [labels[i] for i in order],
+        loc="lower left",
+        bbox_to_anchor=(-0.02, 1.0),
+        ncols=3,
+        borderaxespad=0.2,
+        columnspacing=1.0,
+    )
+
+
+def _levels(row: Row, ax: Any) -> None:
+    e = row.experiment
+    levels = (
+        ("measured, printed", e.measured, MEASURED, None),
+        ("Coulomb, printed", e.coulomb, COULOMB, None),
+        ("LuGre, printed", e.lugre, LUGRE, None),
+    )
+    points = (("Coulomb, computed", row.coulomb, COULOMB, 0.35), ("LuGre, computed", row.lugre, LUGRE, 0.65))
+    everything = sorted((*levels, *points), key=lambda item: item[1])
+    values = np.array([1e3 * item[1] for item in everything])
+    span = max(values.max() - values.min(), 0.05 * values.max())
+    low, high = values.min() - 0.35 * span, values.max() + 0.35 * span
+    for (name, _, style, place), value, height in zip(everything, values, _apart(values, 0.13 * (high - low)), strict=True):
+        if place is None:
+            ax.plot([0, 1], [value, value], **style)
+        else:
+            ax.plot([place], [value], "o", color=style["color"], markersize=5, markeredgecolor="white", markeredgewidth=0.6, zorder=5)
+        end = 1.0 if place is None else place
+        ax.plot([end, 1.06, 1.14], [value, height, height], color=INK, linewidth=0.4, clip_on=False, zorder=1)
+        digits = 1 if place is None else 3
+        ax.text(1.17, height, f"{name}: {value:.{digits}f}", color=style["color"], va="center", ha="left", fontsize=7)
+    ax.set(xlim=(0, 1), ylim=(low, high), xticks=[], ylabel="mean velocity (mm/s)")
+    ax.spines["bottom"].set_visible(False)
+    ax.set_box_aspect(1.9)
+
+
+def _apart(values: Any, gap: float) -> Any:
+    """Heights for labels of sorted values, at least `gap` apart, as near to the values as that allows."""
+    heights = values.astype(float).copy()
+    for _ in range(200):
+        for i in range(len(heights) - 1):
+            lack = gap - (heights[i + 1] - heights[i])
+            if lack > 1e-12:
+                heights[i] -= 0.5 * lack
+                heights[i + 1] += 0.5 * lack
+    return heights
+
+
+# ---- Figures 11 to 30 ----
+def _scale(run: Any) -> tuple[float, float]:
+    return float(run.model.drive.amplitude), float(run.model.velocity_scale)
+
+
+def _limits(runs: Runs, section: str) -> tuple[float, float, float]:
+    """Common limits of a section: least and largest v/(A omega), and half the width of the portraits in A; without presliding."""
+    found = []
+    for case in (c for c in CASES if c.section == section):
+        run = runs.figures[case.figure]
+        if not _presliding(run):
+            A, scale = _scale(run)
+            c = curve(run, 4)
+            found.append((c["v"].min() / scale, c["v"].max() / scale, abs(c["s"]).max() / A))
+    low, high, wide = min(f[0] for f in found), max(f[1] for f in found), max(f[2] for f in found)
+    return low - 0.06 * (high - low), high + 0.06 * (high - low), 1.08 * wide
+
+
+def _presliding(run: Any) -> bool:
+    from stickslip.analysis.motion import motion
+
+    return motion(run).type in ("rest", "presliding")
+
+
+def _case(runs: Runs, case: Case, limits: tuple[float, float, float], folder: Path) -> Picture:
+    from stickslip.analysis.motion import motion
+    from stickslip.analysis.steady import mean_velocity
+
+    run, twin = runs.figures[case.figure], motion(runs.twins[case.figure]).type
+    told = motion(run)
+    periods = 4 if (told.period or 1) > 1 else PERIODS
+    found = curve(run, periods)
+    own = _presliding(run)
+    words = f"period {told.period}" if told.period else "no period found"
+    facts = (
+        f"{'' if case.amplitude_source == PRINTED else WHERE_INFERRED}Converged LuGre motion: {words}, word {told.type}, mean velocity "
+        f"{speed(mean_velocity(run))}; exact Coulomb type {twin}."
+    )
+    scales = " The body only stretches its bristles; axes of its own scale." if own else ""
+    said = f" The paper: {case.said}." if case.said else ""
+    _, scale = _scale(run)
+    return render(
+        folder, f"figure-{case.figure:02}", [partial(_history, run, found, periods, None if own else limits), partial(_portrait, run, found, None if own else limits)],
+        title=f"Figure {case.figure}. LuGre friction, {case.varied}", section=case.section, caption=facts + scales + said,
+        alt=f"Left: dimensionless velocity over {periods} drive periods, from {plain(found['v'].min() / scale, 3)} to {plain(found['v'].max() / scale, 3)}. "
+        f"Right: phase portrait, a closed curve with {len(set(np.round(found['strobe_v'] / scale, 6)))} strobe point(s).",
+    )  # fmt: skip
+
+
+def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any) -> None:
+    shade_rest(ax, found["rest"])
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    ax.plot(found["phase"], found["v"] / _scale(run)[1], color=LUGRE["color"], linewidth=1.1)
+    _time_axis(ax, "velocity $v/(A\\omega)$", periods)
+    if limits is not None:
+        ax.set_ylim(limits[0], limits[1])
+    ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+
+
+def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
+    A, scale = _scale(run)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    ax.plot(found["s"] / A, found["v"] / scale, color=LUGRE["color"], linewidth=1.1)
+    ax.plot(
+        found["strobe_s"] / A,
+        found["strobe_v"] / scale,
+        "o",
+        color="#D55E00",
+        markersize=3.5,
+        markeredgecolor="white",
+        markeredgewidth=0.5,
+        zorder=5,
+    )
+    ax.set_xlabel("displacement without drift $(x - Vt)/A$")
+    ax.set_ylabel("velocity $v/(A\\omega)$")
+    if limits is not None:
+        ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])
+    ax.ticklabel_format(axis="both", scilimits=(-2, 3), useMathText=True)
