@@ -72,10 +72,10 @@ def _set_valued(model: Any) -> Slopes:
     backward, forward = (_lift(graph, limit) for limit in symbolic.friction.breakaway(load))
     free, one = _lift(graph, symbolic.acceleration(t, zero, zero, 0.0)), _lift(graph, symbolic.acceleration(t, zero, zero, 1.0))
     offered = free / (free - one)  # the friction force that leaves no acceleration
-    below = graph.select(graph.sign(offered - backward), offered, backward)
-    held = graph.select(graph.sign(forward - below), below, forward)
-    accelerations = [_lift(graph, symbolic.acceleration(t, zero, v, R)) for R in (slide, held)]
-    return Slopes(names, t, (v,), (accelerations[0],), tuple(graph.guards), accelerations[1], _lift(graph, symbolic.period))
+    slides, *breaks = (_lift(graph, symbolic.acceleration(t, zero, v, R)) for R in (slide, backward, forward))
+    held = graph.select(graph.sign(backward - offered), breaks[0], zero)  # zero itself, not what rounding leaves of it
+    held = graph.select(graph.sign(offered - forward), breaks[1], held)
+    return Slopes(names, t, (v,), (slides,), tuple(graph.guards), held, _lift(graph, symbolic.period))
 
 
 def kernel(model: Any) -> Kernel:

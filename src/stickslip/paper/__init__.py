@@ -1,7 +1,3 @@
 """The founding paper, end to end: every table, figure and claim of it, computed again, with a report."""
 
 from __future__ import annotations
-
-
-
-

@@ -10,7 +10,7 @@ from stickslip.paper.amplitudes import Amplitudes
 from stickslip.paper.runs import Runs, Tell
 from stickslip.paper.table import Row
 
-__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "claims", "verdict"]
+__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "claims", "study_of", "verdict"]
 
 CONFIRMED, NOT_CONFIRMED, UNDECIDED = "confirmed", "not confirmed", "cannot be decided from the text"
 VERDICTS = (CONFIRMED, NOT_CONFIRMED, UNDECIDED)
@@ -70,7 +70,20 @@ class Study:
     runs: Runs
     table: tuple[Row, ...]
     amplitudes: Amplitudes
+    period_map: dict[str, Any]
+    static_map: dict[str, Any]
     tell: Tell
+
+
+def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
+    """Do the scans that claims and figures share."""
+    from stickslip.paper.claims_friction import static_map
+    from stickslip.paper.claims_irregular import period_map
+
+    tell("scanning small kinetic friction", 0, 2)
+    periods = period_map(fast)
+    tell("scanning static friction", 1, 2)
+    return Study(fast, runs, table, amplitudes, periods, static_map(fast), tell)
 
 
 def verdict(holds: Any) -> str:

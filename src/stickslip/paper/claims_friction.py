@@ -149,7 +149,7 @@ def _most(types: Any) -> tuple[int, int]:
 
 def all_types_by_static(study: Study) -> Claim:
     """All four types by f0."""
-    found = static_map(study.fast)
+    found = study.static_map
     A, at, n = found["amplitude"], found["printed"], len(found["amplitude"])
     default, chosen = next(iter(found["words"])), int(np.argmin(abs(A - AMPLITUDE_5)))
     figures = {"exact": _most(found["exact"][:, at]), "lugre": _most(found["words"][default][:, at])}

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.paper.cases import CASES, rig
 from stickslip.paper.claims import Claim, Part, Study, verdict
 from stickslip.paper.runs import batch
-from stickslip.paper.words import listed, millimetres, plain, speed
+from stickslip.paper.words import listed, millimetres, percent, plain, speed
 
 __all__ = ["period_map", "period_two", "quasi_periodic", "rk4_ladder"]
 

@@ -44,7 +44,8 @@ def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
     text = "; ".join(f"type {r.type}: {r.experiment.tilt_deg}°, signs {r.pattern.replace('-', '−')}" for r in order)
     return render(
         folder, "figure-06", panels, height=1.9, title="Figure 6. The four types of motion with Coulomb friction", section="4.1",
-        caption="Exact arcs; shaded: the body rests. The paper does not print the parameters of this figure: the four experiments of section 4 are our choice.",
+        caption="Exact arcs; shaded: the body rests. The paper does not print the parameters of this figure: the four experiments of "
+                "section 4 are our choice.",
         alt=f"Four panels of velocity over three drive periods, one for each type of motion. {text}.",
     )  # fmt: skip
 
@@ -71,9 +72,12 @@ def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
     return render(
         folder, f"figure-{e.figure:02}", [partial(_velocities, runs, e), partial(_levels, row)], height=2.5,
         title=f"Figure {e.figure}. Coulomb and LuGre friction at {e.tilt_deg}°, type {e.type}", section=e.section,
-        caption=f"A = {millimetres(e.amplitude)} (inferred). Left: velocity of the body with Coulomb friction (dotted; shaded where it rests) and LuGre friction "
-        "(dashed). The measured record is not available: only its printed mean is drawn, as a level. Right: mean velocities, lines as printed, circles as computed here.",
-        alt=f"Velocity over three drive periods at {e.tilt_deg} degrees; both laws' curves nearly coincide. Mean velocities: measured {speed(e.measured)}; Coulomb "
+        caption=f"A = {millimetres(e.amplitude)} (inferred). Left: velocity of the body with Coulomb friction (dotted; shaded where it "
+                "rests) and LuGre friction "
+        "(dashed). The measured record is not available: only its printed mean is drawn, as a level. Right: mean velocities, lines as "
+        "printed, circles as computed here.",
+        alt=f"Velocity over three drive periods at {e.tilt_deg} degrees; both laws' curves nearly coincide. Mean velocities: measured "
+            f"{speed(e.measured)}; Coulomb "
         f"printed {speed(e.coulomb)}, computed {speed(row.coulomb)}; LuGre printed {speed(e.lugre)}, computed {speed(row.lugre)}.",
     )  # fmt: skip
 
@@ -169,19 +173,21 @@ def _case(runs: Runs, case: Case, limits: tuple[float, float, float], folder: Pa
     told = motion(run)
     periods = 4 if (told.period or 1) > 1 else PERIODS
     found = curve(run, periods)
-    own = _presliding(run)
+    presliding = _presliding(run)
+    own = presliding or found["v"].max() / _scale(run)[1] < 0.3 * limits[1]
     words = f"period {told.period}" if told.period else "no period found"
     facts = (
         f"{'' if case.amplitude_source == PRINTED else WHERE_INFERRED}Converged LuGre motion: {words}, word {told.type}, mean velocity "
         f"{speed(mean_velocity(run))}; exact Coulomb type {twin}."
     )
-    scales = " The body only stretches its bristles; axes of its own scale." if own else ""
+    scales = (" The body only stretches its bristles." if presliding else "") + (" Axes of its own scale." if own else "")
     said = f" The paper: {case.said}." if case.said else ""
     _, scale = _scale(run)
     return render(
         folder, f"figure-{case.figure:02}", [partial(_history, run, found, periods, None if own else limits), partial(_portrait, run, found, None if own else limits)],
         title=f"Figure {case.figure}. LuGre friction, {case.varied}", section=case.section, caption=facts + scales + said,
-        alt=f"Left: dimensionless velocity over {periods} drive periods, from {plain(found['v'].min() / scale, 3)} to {plain(found['v'].max() / scale, 3)}. "
+        alt=f"Left: dimensionless velocity over {periods} drive periods, from {plain(found['v'].min() / scale, 3)} to "
+            f"{plain(found['v'].max() / scale, 3)}. "
         f"Right: phase portrait, a closed curve with {len(set(np.round(found['strobe_v'] / scale, 6)))} strobe point(s).",
     )  # fmt: skip
 
@@ -193,7 +199,7 @@ def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any
     _time_axis(ax, "velocity $v/(A\\omega)$", periods)
     if limits is not None:
         ax.set_ylim(limits[0], limits[1])
-    ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+    ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
 
 
 def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
@@ -214,4 +220,4 @@ def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
     ax.set_ylabel("velocity $v/(A\\omega)$")
     if limits is not None:
         ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])
-    ax.ticklabel_format(axis="both", scilimits=(-2, 3), useMathText=True)
+    ax.ticklabel_format(axis="both", scilimits=(-3, 3), useMathText=True)

@@ -1,0 +1,68 @@
+"""`check`: its verdict is right, and it says what it knows."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.check import check
+
+
+@pytest.fixture(scope="module")
+def lugre():
+    return check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4), rk4_steps=(2000, 10_000))
+
+
+@pytest.fixture(scope="module")
+def coulomb():
+    return check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), rk4_steps=(2000,))
+
+
+def test_the_certain_digits_are_right(lugre, coulomb):
+    """TRUTH P1, to the digits printed there."""
+    assert lugre.digits >= 6 and f"{lugre.mean_velocity:.5e}" == f"{0.001741322:.5e}"
+    assert coulomb.digits >= 9 and coulomb.mean_velocity == pytest.approx(0.002014682, abs=5e-10)
+
+
+def test_uncertainty_covers_the_true_error(lugre):
+    assert abs(lugre.mean_velocity - lugre.best) <= lugre.uncertainty < 1e-6 * lugre.best
+
+
+def test_every_judge_is_asked(lugre, coulomb):
+    assert [j.name for j in lugre.judges] == ["Rodas5P"] * 4 + ["scipy radau"] + ["RK4, fixed steps"] * 2
+    assert [j.name for j in coulomb.judges] == ["exact arcs", "closed formula", "scipy dop853", "RK4, fixed steps"]
+    assert all(np.isfinite(j.mean_velocity) and j.seconds >= 0 for j in lugre.judges + coulomb.judges)
+
+
+def test_fixed_steps_are_shown_but_do_not_count(coulomb):
+    rk4 = coulomb.judges[-1]
+    assert not rk4.counts and abs(rk4.difference) > 1e3 * coulomb.uncertainty
+
+
+def test_a_naive_script_that_errs_is_named():
+    told = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.03), periods=60, rk4_steps=(2000,), scipy=False)
+    assert "Runge-Kutta with 2000 steps per period would have said -" in told.verdict
+
+
+def test_a_robot_at_rest_has_no_digits():
+    told = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-6, law="coulomb"), periods=10, rk4_steps=())
+    assert told.mean_velocity == 0.0 and told.digits == 0 and "no net motion" in told.verdict and "exactly zero" in told.verdict
+
+
+def test_it_reads_well_and_as_data(lugre, coulomb):
+    text = str(lugre)
+    assert "digits of the mean velocity" in text and "energy balance" in text and "note: LuGre is not passive" in text
+    assert all(len(line) < 200 for line in text.splitlines())
+    assert json.loads(json.dumps(coulomb.to_dict()))["digits"] == coulomb.digits
+    assert "<table>" in lugre._repr_html_() and "certain" in lugre._repr_html_()
+    assert coulomb.notes == ()
+
+
+def test_a_batch_is_refused():
+    with pytest.raises(ss.InputError, match=r"batch of shape \(2,\)"):
+        check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([4e-4, 5e-4])))
+    with pytest.raises(ss.InputError, match="no robot"):
+        check(3)
