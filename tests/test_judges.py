@@ -183,7 +183,7 @@ def test_judges_start_where_they_are_told():
     robot = ss.presets.piezo_rig(**P1, law="coulomb")
     start = {"x": 0.1, "v": -0.02}
     exact = solve(robot, periods=2, start=start)
-    for method, tolerance in (("dop853", 1e-9), ("rk4", 1e-3)):
+    for method, tolerance in (("dop853", 1e-9), ("rk4", 0.05)):  # of a small difference; sign(v) is of first order
         run = solve(robot, periods=2, start=start, method=method, rtol=1e-9)
         assert run.strobe_x[0] == 0.1 and run.strobe_v[0] == -0.02
         assert run.strobe_x[-1] - 0.1 == pytest.approx(exact.strobe_x[-1] - 0.1, rel=tolerance)

@@ -113,3 +113,16 @@ def test_ten_thousand_robots_far_from_the_paper():
     assert np.quantile(error, 0.5) < 1e-6
     assert np.quantile(error, 0.99) < 1e-5
     assert error.max() < 1e-3
+
+
+@pytest.mark.parametrize("name", ["P1", "P2", "P3", "P4", "P6 4e-4", "P6 8e-4", "P8 .05", "P8 .10", "P8 .21", "P10 1.7"])
+def test_energy_closes_to_1e6_by_default(name):
+    """Work of the drive and of gravity, less friction's, is the change of kinetic energy; per period, relative to the drive's work."""
+    assert ss.energy(ss.solve(lugre(name))).worst <= 1e-6
+
+
+@pytest.mark.parametrize("name", ["P8 .03", "P8 .04"])
+def test_energy_residual_of_stiff_robots_falls_with_the_tolerance(name):
+    """An error per step of rtol over N steps, N growing as rtol^(-1/5): the residual falls nearly like rtol, at least as rtol^(4/5)."""
+    worst = [ss.energy(ss.solve(lugre(name), periods=40, rtol=rtol)).worst for rtol in (1e-5, 1e-7)]
+    assert worst[1] <= worst[0] * 100**-0.7

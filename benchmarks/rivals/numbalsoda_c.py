@@ -17,7 +17,6 @@ import numpy as np
 from problem import PATH, Problem
 from rivals.base import Outcome, Rival
 
-
 # dop853 prints a warning for every stiff stretch; unbuffered, so that `_quiet` catches it before it waits for the exit
 os.environ.setdefault("GFORTRAN_UNBUFFERED_ALL", "1")
 

@@ -260,5 +260,5 @@ def _verdict(answer: float, uncertainty: float, digits: int, period: int | None,
     wrong = [j for j in judges if j.name.startswith("RK4") and abs(j.difference) > 0.01 * abs(answer) > small]
     if wrong:
         coarse = max(wrong, key=lambda j: abs(j.difference))
-        sentence += f" Runge-Kutta with {coarse.setting.replace('per', 'steps per')} would have said {coarse.mean_velocity:.3e} m/s."
+        sentence += f" Runge-Kutta with {coarse.setting.replace(' per', ' steps per', 1)} would have said {coarse.mean_velocity:.3e} m/s."
     return sentence

@@ -26,19 +26,19 @@ def held_velocity(v: Any, mode: Any, least: Any = _TINY) -> Any:
     return mode * np.maximum(mode * v, least)
 
 
-def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any) -> Any:
-    """Friction force R [N]; z is (states, n), or (n,) for one state. Stuck bodies feel what the other forces leave over."""
+def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any) -> Any:
+    """Friction force R [N]; z and its rate are (states, n), or (n,) for one state. Stuck bodies feel what the other forces leave over."""
     law, load = model.friction, model.load(t, x)
     slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
     if is_dynamic(law):
-        return law.force(slip, z, law.rate(slip, z, load), load)
+        return law.force(slip, z, zdot, load)
     return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
 
 
-def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
+def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any) -> dict[str, Any]:
     """Every force and every motion of the inner mass, by the names in `stickslip.variables`."""
     drive, ones = model.drive, np.ones_like(t)
-    R = friction_force(model, mode, t, x, v, z) * ones
+    R = friction_force(model, mode, t, x, v, z, zdot) * ones
     acceleration = np.where((mode == 0) & (not is_dynamic(model.friction)), 0.0, model.acceleration(t, x, v, R) * ones)
     xi_acceleration, xi_rate = drive.acceleration(t) * ones, drive.velocity(t) * ones
     F = model.actuator_force(t, acceleration) * ones

@@ -115,6 +115,20 @@ class PolynomialPieces(_Arrays):
         return self.x0[index] + h * theta * _horner(c[:, 0] / powers, theta), *_split(_horner(np.moveaxis(c, 1, 0), theta))
 
 
+def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
+    """Rates of the inner states (len(t), states), as slopes of the dense output; none for closed arcs.
+
+    Where the bristle is stiff, a law's own rate magnifies the last digits of z; the slope does not.
+    """
+    if not isinstance(pieces, PolynomialPieces):
+        return np.empty((len(t), 0))
+    start = pieces.t[index]
+    h = pieces.t[index + 1] - start
+    c = pieces.coefficients[index, 1:]
+    slopes = np.moveaxis(c[..., 1:] * np.arange(1, c.shape[2]), 1, 0)
+    return (_horner(slopes, (t - start) / h) / h).T
+
+
 def _horner(c: Array, theta: Array) -> Array:
     """Sum of c[..., k] theta^k."""
     value = c[..., -1].copy()

@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip import forces
 from stickslip.errors import InputError
-from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of
+from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates
 from stickslip.summary import STATUS, Summary
 from stickslip.variables import VARIABLES
 
@@ -158,8 +158,9 @@ class Trajectory:
         return self._forces_at(*self._instants, *self._states)
 
     def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
-        inner = z[:, 0] if z.shape[1] == 1 else z.T
-        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], t, x, v, inner)
+        rates = inner_rates(self.pieces, t, index)
+        inner, inner_rate = (z[:, 0], rates[:, 0]) if z.shape[1] == 1 else (z.T, rates.T)
+        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], t, x, v, inner, inner_rate)
 
     acceleration = _force_column("acceleration")
     friction_force = _force_column("friction_force")

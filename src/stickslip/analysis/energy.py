@@ -102,7 +102,7 @@ def _cut(run: Any) -> tuple[Array, Array, Array]:
 def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run.pieces.evaluate(t, index)
-    column = forces.columns(run.model, np.asarray(run.pieces.mode)[index], t, x, v, z[:, 0] if z.shape[1] == 1 else z.T)
+    column = run._forces_at(t, index, x, v, z)
     gravity = forces.offered_force(run.model, t, x) - column["drive_force"]
     works = {"drive": column["drive_force"] * v, "gravity": gravity * v, "friction": column["friction_force"] * v}
     return works | {"actuator": column["actuator_power"]}

@@ -1,3 +1,7 @@
 """The founding paper, end to end: every table, figure and claim of it, computed again, with a report."""
 
 from __future__ import annotations
+
+from stickslip.paper.reproduction import Reproduction, reproduce
+
+__all__ = ["Reproduction", "reproduce"]

@@ -87,11 +87,11 @@ def folding_coulomb(study: Study) -> Claim:
 
 def folding_lugre(study: Study) -> Claim:
     """Folding an incline into friction, LuGre."""
-    difference = {r: r.gravity / r.lugre - 1 for r in study.table}
-    sizes = [abs(d) for d in difference.values()]
+    difference = [r.gravity / r.lugre - 1 for r in study.table]
+    sizes = [abs(d) for d in difference]
     parts = tuple(
         Part(f"{r.experiment.tilt_deg}°", verdict(abs(d) < 1e-3), f"folded {speed(r.lugre)}, true incline {speed(r.gravity)}: {percent(d)}")
-        for r, d in difference.items()
+        for r, d in zip(study.table, difference, strict=True)
     )
     return Claim(
         "folding_lugre",

@@ -43,11 +43,16 @@ def _four_types(runs: Runs, table: tuple[Row, ...], folder: Path) -> Picture:
     panels = [partial(_exact_panel, runs.coulomb[r.experiment.name], r) for r in order]
     text = "; ".join(f"type {r.type}: {r.experiment.tilt_deg}°, signs {r.pattern.replace('-', '−')}" for r in order)
     return render(
-        folder, "figure-06", panels, height=1.9, title="Figure 6. The four types of motion with Coulomb friction", section="4.1",
+        folder,
+        "figure-06",
+        panels,
+        height=1.9,
+        title="Figure 6. The four types of motion with Coulomb friction",
+        section="4.1",
         caption="Exact arcs; shaded: the body rests. The paper does not print the parameters of this figure: the four experiments of "
-                "section 4 are our choice.",
+        "section 4 are our choice.",
         alt=f"Four panels of velocity over three drive periods, one for each type of motion. {text}.",
-    )  # fmt: skip
+    )
 
 
 def _exact_panel(run: Any, row: Row, ax: Any) -> None:
@@ -70,16 +75,20 @@ def _time_axis(ax: Any, label: str, periods: int = PERIODS) -> None:
 def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
     e = row.experiment
     return render(
-        folder, f"figure-{e.figure:02}", [partial(_velocities, runs, e), partial(_levels, row)], height=2.5,
-        title=f"Figure {e.figure}. Coulomb and LuGre friction at {e.tilt_deg}°, type {e.type}", section=e.section,
+        folder,
+        f"figure-{e.figure:02}",
+        [partial(_velocities, runs, e), partial(_levels, row)],
+        height=2.5,
+        title=f"Figure {e.figure}. Coulomb and LuGre friction at {e.tilt_deg}°, type {e.type}",
+        section=e.section,
         caption=f"A = {millimetres(e.amplitude)} (inferred). Left: velocity of the body with Coulomb friction (dotted; shaded where it "
-                "rests) and LuGre friction "
+        "rests) and LuGre friction "
         "(dashed). The measured record is not available: only its printed mean is drawn, as a level. Right: mean velocities, lines as "
         "printed, circles as computed here.",
         alt=f"Velocity over three drive periods at {e.tilt_deg} degrees; both laws' curves nearly coincide. Mean velocities: measured "
-            f"{speed(e.measured)}; Coulomb "
+        f"{speed(e.measured)}; Coulomb "
         f"printed {speed(e.coulomb)}, computed {speed(row.coulomb)}; LuGre printed {speed(e.lugre)}, computed {speed(row.lugre)}.",
-    )  # fmt: skip
+    )
 
 
 def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
@@ -184,12 +193,16 @@ def _case(runs: Runs, case: Case, limits: tuple[float, float, float], folder: Pa
     said = f" The paper: {case.said}." if case.said else ""
     _, scale = _scale(run)
     return render(
-        folder, f"figure-{case.figure:02}", [partial(_history, run, found, periods, None if own else limits), partial(_portrait, run, found, None if own else limits)],
-        title=f"Figure {case.figure}. LuGre friction, {case.varied}", section=case.section, caption=facts + scales + said,
+        folder,
+        f"figure-{case.figure:02}",
+        [partial(_history, run, found, periods, None if own else limits), partial(_portrait, run, found, None if own else limits)],
+        title=f"Figure {case.figure}. LuGre friction, {case.varied}",
+        section=case.section,
+        caption=facts + scales + said,
         alt=f"Left: dimensionless velocity over {periods} drive periods, from {plain(found['v'].min() / scale, 3)} to "
-            f"{plain(found['v'].max() / scale, 3)}. "
+        f"{plain(found['v'].max() / scale, 3)}. "
         f"Right: phase portrait, a closed curve with {len(set(np.round(found['strobe_v'] / scale, 6)))} strobe point(s).",
-    )  # fmt: skip
+    )
 
 
 def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any) -> None:

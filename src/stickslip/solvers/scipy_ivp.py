@@ -83,8 +83,9 @@ class _Equations:
         if not self.dynamic:
             up, down = self.excess(t, y[0])
             return 1 if up > 0 else -1 if down > 0 else 0
-        slope = self.right(before or 1)(t, y)[1]
-        return -before if before and slope * before <= 0 else before or (1 if slope >= 0 else -1)
+        if not before:  # a start at rest: what moves it a moment later
+            return 1 if self.right(1)(t + 1e-9 * float(self.model.period), y)[1] >= 0 else -1
+        return -before if self.right(before)(t, y)[1] * before <= 0 else before
 
 
 def _held(v: float, side: int) -> float:

@@ -1,0 +1,86 @@
+"""What the report's template asks for, in the words in which it is shown."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from stickslip.paper.amplitudes import Bracket, Interval
+from stickslip.paper.claims import CONFIRMED, NOT_CONFIRMED
+from stickslip.paper.words import listed, millimetres, plain, speed
+
+__all__ = ["content"]
+
+TITLE = "Friction in a vibration-driven system: the paper, computed again"
+#: The evidence figure that belongs to a claim.
+EVIDENCE = {"quasi_periodic": "evidence-step-size", "period_two": "evidence-periods", "all_types_by_static": "evidence-static-friction"}
+CONTENTS = (
+    ("table", "Table of section 4"),
+    ("claims", "Claims"),
+    ("figures", "Figures"),
+    ("amplitudes", "Amplitudes"),
+    ("errata", "Errata"),
+    ("provenance", "Provenance"),
+)
+
+
+def content(result: Any, notes: list[str]) -> dict[str, Any]:
+    """Everything for ``paper.html``."""
+    section5 = result.amplitudes.section5
+    return {
+        "title": TITLE,
+        "lead": _lead(result),
+        "contents": CONTENTS,
+        "table": result.table,
+        "rules": sum(result.table[0].lugre_words.values()),
+        "claims": result.claims,
+        "evidence": EVIDENCE,
+        "pictures": result.figures,
+        "fast": result.fast,
+        "brackets": [_bracket(b) for b in result.amplitudes.section4],
+        "common": f"{_span(result.amplitudes.common)} mm" if result.amplitudes.common else "no amplitude serves",
+        "round_values": section5.round_values,
+        "chosen": section5.chosen,
+        "intervals": {n: f"{_span(getattr(section5, n), 3)} mm" for n in ("frequencies", "period_two", "only_three_and_four")},
+        "errata": result.errata,
+        "provenance": result.provenance,
+        "notes": notes,
+    }
+
+
+def _lead(result: Any) -> str:
+    counts = Counter(c.verdict for c in result.claims)
+    rest = len(result.claims) - counts[CONFIRMED] - counts[NOT_CONFIRMED]
+    worst = max(max(abs(r.coulomb - r.experiment.coulomb), abs(r.lugre - r.experiment.lugre)) for r in result.table)
+    types = all(r.type == r.experiment.type for r in result.table)
+    return (
+        f"{'All' if types else 'Not all'} printed types of section 4 come out again, and its simulated mean velocities to within "
+        f"{speed(worst, 1)}. Of {len(result.claims)} "
+        f"claims {counts[CONFIRMED]} are confirmed, {counts[NOT_CONFIRMED]} are not, and {rest} cannot be decided from the text. "
+        f"{len(result.errata)} errata are listed with their proofs."
+    )
+
+
+def _span(interval: Interval, digits: int = 4) -> str:
+    if interval is None:
+        return "none"
+    low, high = (f"{1e3 * end:.{digits}f}" for end in interval)
+    return low if low == high else f"{low} to {high}"
+
+
+def _bracket(b: Bracket) -> dict[str, Any]:
+    e = b.experiment
+    inside = b.good is not None and b.good[0] <= e.amplitude <= b.good[1]
+    remarks = [] if b.joint else [f"the LuGre velocity misses its rounding by {plain(1e3 * b.misses, 2)} mm/s where the other two hold"]
+    if not inside:
+        remarks.append(
+            "the amplitude taken lies between two steps of this scan"
+            if b.good and b.good[1] - b.good[0] < 3 * b.step
+            else "the amplitude taken is outside"
+        )
+    return {
+        "tilt": e.tilt_deg,
+        **{name: _span(getattr(b, name)) for name in ("coulomb", "lugre", "type", "joint")},
+        "taken": millimetres(e.amplitude).removesuffix(" mm"),
+        "remark": listed(remarks) if remarks else f"scanned in steps of {plain(1e6 * b.step, 1)} µm",
+    }

@@ -1,0 +1,247 @@
+"""`reproduce`: the whole paper again, into one folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.paper.amplitudes import Amplitudes, infer
+from stickslip.paper.cases import CASES, EXPERIMENTS, rig
+from stickslip.paper.claims import VERDICTS, Claim, claims, study_of
+from stickslip.paper.drawing import Picture
+from stickslip.paper.errata import Erratum, errata
+from stickslip.paper.runs import Runs, Tell, solve_all
+from stickslip.paper.table import Row, rows
+from stickslip.paper.words import speed
+
+__all__ = ["Reproduction", "reproduce"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reproduction:
+    """Everything that came out of `reproduce`.
+
+    Parameters
+    ----------
+    folder, report, numbers : Path
+        Where it was written: the folder, the HTML page, and all numbers as JSON.
+    table : tuple of Row
+        Section 4.
+    cases : tuple of dict
+        Sections 5.1 to 5.4, figure by figure.
+    claims : tuple of Claim
+    errata : tuple of Erratum
+    amplitudes : Amplitudes
+        The inferred ones, with the intervals that would do.
+    figures : tuple of Picture
+        With the paths of their files.
+    provenance : dict
+        Versions and tolerances.
+    fast : bool
+        Whether this is the fast subset.
+    seconds : float
+        How long it took.
+    """
+
+    folder: Path
+    report: Path
+    numbers: Path
+    table: tuple[Row, ...]
+    cases: tuple[dict[str, Any], ...]
+    claims: tuple[Claim, ...]
+    errata: tuple[Erratum, ...]
+    amplitudes: Amplitudes
+    figures: tuple[Picture, ...]
+    provenance: dict[str, Any]
+    fast: bool
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """All numbers, words and file names as plain data for strict JSON; velocities in m/s, lengths in m."""
+        return as_dict(self)
+
+    def __str__(self) -> str:
+        counts = Counter(c.verdict for c in self.claims)
+        lines = ["Section 4, mean velocities (printed / computed; amplitudes inferred)"]
+        for r in self.table:
+            e = r.experiment
+            lines.append(
+                f"  {e.tilt_deg}°  type {e.type:>3} / {r.type:<3}  Coulomb {speed(e.coulomb, 3)} / {speed(r.coulomb, 6)}"
+                f"  LuGre {speed(e.lugre, 3)} / {speed(r.lugre, 6)}  measured {speed(e.measured, 3)}"
+            )
+        lines += [f"Claims: {', '.join(f'{counts[v]} {v}' for v in VERDICTS)}"]
+        lines += [f"  {c.verdict:<{max(map(len, VERDICTS))}}  {c.section:>6}  {c.claim}" for c in self.claims]
+        lines += [
+            f"Errata: {len(self.errata)}; figures: {len(self.figures)}; {self.seconds:.0f} s",
+            f"Report:  {self.report}",
+            f"Numbers: {self.numbers}",
+        ]
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return f"<Reproduction: {len(self.claims)} claims, {len(self.errata)} errata, {len(self.figures)} figures in {str(self.folder)!r}>"
+
+
+def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress: Tell | None = None) -> Reproduction:
+    """Compute the paper again: section 4's table, Figures 6 to 30, every claim with a verdict, and the errata.
+
+    Parameters
+    ----------
+    out : path
+        Folder to write to; it is made if it is not there.
+    fast : bool
+        A subset in about a minute: coarser scans, fewer figures, no Runge-Kutta runs of more than 5000 steps per period.
+    progress : callable, optional
+        Called with (what is being done, how much of it is done, of how much).
+
+    Returns
+    -------
+    Reproduction
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> result = ss.paper.reproduce("the-paper", fast=True)  # doctest: +SKIP
+    >>> result.table[0].type  # doctest: +SKIP
+    'I'
+    """
+    begun, tell = time.perf_counter(), progress or _silent
+    folder = _folder(Path(out))
+    runs = solve_all(tell)
+    study = study_of(fast, runs, rows(runs), infer(fast, tell), tell)
+    judged = claims(study)
+    tell("checking the errata", 0, 1)
+    found = errata(study.table, study.amplitudes)
+    from stickslip.paper import evidence, figures
+
+    pictures = figures.draw(runs, study.table, folder / "figures", fast, tell) + evidence.draw(study, judged, folder / "figures")
+    result = Reproduction(
+        folder=folder,
+        report=folder / "report.html",
+        numbers=folder / "numbers.json",
+        table=study.table,
+        cases=tuple(_case(runs, c) for c in CASES),
+        claims=judged,
+        errata=found,
+        amplitudes=study.amplitudes,
+        figures=pictures,
+        provenance=_provenance(runs, fast),
+        fast=fast,
+        seconds=time.perf_counter() - begun,
+    )
+    _write(result, tell)
+    return result
+
+
+def _silent(what: str, done: int, of: int) -> None:
+    """No progress."""
+
+
+def _folder(folder: Path) -> Path:
+    try:
+        (folder / "figures").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            "reproduce", [f"out = {str(folder)!r} cannot be made: {error.strerror}; give a folder that can be written"]
+        ) from None
+    return folder
+
+
+def _case(runs: Runs, case: Any) -> dict[str, Any]:
+    from stickslip.analysis.motion import motion
+    from stickslip.analysis.steady import mean_velocity
+
+    run, twin = runs.figures[case.figure], runs.twins[case.figure]
+    told, exact = motion(run), motion(twin)
+    return {
+        **{name: getattr(case, name) for name in ("figure", "section", "tilt_deg", "amplitude", "changes", "said", "amplitude_source")},
+        "lugre": {"mean_velocity": mean_velocity(run), "period": told.period, "word": told.type, "pattern": told.pattern},
+        "coulomb": {"mean_velocity": mean_velocity(twin), "period": exact.period, "type": exact.type, "margin": exact.margin},
+    }
+
+
+def _provenance(runs: Runs, fast: bool) -> dict[str, str]:
+    import matplotlib as mpl
+
+    made = runs.lugre[EXPERIMENTS[0].name].provenance
+    versions = {**made["versions"], "matplotlib": mpl.__version__}
+    return {
+        "Versions": ", ".join(f"{name} {version}" for name, version in versions.items()),
+        "Coulomb friction": "Eq. 2.4, exact arcs; switching times to machine precision, no regularisation, no tolerance",
+        "LuGre friction": f"Eqs 2.5 and 2.6, {made['settings']['method']}, relative tolerance {made['settings']['rtol']:g} for the "
+        "table and the figures, "
+        "10⁻⁶ for scans (10⁻⁵ where only types are needed)",
+        "Start and window": "from rest (v = z = 0); mean velocity over drive periods 100 to 200",
+        "Thresholds of LuGre words": f"slip ratio {made['settings']['slip_ratio']:g}, dwell {made['settings']['dwell']:g} of a period, "
+        "unless said otherwise",
+        "Parameters": "m = 9.48 g, M = 62.59 g, g = 9.81 m/s², ω = 65.4π s⁻¹, μ₀ = 0.18, f₀ = 0.21, σ₀ = 4·10⁵ N/m, σ₁ = 100 N s/m, σ₂ "
+        "= 0.04 N s/m, "
+        "v_s = 0.002 m/s, incline folded into the coefficients, unless said otherwise",
+        "Extent": "fast subset: coarser scans, fewer figures" if fast else "everything",
+    }
+
+
+def _write(result: Reproduction, tell: Tell) -> None:
+    from stickslip.paper.content import content
+    from stickslip.report import page, write
+
+    tell("writing the report", 0, 1)
+    text = json.dumps(result.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    write(result.numbers, text + "\n")
+    write(result.report, page("paper.html", **content(result, notes=rig(EXPERIMENTS[0]).notes)))
+    tell("writing the report", 1, 1)
+
+
+def as_dict(result: Reproduction) -> dict[str, Any]:
+    """A reproduction as plain data."""
+    a = result.amplitudes
+    brackets = [{f.name: getattr(b, f.name) for f in dataclasses.fields(b) if f.name not in ("scan", "experiment")} for b in a.section4]
+    data = {
+        "format": "stickslip-paper-1",
+        "fast": result.fast,
+        "table": [{**dataclasses.asdict(r), "closer": r.closer, "closer_printed": r.closer_printed} for r in result.table],
+        "cases": result.cases,
+        "claims": [dataclasses.asdict(c) for c in result.claims],
+        "errata": [dataclasses.asdict(e) for e in result.errata],
+        "amplitudes": {
+            "section4": [
+                {"tilt_deg": b.experiment.tilt_deg, "taken": b.experiment.amplitude, **rest}
+                for b, rest in zip(a.section4, brackets, strict=True)
+            ],
+            "section5": {**dataclasses.asdict(a.section5), "chosen": a.section5.chosen},
+            "common": a.common,
+        },
+        "figures": [
+            {"key": p.key, "section": p.section, "title": p.title, "caption": p.caption, "files": [f"figures/{f.name}" for f in p.files]}
+            for p in result.figures
+        ],
+        "report": result.report.name,
+        "provenance": result.provenance,
+        "seconds": result.seconds,
+    }
+    return _plain(data)
+
+
+def _plain(value: Any) -> Any:
+    """Only what strict JSON knows: no arrays, no NaN, text keys."""
+    if isinstance(value, dict):
+        return {k if isinstance(k, str) else f"{k:g}" if isinstance(k, float) else str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if isinstance(value, (str, int, bool, type(None))) else str(value)

@@ -1,0 +1,75 @@
+"""One self-contained HTML page from a template: style and pictures inside, no address outside."""
+
+from __future__ import annotations
+
+import base64
+import re
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import InputError
+
+__all__ = ["outside_addresses", "page", "svg_address", "write"]
+
+
+def svg_address(svg: str) -> str:
+    """An SVG picture as an address that an ``img`` can show.
+
+    Examples
+    --------
+    >>> svg_address("<svg/>")
+    'data:image/svg+xml;base64,PHN2Zy8+'
+    """
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
+
+
+def page(template: str, **content: Any) -> str:
+    """The text of a page; what stands in `content` is escaped where the template writes it.
+
+    Parameters
+    ----------
+    template : str
+        Name of a file in ``report/templates``.
+    **content
+        What the template asks for.
+
+    Returns
+    -------
+    str
+    """
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folder = Path(__file__).parent / "templates"
+    environment = Environment(
+        loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["svg_address"] = svg_address
+    text = environment.get_template(template).render(**content)
+    outside = outside_addresses(text)
+    if outside:
+        raise InputError("page", [f"the page would need {outside[0]!r} from outside; put it into the page"])
+    return text
+
+
+def outside_addresses(text: str) -> list[str]:
+    """Addresses outside the page that it would load or lead to.
+
+    Examples
+    --------
+    >>> outside_addresses('<img src="data:,"><a href="#top">up</a>'), outside_addresses('<img src="https://a.example/b.png">')
+    ([], ['https://a.example/b.png'])
+    """
+    found = re.findall(r"""(?:src|href|srcset|action|poster)\s*=\s*["']([^"']*)["']""", text) + re.findall(
+        r"url\(\s*[\"']?([^)\"']*)", text
+    )
+    return [address for address in found if not address.startswith(("#", "data:"))]
+
+
+def write(path: str | Path, text: str) -> Path:
+    """Write a page; returns its path."""
+    path = Path(path)
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError("report", [f"{str(path)!r} cannot be written: {error.strerror}; choose another folder"]) from None
+    return path

@@ -1,0 +1,252 @@
+"""The command line: what it prints, what it returns, and that it never shows a traceback."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+import stickslip as ss
+from stickslip.cli import COMMANDS, main
+from stickslip.cli.arguments import value, values
+
+ROBOT = ["piezo_rig", "tilt_deg=1.7", "amplitude=5.525e-4", "law=coulomb"]
+
+
+def call(capsys, *words):
+    """Exit code, stdout and stderr of one command in this process."""
+    code = main(list(words))
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def strict(text):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+# help -------------------------------------------------------------------------------------------------------------
+
+
+def test_help_names_every_command(capsys):
+    for words in (["--help"], ["help"], ["-h"]):
+        code, out, err = call(capsys, *words)
+        assert code == 0 and err == "" and all(f"\n  {name}" in out for name in COMMANDS)
+    code, out, _ = call(capsys)
+    assert code == 2 and "usage: stickslip COMMAND" in out
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself_and_takes_json(command, capsys):
+    with pytest.raises(SystemExit) as done:
+        main([command, "--help"])
+    assert done.value.code == 0 and "--json" in capsys.readouterr().out
+
+
+def test_version(capsys):
+    assert call(capsys, "--version") == (0, f"stickslip {ss.__version__}\n", "")
+
+
+# run --------------------------------------------------------------------------------------------------------------
+
+
+def test_run_tells_the_motion_with_units(capsys):
+    code, out, _ = call(capsys, "run", *ROBOT, "periods=60")
+    assert code == 0
+    for words in ("0.002014682 m/s", "I  (pattern +0-0)", "1 drive period", "forward 53.7 %", "J", "finished, 60 periods", "stickslip 0."):
+        assert words in out
+    assert "\x1b" not in out
+
+
+def test_run_as_json_is_strict_and_complete(capsys):
+    code, out, _ = call(capsys, "run", *ROBOT, "--json", "periods=60")
+    record = strict(out)
+    assert code == 0 and record["mean_velocity"] == pytest.approx(0.002014682, rel=1e-6)
+    assert record["motion"]["type"] == "I" and record["motion"]["slip_ratio"] is None and record["periods"] == 60
+    assert record["parameters"]["drive.amplitude"] == 5.525e-4 and record["provenance"]["versions"]["stickslip"] == ss.__version__
+
+
+def test_run_shows_notes_and_twin_of_a_dynamic_law(capsys):
+    code, out, _ = call(capsys, "run", *ROBOT[:3])
+    assert code == 0 and "0.00174132" in out and "LuGre is not passive" in out and "with Coulomb friction I" in out and "Rodas5P at rtol 1e-06" in out
+
+
+def test_run_takes_solver_arguments_and_multiples_of_pi(capsys):
+    words = ["periods=10", "settle=2", "samples=50", "start.v=0.01", "omega=65.4pi", "method=rk4", "steps=500"]
+    record = strict(call(capsys, "run", *ROBOT, *words, "--json")[1])
+    assert record["settle"] == 2 and record["counts"]["steps"] == 5000 and record["parameters"]["drive.omega"] == pytest.approx(205.4601595)
+
+
+def test_run_writes_figure_and_data(tmp_path, capsys):
+    for figure, data in (("run.png", "run.nc"), ("run.svg", "run.mat"), ("run.pdf", "run.csv")):
+        code, out, _ = call(capsys, "run", *ROBOT, "periods=4", "samples=40", "--figure", str(tmp_path / figure), "--data", str(tmp_path / data))
+        assert code == 0 and str(tmp_path / data) in out
+        assert (tmp_path / figure).stat().st_size > 1000 and (tmp_path / data).stat().st_size > 1000
+    assert ss.load(tmp_path / "run.nc").periods == 4
+    assert (tmp_path / "run.csv").read_text(encoding="utf-8").startswith("t [s],x [m],v [m/s],")
+
+
+def test_run_takes_a_study_file(tmp_path, capsys):
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=4e-4, law="coulomb")
+    study = tmp_path / "study.toml"
+    study.write_text(robot.to_toml() + "\n[solve]\nperiods = 24\nstart = { v = 0.01 }\n", encoding="utf-8")
+    record = strict(call(capsys, "run", str(study), "drive.amplitude=5.525e-4", "--json")[1])
+    assert record["periods"] == 24 and record["mean_velocity"] == pytest.approx(0.002014682, rel=1e-6)
+    assert strict(call(capsys, "run", str(study), "periods=30", "--json")[1])["periods"] == 30
+
+
+# the others -------------------------------------------------------------------------------------------------------
+
+
+def test_check_prints_its_verdict(capsys):
+    code, out, _ = call(capsys, "check", *ROBOT, "periods=40")
+    assert code == 0 and "digits of the mean velocity" in out and "closed formula" in out
+    assert strict(call(capsys, "check", *ROBOT, "periods=40", "--no-scipy", "--json")[1])["digits"] >= 9
+
+
+def test_sweep_prints_a_table_and_writes_it(tmp_path, capsys):
+    words = ["sweep", "piezo_rig", "law=coulomb,coulomb-static", "tilt_deg=1.7", "amplitude=4e-4..6e-4:3"]
+    code, out, _ = call(capsys, *words, "--out", str(tmp_path / "grid.nc"))
+    rows = out.splitlines()
+    assert code == 0 and len(rows) == 1 + 6 + 1 and "amplitude [m]" in rows[0] and "mean velocity [m/s]" in rows[0]
+    assert "0.0009004046" in rows[1] and "6 cases: " in rows[-1]
+    assert (tmp_path / "grid.nc").exists()
+    record = strict(call(capsys, *words, "--json", "--out", str(tmp_path / "grid.csv"))[1])
+    assert record["axes"]["amplitude"] == [4e-4, 5e-4, 6e-4] and len(record["columns"]["mean_velocity"]) == 2
+
+
+@pytest.mark.parametrize(("command", "word"), [("presets", "piezo_rig"), ("laws", "lugre"), ("drives", "harmonic")])
+def test_lists(command, word, capsys):
+    assert f"{word}:" in call(capsys, command)[1]
+    assert word in strict(call(capsys, command, "--json")[1])[command]
+
+
+def test_doctor_finds_the_cache_folder(capsys, monkeypatch, tmp_path):
+    code, out, _ = call(capsys, "doctor")
+    assert code == 0 and os.environ["STICKSLIP_CACHE_DIR"] in out
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path / "file" / "folder"))
+    record = strict(call(capsys, "doctor", "--json")[1])
+    assert record["cache"]["writable"] is False and "STICKSLIP_CACHE_DIR" in record["problems"][0]
+
+
+# grammar ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("200", 200), ("-3", -3), ("5e-4", 5e-4), (".18", 0.18), ("lugre", "lugre"), ("none", None), ("pi", 3.141592653589793), ("2*pi", 6.283185307179586)],
+)
+def test_values_are_read(text, told):
+    assert value(text) == told and type(value(text)) is type(told)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"), [("1,2,3", [1, 2, 3]), ("0..1:3", [0.0, 0.5, 1.0]), ("4e-4..8e-4:2", [4e-4, 8e-4]), ("a,b", ["a", "b"]), ("5", 5)]
+)
+def test_several_values_are_read(text, told):
+    assert values(text) == told
+
+
+# errors -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["rn"], "did you mean 'run'?"),
+        (["run"], "ROBOT"),
+        (["run", "piezo_rg"], "did you mean 'piezo_rig'?"),
+        (["run", "nowhere.toml"], "'nowhere.toml' cannot be read: No such file"),
+        (["run", "."], "cannot be read"),
+        (["run", *ROBOT, "--jsn"], "did you mean '--json'?"),
+        (["run", *ROBOT, "peridos=10"], "did you mean 'periods'?"),
+        (["run", *ROBOT, "amplitude"], "'amplitude' is not NAME=VALUE"),
+        (["run", *ROBOT, "tilt_deg=2"], "tilt_deg is given twice"),
+        (["run", *ROBOT[:2], "amplitude=1e-4..2e-4:3"], "that is for `stickslip sweep`"),
+        (["run", "piezo_rig", "amplitude=4e-4"], "tilt_deg is missing"),
+        (["run", *ROBOT[:2], "amplitude=-1"], "amplitude = -1"),
+        (["run", *ROBOT[:2], "amplitude=nan"], "amplitude = nan"),
+        (["run", *ROBOT[:2], "amplitude=much"], "'much' is not a number"),
+        (["run", *ROBOT[:3], "law=colomb"], "did you mean 'coulomb'?"),
+        (["run", *ROBOT, "periods=0"], "periods = 0; allowed is a whole number from 1"),
+        (["run", *ROBOT, "method=rk5"], "did you mean 'rk4'?"),
+        (["run", *ROBOT, "--figure", "run.jpg"], "allowed are .png, .svg, .pdf"),
+        (["run", *ROBOT, "--data", "nowhere/at/all/run.nc"], "does not exist; make it first"),
+        (["sweep", *ROBOT[:2], "amplitude=1e-4..b:3"], "is no range"),
+        (["sweep", *ROBOT[:2], "amplitude=1e-4,-1e-4"], "amplitude = an array"),
+        (["check", *ROBOT, "samples=3"], "'samples' is not known"),
+        (["presets", "more"], "more is not an option"),
+        (["paper", "--fats"], "did you mean '--fast'?"),
+    ],
+)
+def test_bad_input_is_told_in_a_sentence(words, told, capsys):
+    code, out, err = call(capsys, *words)
+    assert code == 2 and out == "" and err.startswith("stickslip: ")
+    assert told in err and "Traceback" not in err
+
+
+def test_all_that_is_wrong_is_told_at_once(capsys):
+    err = call(capsys, "run", "piezo_rig", "amplitud=1", "periodss=2", "x")[2]
+    assert "5 problems" in err  # two missing, two unknown, one without a value
+
+
+def test_a_failed_run_is_exit_code_one(capsys):
+    code, out, err = call(capsys, "run", *ROBOT[:3], "method=rk4", "steps=4", "sigma1=1e6", "periods=5")
+    assert code == 1 and out == "" and "not a number" in err and "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[robot", "not readable as TOML"),
+        ("x = 1", "has no [robot] table"),
+        ("[robot]\nbody_mas = 1", "did you mean 'body_mass'"),
+        (None, "it is not text"),
+        ("good\n[solve]\nperiod = 3", "did you mean 'periods'?"),
+    ],
+)
+def test_unreadable_study_files_say_why(text, told, tmp_path, capsys):
+    study = tmp_path / "study.toml"
+    if text is None:
+        study.write_bytes(b"\xff\xfe\x00\x80")
+    else:
+        study.write_text(text.replace("good", ss.presets.piezo_rig(tilt_deg=1.7, amplitude=4e-4).to_toml()), encoding="utf-8")
+    code, _, err = call(capsys, "run", str(study))
+    assert code == 2 and told in err
+
+
+# another process --------------------------------------------------------------------------------------------------
+
+
+def process(*words, **environment):
+    return subprocess.run(
+        [sys.executable, "-m", "stickslip", *words], capture_output=True, text=True, timeout=120, env={**os.environ, **environment}, check=False
+    )
+
+
+def test_python_m_stickslip_is_the_command():
+    done = process("run", *ROBOT, "periods=20", "--json")
+    assert done.returncode == 0 and strict(done.stdout)["status"] == "finished" and done.stderr == ""
+    assert process("run", "nothing").returncode == 2
+
+
+def test_a_closed_pipe_is_no_error():
+    done = subprocess.run(f"'{sys.executable}' -m stickslip --help | head -1", shell=True, capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout.startswith("stickslip:") and done.stderr == ""
+
+
+def test_compiling_is_announced_on_stderr_only(tmp_path):
+    done = process("run", *ROBOT, "periods=20", "method=rk4", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "new"))
+    assert done.returncode == 0 and strict(done.stdout)["method"] == "rk4" and "compiling Coulomb" in done.stderr
+
+
+def test_a_cache_that_cannot_be_written_compiles_in_memory(tmp_path):
+    (tmp_path / "file").touch()
+    done = process("run", *ROBOT, "periods=20", "method=rk4", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "file" / "cache"))
+    assert done.returncode == 0 and "cannot be written; compiling" in done.stderr and strict(done.stdout)["method"] == "rk4"
