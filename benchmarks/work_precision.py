@@ -33,7 +33,7 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--mu0", type=float, action="append", choices=FRICTIONS, help="only this friction (default: both)")
     parser.add_argument("--only", action="append", metavar="TEXT", help="only ours and rivals whose name contains TEXT")
     parser.add_argument("--repeats", type=int, default=5, help="of each fast measurement; the median counts (default 5)")
-    parser.add_argument("--budget", type=float, default=40, help="CPU seconds for a row on one problem (default 40)")
+    parser.add_argument("--budget", type=float, default=30, help="CPU seconds for a row on one problem (default 30)")
     parser.add_argument("--quick", action="store_true", help="64 cases, 3 repeats, budget 8 s")
     parser.add_argument("--json", metavar="FILE", help="write everything measured")
     parser.add_argument("--plot", metavar="FILE", help="draw the work-precision diagram")

@@ -73,7 +73,13 @@ def test_run_as_json_is_strict_and_complete(capsys):
 
 def test_run_shows_notes_and_twin_of_a_dynamic_law(capsys):
     code, out, _ = call(capsys, "run", *ROBOT[:3])
-    assert code == 0 and "0.00174132" in out and "LuGre is not passive" in out and "with Coulomb friction I" in out and "Rodas5P at rtol 1e-06" in out
+    assert (
+        code == 0
+        and "0.00174132" in out
+        and "LuGre is not passive" in out
+        and "with Coulomb friction I" in out
+        and "Rodas5P at rtol 1e-06" in out
+    )
 
 
 def test_run_takes_solver_arguments_and_multiples_of_pi(capsys):
@@ -84,7 +90,9 @@ def test_run_takes_solver_arguments_and_multiples_of_pi(capsys):
 
 def test_run_writes_figure_and_data(tmp_path, capsys):
     for figure, data in (("run.png", "run.nc"), ("run.svg", "run.mat"), ("run.pdf", "run.csv")):
-        code, out, _ = call(capsys, "run", *ROBOT, "periods=4", "samples=40", "--figure", str(tmp_path / figure), "--data", str(tmp_path / data))
+        code, out, _ = call(
+            capsys, "run", *ROBOT, "periods=4", "samples=40", "--figure", str(tmp_path / figure), "--data", str(tmp_path / data)
+        )
         assert code == 0 and str(tmp_path / data) in out
         assert (tmp_path / figure).stat().st_size > 1000 and (tmp_path / data).stat().st_size > 1000
     assert ss.load(tmp_path / "run.nc").periods == 4
@@ -140,7 +148,16 @@ def test_doctor_finds_the_cache_folder(capsys, monkeypatch, tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [("200", 200), ("-3", -3), ("5e-4", 5e-4), (".18", 0.18), ("lugre", "lugre"), ("none", None), ("pi", 3.141592653589793), ("2*pi", 6.283185307179586)],
+    [
+        ("200", 200),
+        ("-3", -3),
+        ("5e-4", 5e-4),
+        (".18", 0.18),
+        ("lugre", "lugre"),
+        ("none", None),
+        ("pi", 3.141592653589793),
+        ("2*pi", 6.283185307179586),
+    ],
 )
 def test_values_are_read(text, told):
     assert value(text) == told and type(value(text)) is type(told)
@@ -226,7 +243,12 @@ def test_unreadable_study_files_say_why(text, told, tmp_path, capsys):
 
 def process(*words, **environment):
     return subprocess.run(
-        [sys.executable, "-m", "stickslip", *words], capture_output=True, text=True, timeout=120, env={**os.environ, **environment}, check=False
+        [sys.executable, "-m", "stickslip", *words],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, **environment},
+        check=False,
     )
 
 
@@ -237,7 +259,9 @@ def test_python_m_stickslip_is_the_command():
 
 
 def test_a_closed_pipe_is_no_error():
-    done = subprocess.run(f"'{sys.executable}' -m stickslip --help | head -1", shell=True, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(
+        f"'{sys.executable}' -m stickslip --help | head -1", shell=True, capture_output=True, text=True, timeout=60, check=False
+    )
     assert done.stdout.startswith("stickslip:") and done.stderr == ""
 
 
