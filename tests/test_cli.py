@@ -143,6 +143,33 @@ def test_doctor_finds_the_cache_folder(capsys, monkeypatch, tmp_path):
     assert record["cache"]["writable"] is False and "STICKSLIP_CACHE_DIR" in record["problems"][0]
 
 
+def test_paper_hands_over_what_was_asked(capsys, monkeypatch, tmp_path):
+    class Result:
+        def to_dict(self):
+            return {"speed": float("nan")}
+
+        def __str__(self):
+            return "the paper"
+
+    def reproduce(out, fast, progress):
+        progress("drawing", 0, 2), progress("drawing", 1, 2), progress("writing", 0, 1)
+        asked.append((out, fast))
+        return Result()
+
+    asked = []
+    monkeypatch.setattr("stickslip.paper.reproduce", reproduce)
+    assert call(capsys, "paper", "--out", str(tmp_path / "a" / "b"), "--fast", "--json") == (
+        0,
+        '{\n "speed": null\n}\n',
+        "drawing\nwriting\n",
+    )
+    assert call(capsys, "paper")[:2] == (0, "the paper\n")
+    assert [(str(out), fast) for out, fast in asked] == [(str(tmp_path / "a" / "b"), True), ("stickslip-paper", False)]
+    (tmp_path / "file").touch()
+    code, _, err = call(capsys, "paper", "--out", str(tmp_path / "file" / "folder"))
+    assert code == 2 and "cannot be made or written" in err
+
+
 # grammar ----------------------------------------------------------------------------------------------------------
 
 

@@ -288,6 +288,15 @@ def test_auto_settling_stops_early_at_the_same_answer():
     assert set(auto.status_counts) == {"stopped: the strobe point repeats"}
 
 
+def test_auto_settling_of_a_motion_that_never_repeats_gives_the_mean_of_the_second_half():
+    """A = 0.4 mm and mu0 = 0.05: no period is found, and the status does not claim one."""
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([4e-4]), mu0=0.05)
+    auto = ss.solve(robot, periods=300, settle="auto")
+    assert auto.period.tolist() == [0]
+    assert auto.status.tolist() == [0]
+    assert auto.mean_velocity[0] == ss.solve(robot, periods=300).mean_velocity[0]
+
+
 def test_a_case_that_cannot_be_solved_is_a_status():
     """One robot's law gives NaN at speed; the others are solved."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -65,7 +66,7 @@ def end_of(run):
 def test_rk4_has_order_four_where_all_is_smooth(viscous):
     t = 3 * viscous.period
     errors = [abs(solve(viscous, periods=3, method="rk4", steps=n).strobe_v[-1] - viscous_velocity(viscous, t)) for n in (40, 80, 160)]
-    orders = [math.log2(a / b) for a, b in zip(errors[:-1], errors[1:], strict=True)]
+    orders = [math.log2(a / b) for a, b in pairwise(errors)]
     assert orders == pytest.approx([4.0, 4.0], abs=0.1)
 
 

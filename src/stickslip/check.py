@@ -219,7 +219,7 @@ class _Court:
         judges = [Judge(**{**asdict(first), "difference": 0.0, "remark": "the reference"})]
         begin = time.perf_counter()
         formula = float(periodic_mean_velocity(self.robot))
-        settled = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)
+        settled: Any = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)
         judges.append(
             Judge(
                 "closed formula", "periodic motion", int(settled.periods_run), formula, formula - float(settled.mean_velocity),

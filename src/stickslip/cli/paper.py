@@ -23,7 +23,7 @@ def act(command: str, words: list[str]) -> int:
 
     from stickslip import paper
 
-    result = paper.reproduce(folder, fast=asked.fast)
+    result = paper.reproduce(folder, fast=asked.fast, progress=show.stages())
     if asked.json:
         show.print_json(result.to_dict())
     else:

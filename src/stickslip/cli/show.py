@@ -12,7 +12,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["facts", "print_json", "progress", "quantity", "table", "writable"]
+__all__ = ["facts", "print_json", "progress", "quantity", "stages", "table", "writable"]
 
 
 def quantity(value: float, unit: str = "", digits: int = 7) -> str:
@@ -65,6 +65,24 @@ def progress(what: str) -> Callable[[int, int], None] | None:
 
     def tell(done: int, whole: int) -> None:
         print(f"\r{done}/{whole} {what}", end="\n" if done >= whole else "", file=sys.stderr, flush=True)
+
+    return tell
+
+
+def stages() -> Callable[[str, int, int], None]:
+    """Tells on stderr what is being done: on one line that is written over for a person, else one line for each thing."""
+    last = ""
+    over = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+
+    def tell(what: str, done: int, whole: int) -> None:
+        nonlocal last
+        if over:
+            line = f"{what} {done}/{whole}" if whole > 1 else what
+            print(f"\r{line:<{max(len(last), 1)}}", end="", file=sys.stderr, flush=True)
+            last = line
+        elif what != last:
+            print(what, file=sys.stderr, flush=True)
+            last = what
 
     return tell
 

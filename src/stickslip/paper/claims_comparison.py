@@ -90,7 +90,11 @@ def folding_lugre(study: Study) -> Claim:
     difference = [r.gravity / r.lugre - 1 for r in study.table]
     sizes = [abs(d) for d in difference]
     parts = tuple(
-        Part(f"{r.experiment.tilt_deg}°", verdict(abs(d) < 1e-3), f"folded {speed(r.lugre)}, true incline {speed(r.gravity)}: {percent(d)}")
+        Part(
+            f"{r.experiment.tilt_deg}°",
+            verdict(abs(d) < 1e-3),
+            f"folded {speed(r.lugre)}, true incline {speed(r.gravity)}: {percent(d, 2, True)}",
+        )
         for r, d in zip(study.table, difference, strict=True)
     )
     return Claim(
@@ -169,8 +173,9 @@ def closer_in_number(study: Study) -> Claim:
         e = r.experiment
         text = (
             f"measured {speed(e.measured, 2 if e.measured < 0.01 else 3)}; computed LuGre {speed(r.lugre)} "
-            f"({percent(r.lugre / e.measured - 1, 2)}), "
-            f"Coulomb {speed(r.coulomb)} ({percent(r.coulomb / e.measured - 1, 2)}); by the printed values {r.closer_printed} is closer too"
+            f"({percent(r.lugre / e.measured - 1, 2, True)}), "
+            f"Coulomb {speed(r.coulomb)} ({percent(r.coulomb / e.measured - 1, 2, True)}); by the printed values {r.closer_printed} is "
+            "closer too"
         )
         parts.append(
             Part(f"{e.tilt_deg}°", verdict(r.closer == "LuGre"), text if r.closer == r.closer_printed else text.replace(" too", ""))

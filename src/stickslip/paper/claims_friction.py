@@ -180,8 +180,7 @@ def all_types_by_static(study: Study) -> Claim:
             f"Scan of {n} amplitudes from {millimetres(A[0], 1)} to {millimetres(A[-1], 1)} by {len(found['f0'])} static coefficients "
             "from 0.18 to 1: "
             "at none of these amplitudes do the four printed coefficients show the four types.",
-            "At f₀ = 1 the break-away force is above the largest drive force for each of these amplitudes: the body only stretches its "
-            "bristles (presliding), which is none of the four.",
+            f"At f₀ = 1 {_still(found)}.",
             "Read more widely, some f₀ for each type at one well-chosen amplitude, it can be had: with break-away at f₀ the exact "
             "motion passes through "
             f"IV, III, I and II {_span(wide['exact'], n)}.",
@@ -200,6 +199,15 @@ def _figures_text(found: dict[str, Any], rule: Any, most: int) -> str:
     types = found["exact"] if rule == "exact" else found["words"][rule]
     chosen = int(np.argmin(abs(found["amplitude"] - AMPLITUDE_5)))
     return f"at most {most} of the four at any of {len(types)} amplitudes; at 0.6 mm {listed(types[chosen, found['printed']])}"
+
+
+def _still(found: dict[str, Any]) -> str:
+    """What the last of the four figures can show."""
+    last, words = found["printed"][-1], next(iter(found["words"].values()))
+    rest, slides = (found["exact"][:, last] == "rest").sum(), found["amplitude"][~np.isin(words[:, last], ("rest", "presliding"))]
+    first = f"the LuGre body slides only from {millimetres(slides[0], 2)} on, and else stretches its bristles" if len(slides) else "the LuGre body never slides"
+    return f"the exact body rests at {rest} of the {len(words)} amplitudes (the drive force stays below break-away), and {first}: "
+           "neither is one of the four"
 
 
 def _whole_text(here: dict[str, set[str]]) -> str:

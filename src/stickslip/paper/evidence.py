@@ -138,7 +138,8 @@ def _periods(found: dict[str, Any], folder: Path) -> Picture:
         title="Period numbers at small kinetic friction",
         caption="Converged LuGre motion at 1.7°, 200 periods from rest. Circles: Figures 22 (μ₀ = 0.03), 23 (0.04) and 24 (0.05) at "
         "the inferred 0.6 mm. "
-        "Higher periods and irregular motion exist, but not at μ₀ = 0.03.",
+        "Higher periods and irregular motion exist, but not at μ₀ = 0.03. Along borders the transient outlasts the run, and no period "
+        "is found.",
         alt="Map over kinetic coefficient and amplitude. Shares of the map: "
         + ", ".join(f"period {k}: {plain(100 * v, 2)} %" for k, v in shares.items())
         + ".",
@@ -179,7 +180,9 @@ def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:
     index = np.select([types == name for name in order[1:-1]] + [np.isin(types, ("rest", "presliding"))], [1, 2, 3, 4, 0], 5)
     _mesh(ax, found["f0"], 1e3 * found["amplitude"], index, [TYPES[name] for name in order])
     for place in found["printed"]:
-        ax.axvline(found["f0"][place], color="white", linestyle=(0, (1, 1)), linewidth=1.0)
-    ax.axhline(1e3 * AMPLITUDE_5, color="white", linewidth=0.9)
+        ax.axvline(found["f0"][place], color="white", linewidth=1.8, clip_on=False)
+        ax.axvline(found["f0"][place], color="black", linestyle=(0, (1, 1)), linewidth=1.2, clip_on=False)
+    ax.axhline(1e3 * AMPLITUDE_5, color="white", linewidth=2.0)
+    ax.axhline(1e3 * AMPLITUDE_5, color="black", linewidth=0.9)
     ax.set(xlabel=f"static coefficient $f_0$ ({title})", ylabel="amplitude $A$ (mm)")
     _key(ax, [(name if name != "rest" else "rest, presliding", TYPES[name]) for name in order])

@@ -25,9 +25,9 @@ def millimetres(length: Any, digits: int = 4) -> str:
     return f"{1e3 * float(length):.{digits}f} mm"
 
 
-def percent(fraction: Any, digits: int = 2) -> str:
-    """A fraction in per cent."""
-    return f"{plain(100 * float(fraction), digits)} %"
+def percent(fraction: Any, digits: int = 2, sign: bool = False) -> str:
+    """A fraction in per cent, on request with a plus before what is positive."""
+    return f"{'+' if sign and fraction > 0 else ''}{plain(100 * float(fraction), digits)} %"
 
 
 def plain(x: Any, digits: int = 4) -> str:

@@ -74,7 +74,7 @@ def request(
     problems.check()
     keep = keep or ("summary" if labels.shape else "trajectory")
     periods = int(periods)
-    settled = periods // 2 if settle is None else periods - 1 if auto else int(settle)
+    settled = periods // 2 if settle is None or auto else int(settle)
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,

@@ -63,7 +63,9 @@ class _March:
         self.model, self.kernel, self.row, self.steps = model, kernel, row, steps
         self.state = np.array(start, float)
         self.every = -(-steps // PIECES) if thinned else 0
-        self.strobe, self.nodes, self.extremes, self.done = [self.state[None, :].copy()], [], np.array([np.inf, -np.inf]), 0
+        self.strobe: list[Any] = [self.state[None, :].copy()]
+        self.nodes: list[Any] = []
+        self.extremes, self.done = np.array([np.inf, -np.inf]), 0
 
     def go(self, periods: int, every: int | None = None) -> None:
         """Do some periods; `done` counts those that went well."""

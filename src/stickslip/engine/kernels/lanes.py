@@ -185,7 +185,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
     if N[lane, TARGET] > 0:
         if k < N[lane, TARGET]:
             return 0
-        if auto:
+        if auto and N[lane, NUMBER] > 0:
             K[lane, DISPLACEMENT] = x - K[lane, XBEGIN]
             K[lane, WINDOW] = N[lane, NUMBER]
         return 1
