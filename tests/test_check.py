@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.check import check
+from stickslip.checking import check
 
 
 @pytest.fixture(scope="module")

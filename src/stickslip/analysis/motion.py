@@ -160,10 +160,19 @@ def coulomb_twin(model: Any) -> Any:
 
 
 def _twin_type(run: Any) -> str | None:
+    """The twin's type, from the exact borders where they apply; else it is solved."""
+    from stickslip.analysis.closed_form import coulomb_type
     from stickslip.solvers import solve
+    from stickslip.solvers.arcs import handles, reduced
 
     twin = coulomb_twin(run.model)
-    return None if twin is None else motion(solve(twin, periods=run.periods, settle=run.settle)).type
+    if twin is None:
+        return None
+    if handles(twin) is None:
+        arcs = reduced(twin)
+        if arcs.drive[0] > 0 and min(arcs.resist_plus[0], arcs.resist_minus[0]) > 0:
+            return str(coulomb_type(arcs.resist_plus / arcs.drive, arcs.resist_minus / arcs.drive)[0])
+    return motion(solve(twin, periods=run.periods, settle=run.settle)).type
 
 
 def threshold_table(

@@ -20,7 +20,7 @@ def act(command: str, words: list[str]) -> int:
     study = subject(asked.robot, asked.settings, solver=("periods", "rtol", "start.x", "start.v", "start.z"))
     robot = study.robot()
 
-    from stickslip.check import check
+    from stickslip.checking import check
 
     found = check(robot, scipy=not asked.no_scipy, **study.options)
     if asked.json:

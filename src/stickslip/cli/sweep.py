@@ -23,7 +23,7 @@ def act(command: str, words: list[str]) -> int:
     out = show.writable("--out", asked.out, (".nc", ".csv"))
     study = subject(asked.robot, asked.settings, many=True, solver=tuple(name for name in SOLVER if name not in ("samples", "steps")))
 
-    from stickslip.sweep import sweep
+    from stickslip.sweeping import sweep
 
     grid = sweep(study.make, progress=show.progress("cases begun"), **study.options, **study.arguments)
     _write(grid, out)

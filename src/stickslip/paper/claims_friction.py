@@ -150,8 +150,8 @@ def _most(types: Any) -> tuple[int, int]:
 def all_types_by_static(study: Study) -> Claim:
     """All four types by f0."""
     found = study.static_map
-    A, at, n = found["amplitude"], found["printed"], len(found["amplitude"])
-    default, chosen = next(iter(found["words"])), int(np.argmin(abs(A - AMPLITUDE_5)))
+    A, at, n, default = found["amplitude"], found["printed"], len(found["amplitude"]), next(iter(found["words"]))
+    chosen = int(np.argmin(abs(A - AMPLITUDE_5)))
     figures = {"exact": _most(found["exact"][:, at]), "lugre": _most(found["words"][default][:, at])}
     whole = {"exact": found["exact"], **{f"LuGre {r[0]:g}/{r[1]:g}": words for r, words in found["words"].items()}}
     wide = {name: A[[len(set(row) & set(FOUR)) == 4 for row in types.tolist()]] for name, types in whole.items()}
@@ -205,9 +205,15 @@ def _still(found: dict[str, Any]) -> str:
     """What the last of the four figures can show."""
     last, words = found["printed"][-1], next(iter(found["words"].values()))
     rest, slides = (found["exact"][:, last] == "rest").sum(), found["amplitude"][~np.isin(words[:, last], ("rest", "presliding"))]
-    first = f"the LuGre body slides only from {millimetres(slides[0], 2)} on, and else stretches its bristles" if len(slides) else "the LuGre body never slides"
-    return f"the exact body rests at {rest} of the {len(words)} amplitudes (the drive force stays below break-away), and {first}: "
-           "neither is one of the four"
+    first = (
+        f"the LuGre body slides only from {millimetres(slides[0], 2)} on, and else stretches its bristles"
+        if len(slides)
+        else "the LuGre body never slides"
+    )
+    return (
+        f"the exact body rests at {rest} of the {len(words)} amplitudes (the drive force stays below break-away), "
+        f"and {first}; rest and presliding are none of the four"
+    )
 
 
 def _whole_text(here: dict[str, set[str]]) -> str:

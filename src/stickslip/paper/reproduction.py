@@ -14,7 +14,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.paper.amplitudes import Amplitudes, infer
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
-from stickslip.paper.claims import VERDICTS, Claim, claims, study_of
+from stickslip.paper.claims import VERDICTS, Claim, Study, claims, study_of
 from stickslip.paper.drawing import Picture
 from stickslip.paper.errata import Erratum, errata
 from stickslip.paper.runs import Runs, Tell, solve_all
@@ -124,25 +124,32 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     judged = claims(study)
     tell("checking the errata", 0, 1)
     found = errata(study.table, study.amplitudes)
+    result = _gathered(folder, study, judged, found)
+    result = dataclasses.replace(result, seconds=time.perf_counter() - begun)
+    _write(result, tell)
+    return result
+
+
+def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tuple[Erratum, ...]) -> Reproduction:
     from stickslip.paper import evidence, figures
 
-    pictures = figures.draw(runs, study.table, folder / "figures", fast, tell) + evidence.draw(study, judged, folder / "figures")
-    result = Reproduction(
+    drawn = figures.draw(study.runs, study.table, folder / "figures", study.fast, study.tell) + evidence.draw(
+        study, judged, folder / "figures"
+    )
+    return Reproduction(
         folder=folder,
         report=folder / "report.html",
         numbers=folder / "numbers.json",
         table=study.table,
-        cases=tuple(_case(runs, c) for c in CASES),
+        cases=tuple(_case(study.runs, c) for c in CASES),
         claims=judged,
         errata=found,
         amplitudes=study.amplitudes,
-        figures=pictures,
-        provenance=_provenance(runs, fast),
-        fast=fast,
-        seconds=time.perf_counter() - begun,
+        figures=drawn,
+        provenance=_provenance(study.runs, study.fast),
+        fast=study.fast,
+        seconds=0.0,
     )
-    _write(result, tell)
-    return result
 
 
 def _silent(what: str, done: int, of: int) -> None:

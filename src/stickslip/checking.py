@@ -159,8 +159,7 @@ def check(
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.check import check
-    >>> sure = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=100, rk4_steps=(2000,))
+    >>> sure = ss.check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=100, rk4_steps=(2000,))
     >>> f"{sure.mean_velocity:.6f} m/s", sure.digits >= 8
     ('0.002015 m/s', True)
     """

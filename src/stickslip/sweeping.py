@@ -78,8 +78,7 @@ def sweep(
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.sweep import sweep
-    >>> grid = sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb")
+    >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb")
     >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
     ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
     """
