@@ -26,7 +26,8 @@ def speeds(ax: plt.Axes) -> None:
             ax.plot(amplitude * 1e3, many.mean_velocity * 1e3, style, color="black", linewidth=0.9, label="LuGre")
             continue
         for name, colour in TYPES.items():
-            ax.plot(amplitude * 1e3, np.where(many.motion_type == name, many.mean_velocity, np.nan) * 1e3, color=colour, linewidth=3, label=name)
+            there = np.where(many.motion_type == name, many.mean_velocity, np.nan)
+            ax.plot(amplitude * 1e3, there * 1e3, color=colour, linewidth=3, label=name)
     ax.set_xlabel("amplitude $A$ (mm)")
     ax.set_ylabel("mean velocity $V$ (mm/s)")
     ax.set_xlim(0.1, 0.8)

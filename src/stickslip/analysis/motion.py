@@ -100,6 +100,13 @@ def motion(run: Any, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     Returns
     -------
     Motion
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.motion(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=40))
+    >>> found.type, found.pattern, found.period
+    ('I', '+0-0', 1)
     """
     _check(run, slip_ratio, dwell)
     period = period_number(run)

@@ -160,5 +160,5 @@ def _closed(model: Any) -> Any:
     if np.any(~driven & (np.minimum(*alphas[2:]) < 0)):
         raise InputError("periodic_mean_velocity", ["without a drive this robot slides downhill; it has no periodic motion"])
     plus, minus, *static = (np.where(driven, alpha, 2.0) / np.where(driven, a, 1.0) for alpha in alphas)  # 2: holds without a drive
-    mean = periodic(plus, minus, static=None if law.f_plus is None and law.f_minus is None else tuple(static)).mean
+    mean = periodic(plus, minus, static=None if law.f_plus is None and law.f_minus is None else (static[0], static[1])).mean
     return np.where(driven, mean * a / omega, 0.0)[()]

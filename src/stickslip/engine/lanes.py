@@ -173,7 +173,7 @@ def _source(eq: Equations, tableau: Tableau, step: Step, width: int, groups: int
 
 @lru_cache
 def _driver() -> str:
-    return resources.files("stickslip.engine.kernels").joinpath("lanes.py").read_text(encoding="utf-8")
+    return (resources.files("stickslip.engine") / "kernels" / "lanes.py").read_text(encoding="utf-8")
 
 
 def _prelude(eq: Equations, nodes: list[Any]) -> str:

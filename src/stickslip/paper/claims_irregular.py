@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.paper.cases import CASES, rig
 from stickslip.paper.claims import Claim, Part, Study, verdict
 from stickslip.paper.runs import batch
-from stickslip.paper.words import listed, millimetres, percent, plain, speed
+from stickslip.paper.words import grouped, listed, millimetres, percent, plain, speed
 
 __all__ = ["period_map", "period_two", "quasi_periodic", "rk4_ladder"]
 
@@ -27,7 +27,7 @@ def rk4_ladder(study: Study) -> tuple[dict[str, Any], ...]:
     found = []
     plan = [(n, 200) for n in (FAST_STEPS if study.fast else STEPS)] + ([] if study.fast else list(LONG_STEPS))
     for i, (steps, periods) in enumerate(plan):
-        study.tell(f"Runge-Kutta with {steps} steps per period at μ₀ = 0.03", i, len(plan))
+        study.tell(f"Runge-Kutta with {grouped(steps)} steps per period at μ₀ = 0.03", i, len(plan))
         many = batch(rig(FIG22), method="rk4", steps=steps, periods=periods, workers=1)
         finite = int(many.status) <= 1
         found.append(
@@ -72,11 +72,13 @@ def quasi_periodic(study: Study) -> Claim:
             f"At {once} of {len(A)} amplitudes from {millimetres(A[0], 2)} to {millimetres(A[-1], 2)} it has period one.",
             f"Here k₁ = {plain(rig(FIG22).friction.f_plus / rig(FIG22).friction.mu_plus, 3)} and μ₊ = "
             f"{plain(rig(FIG22).friction.mu_plus, 2)}: extremely stiff. Fixed-step Runge-Kutta "
-            + (f"is wrong up to {wrong[-1]['steps']} steps per period, " if wrong else "")
-            + f"irregular at {listed(r['steps'] for r in wrong if r['period'] == 0)} steps, and moves backwards at "
-            f"{listed(r['steps'] for r in wrong if r['velocity'] < 0)}."
+            + (f"is wrong up to {grouped(wrong[-1]['steps'])} steps per period, " if wrong else "")
+            + f"irregular at {listed(grouped(r['steps']) for r in wrong if r['period'] == 0)} steps, and moves backwards at "
+            f"{listed(grouped(r['steps']) for r in wrong if r['velocity'] < 0)}."
             + (
-                f" At {right[-1]['steps']} steps it gives {speed(right[-1]['velocity'], 6)}, period {right[-1]['period']}." if right else ""
+                f" At {grouped(right[-1]['steps'])} steps it gives {speed(right[-1]['velocity'], 6)}, period {right[-1]['period']}."
+                if right
+                else ""
             ),
             "A Runge-Kutta run with too few steps is irregular in just the way the paper describes.",
         ),

@@ -233,4 +233,5 @@ def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
     ax.set_ylabel("velocity $v/(A\\omega)$")
     if limits is not None:
         ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])
+    ax.locator_params(axis="x", nbins=5)
     ax.ticklabel_format(axis="both", scilimits=(-3, 3), useMathText=True)

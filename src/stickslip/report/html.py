@@ -23,6 +23,16 @@ def svg_address(svg: str) -> str:
     return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
 
 
+def grouped(number: int) -> str:
+    """A whole number with its thousands apart, by narrow spaces that do not break."""
+    return f"{number:,}".replace(",", "\u202f")
+
+
+def fixed(number: float, digits: int) -> str:
+    """A number with so many decimals and a true minus."""
+    return f"{number:.{digits}f}".replace("-", "−")
+
+
 def page(template: str, **content: Any) -> str:
     """The text of a page; what stands in `content` is escaped where the template writes it.
 
@@ -43,7 +53,7 @@ def page(template: str, **content: Any) -> str:
     environment = Environment(
         loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["svg_address"] = svg_address
+    environment.filters |= {"svg_address": svg_address, "grouped": grouped, "fixed": fixed}
     text = environment.get_template(template).render(**content)
     outside = outside_addresses(text)
     if outside:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal, overload
 
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
@@ -17,6 +17,12 @@ __all__ = ["METHODS", "solve"]
 METHODS = ("auto", "exact", "rodas4", "rodas5p", "rk4", "radau", "lsoda", "bdf", "dop853")
 
 
+@overload
+def solve(model: Any, periods: int = ..., *, keep: Literal["trajectory"], **arguments: Any) -> Trajectory: ...
+@overload
+def solve(model: Any, periods: int = ..., *, keep: Literal["summary"], **arguments: Any) -> Summary: ...
+@overload
+def solve(model: Any, periods: int = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any) -> Any: ...
 def solve(
     model: Any,
     periods: int = 200,
@@ -31,7 +37,7 @@ def solve(
     dwell: float = 0.03,
     progress: Callable[[int, int], None] | None = None,
     **options: Any,
-) -> Trajectory | Summary | Any:
+) -> Any:
     r"""Simulate a robot, or every robot of a batch, from its start.
 
     Parameters

@@ -86,7 +86,8 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
 def _raw(r: lanes.Results, rows: Any, todo: Request) -> Raw:
     return Raw(
         displacement=r.displacement, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
-        v_max=r.v_max, v_min=r.v_min, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code, margin_force=np.full(len(r.status), np.inf),
+        v_max=r.v_max, v_min=r.v_min, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
+        margin_force=np.full(len(r.status), np.inf),
     )  # fmt: skip
 
 

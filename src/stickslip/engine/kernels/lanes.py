@@ -1,5 +1,5 @@
-# Text of every lane kernel below its step; engine/lanes.py puts the constants and the step before it.
-# ruff: noqa: F821, D100
+"""Text of every lane kernel below its step; engine/lanes.py puts the constants and the step before it."""
+# ruff: noqa: F821
 # mypy: ignore-errors
 #
 # A lane holds one case: its step's state in S (field f of a lane at S[f + lane]; offsets F_... are multiples of the number
