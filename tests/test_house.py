@@ -93,6 +93,8 @@ def public_definitions(tree):
     """The public classes and functions of a module, and the public methods of its public classes."""
     for node in tree.body:
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+            if any(isinstance(d, ast.Name) and d.id == "overload" for d in node.decorator_list):
+                continue  # its implementation has the docstring
             yield node
             if isinstance(node, ast.ClassDef):
                 yield from (m for m in node.body if isinstance(m, ast.FunctionDef) and not m.name.startswith("_"))
