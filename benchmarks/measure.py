@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
 
@@ -16,7 +16,7 @@ from rivals.base import Rival
 
 TARGETS = (1e-4, 1e-7)
 STIFF_BELOW = 0.1  # mu0
-ENOUGH = 1.0  # CPU seconds in one rung, after which it is not repeated
+FAST = 0.3  # CPU seconds; a rung that takes less is measured in every round, a longer one averages by itself
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,13 @@ class Point:
     """One rung: what it cost and what came of it."""
 
     setting: Any
-    microseconds: float  # CPU, per period and case
     error: float  # worst relative error of the mean velocity over the cases
+    times: tuple[float, ...]  # CPU microseconds per period and case, one for each round
+
+    @property
+    def microseconds(self) -> float:
+        """The median over the rounds."""
+        return median(self.times)
 
 
 @dataclass(frozen=True)
@@ -60,19 +65,35 @@ class Curve:
         return None
 
 
-def rung(rival: Rival, problem: Problem, setting: Any, expected: np.ndarray, repeats: int) -> tuple[Point, float]:
-    """One setting, repeated and the median taken if it is fast; with the CPU seconds of all repeats."""
+def rung(rival: Rival, problem: Problem, setting: Any, expected: np.ndarray) -> tuple[Point, float]:
+    """One setting, once; with the CPU seconds it took."""
     velocities, seconds = rival.run(problem, setting)
-    times = [seconds]
-    while len(times) < repeats and sum(times) < ENOUGH:
-        times.append(rival.run(problem, setting)[1])
     error = float(np.max(np.abs(velocities / expected - 1)))
-    error = error if math.isfinite(error) else math.inf
-    return Point(setting, median(times) / (len(expected) * problem.periods) * 1e6, error), sum(times)
+    return Point(setting, error if math.isfinite(error) else math.inf, (seconds * _share(problem),)), seconds
+
+
+def _share(problem: Problem) -> float:
+    """Microseconds per period and case in a second for all."""
+    return 1e6 / (len(problem.amplitude) * problem.periods)
+
+
+def again(found: Curve, rival: Rival, problem: Problem) -> Curve:
+    """The same curve with one more time for each fast point.
+
+    Rounds over all rivals, not repeats of one: on a shared machine a slow minute then hits everybody.
+    """
+    problem = problem.some(found.cases)
+    points = []
+    for point in found.points:
+        if point.times[0] < FAST * _share(problem):
+            more = rival.run(problem, point.setting)[1] * _share(problem)
+            point = replace(point, times=(*point.times, more))
+        points.append(point)
+    return replace(found, points=tuple(points))
 
 
 def curve(
-    rival: Rival, problem: Problem, repeats: int, budget: float, answers: Callable[[Problem], np.ndarray] = reference.velocities
+    rival: Rival, problem: Problem, budget: float, answers: Callable[[Problem], np.ndarray] = reference.velocities
 ) -> Curve:
     """The whole ladder, or as much of it as `budget` CPU seconds buy. A rival that fails says so and stops nobody else."""
     stiff = problem.mu0 < STIFF_BELOW
@@ -85,7 +106,7 @@ def curve(
     spent, stopped = 0.0, ""
     for setting in rival.ladder(stiff):
         try:
-            point, seconds = rung(rival, problem, setting, expected, repeats)
+            point, seconds = rung(rival, problem, setting, expected)
         except Exception as error:  # other people's software, in versions we have not seen
             stopped = f"failed at {setting}: {type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
             break

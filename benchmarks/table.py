@@ -73,8 +73,13 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
+def _plain(curve: Curve) -> dict:
+    """A curve as JSON takes it, with the medians."""
+    return asdict(curve) | {"points": [asdict(p) | {"microseconds": p.microseconds} for p in curve.points]}
+
+
 def write_json(path: str, sections: dict[str, list[list[Curve]]], **more) -> None:
     """Everything measured, for comparison with other days and machines."""
-    curves = {title: [asdict(curve) for row in rows for curve in row] for title, rows in sections.items()}
+    curves = {title: [_plain(curve) for row in rows for curve in row] for title, rows in sections.items()}
     told = {"versions": versions(), "targets": TARGETS, **more, "curves": curves}
     Path(path).write_text(json.dumps(told, indent=1, default=str), encoding="utf-8")

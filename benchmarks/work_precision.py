@@ -17,8 +17,8 @@ from dataclasses import replace
 
 import chart
 import table
-from measure import Curve, curve
-from ours import OURS
+from measure import Curve, again, curve
+from ours import OURS, OURS_LONG
 from problem import Problem, alone, sweep
 from rivals import ALL, Rival
 
@@ -32,15 +32,15 @@ def arguments(given: list[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mu0", type=float, action="append", choices=FRICTIONS, help="only this friction (default: both)")
     parser.add_argument("--only", action="append", metavar="TEXT", help="only ours and rivals whose name contains TEXT")
-    parser.add_argument("--repeats", type=int, default=5, help="of each fast measurement; the median counts (default 5)")
+    parser.add_argument("--rounds", type=int, default=5, help="in which what is fast is measured again; the median counts (default 5)")
     parser.add_argument("--budget", type=float, default=30, help="CPU seconds for a row on one problem (default 30)")
-    parser.add_argument("--quick", action="store_true", help="64 cases, 3 repeats, budget 8 s")
+    parser.add_argument("--quick", action="store_true", help="64 cases, 3 rounds, budget 5 s")
     parser.add_argument("--json", metavar="FILE", help="write everything measured")
     parser.add_argument("--plot", metavar="FILE", help="draw the work-precision diagram")
     parser.add_argument("--arith", action="store_true", help="measure the core's double FMA peak instead")
     found = parser.parse_args(given)
     if found.quick:
-        found.repeats, found.budget = 3, 8.0
+        found.rounds, found.budget = 3, 5.0
     return found
 
 
@@ -49,15 +49,15 @@ def chosen(only: list[str] | None) -> tuple[Rival, ...]:
     return (OURS, *(r for r in ALL if not only or any(text.lower() in r.name.lower() for text in only)))
 
 
-def measured(rivals: tuple[Rival, ...], problems: list[Problem], repeats: int, budget: float) -> list[list[Curve]]:
+def measured(rivals: tuple[Rival, ...], problems: list[Problem], rounds: int, budget: float) -> list[list[Curve]]:
     """One row of curves for each rival."""
     rows = []
     for rival in rivals:
-        row = []
-        for problem in problems:
-            progress(f"{rival.name}, mu0 {problem.mu0:g}")
-            row.append(curve(rival, problem, repeats, budget))
-        rows.append(row)
+        progress(f"{rival.name}: first round")
+        rows.append([curve(rival, problem, budget) for problem in problems])
+    for k in range(1, rounds):
+        progress(f"round {k + 1} of {rounds}, of what is fast")
+        rows = [[again(c, r, p) for c, p in zip(row, problems, strict=True)] for row, r in zip(rows, rivals, strict=True)]
     progress("")
     return rows
 
@@ -80,10 +80,10 @@ def main() -> None:
     rivals = chosen(asked.only)
     many = [sweep(mu0).some(64) if asked.quick else sweep(mu0) for mu0 in frictions]
     print(f"# {pin.WHERE}; " + ", ".join(f"{k} {v}" for k, v in table.versions().items()))
-    rows = measured(rivals, many, asked.repeats, asked.budget)
+    rows = measured(rivals, many, asked.rounds, asked.budget)
     print(table.text(MANY, rows), "\n", flush=True)
-    singles = tuple(replace(r, cases=1, cases_stiff=0) for r in rivals if r.alone)
-    single_rows = measured(singles, [alone(mu0) for mu0 in frictions], asked.repeats, asked.budget)
+    singles = tuple(replace(r, cases=1, cases_stiff=0) for r in (OURS, OURS_LONG, *rivals[1:]) if r.alone)
+    single_rows = measured(singles, [alone(mu0) for mu0 in frictions], asked.rounds, asked.budget)
     print(table.text(ONE, single_rows))
     if asked.json:
         table.write_json(asked.json, {"many": rows, "alone": single_rows}, pinned=pin.WHERE)

@@ -118,23 +118,21 @@ class Record:
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``."""
-        changed: Any = self
         problems = Problems(type(self).__name__)
-        grouped: dict[str, Any] = {}
-        for path, value in {**(changes or {}), **fields}.items():
-            grouped[path] = value
+        grouped = {**(changes or {}), **fields}
         for path in grouped:
             try:
                 _look_up(self, path)
             except InputError as error:
                 problems.include(error)
         problems.check()
+        parts = {}
         for head, sub in _by_head(grouped).items():
-            part = sub if not isinstance(sub, _Sub) else getattr(changed, head)
+            part = sub if not isinstance(sub, _Sub) else getattr(self, head)
             if isinstance(sub, _Sub):
                 part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
-            changed = dataclasses.replace(changed, **{head: part})
-        return changed
+            parts[head] = part
+        return dataclasses.replace(self, **parts)  # all at once: two fields may be right only together
 
 
 @dataclasses.dataclass

@@ -121,7 +121,9 @@ def _bracket(e: Experiment, step: float) -> Bracket:
     rest = by_coulomb & by_type
     misses = max(float(np.min(abs(lugre - e.lugre)[rest], initial=np.inf)) - ROUNDING, 0.0)
     scan = {"amplitude": A, "coulomb": exact.mean_velocity, "lugre": lugre}
-    return Bracket(e, *(_interval(A, ok) for ok in (by_coulomb, by_lugre, by_type, rest & by_lugre)), misses, step, scan)
+    return Bracket(
+        e, _interval(A, by_coulomb), _interval(A, by_lugre), _interval(A, by_type), _interval(A, rest & by_lugre), misses, step, scan
+    )
 
 
 def _velocity(e: Experiment, A: Any, law: str) -> Any:

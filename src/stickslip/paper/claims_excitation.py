@@ -27,7 +27,7 @@ def _words(study: Study, section: str) -> list[tuple[Any, str, str]]:
 def harmonic(study: Study) -> Claim:
     """Harmonic motion at 1e-6 m."""
     run = study.runs.figures[11]
-    t = np.linspace(*run.strobe_times[-2:], 2049)[:-1]
+    t = np.linspace(run.strobe_times[-2], run.strobe_times[-1], 2049)[:-1]
     lines = abs(np.fft.rfft(run.at(t)["v"])) * 2 / len(t) / run.model.velocity_scale
     distortion = float(np.sqrt((lines[2:] ** 2).sum()) / lines[1])
     law, robot = run.model.friction, run.model

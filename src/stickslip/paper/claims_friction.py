@@ -176,8 +176,8 @@ def all_types_by_static(study: Study) -> Claim:
         verdict(figures["exact"][1] or figures["lugre"][1] or len(here["exact"]) == 4),
         (
             f"Scan of {n} amplitudes from {millimetres(A[0], 1)} to {millimetres(A[-1], 1)} by {len(found['f0'])} static coefficients "
-            "from 0.18 to 1: "
-            "at none of these amplitudes do the four printed ones show the four types (exactly, and by the LuGre words at the default thresholds).",
+            "from 0.18 to 1: at none of these amplitudes do the four printed ones show the four types, neither exactly nor by the LuGre "
+            "words at the default thresholds.",
             f"At f₀ = 1 {_still(found)}.",
             "Read more widely, some f₀ for each type at one well-chosen amplitude, it can be had: with break-away at f₀ the exact "
             "motion passes through "

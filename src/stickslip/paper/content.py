@@ -70,7 +70,7 @@ def _span(interval: Interval, digits: int = 4) -> str:
 
 def _bracket(b: Bracket) -> dict[str, Any]:
     e = b.experiment
-    inside = b.good is not None and b.good[0] <= e.amplitude <= b.good[1]
+    inside = b.good is not None and b.good[0] - 1e-9 <= e.amplitude <= b.good[1] + 1e-9
     remarks = [] if b.joint else [f"the LuGre velocity misses its rounding by {plain(1e3 * b.misses, 2)} mm/s where the other two hold"]
     if not inside:
         remarks.append(

@@ -97,18 +97,20 @@ def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(bristles["phase"], 1e3 * bristles["v"], **LUGRE, label="LuGre", zorder=3)
     ax.plot(exact["phase"], 1e3 * exact["v"], **COULOMB, label="Coulomb", zorder=4)
-    ax.axhline(1e3 * e.measured, **MEASURED, label="measured mean (printed)", zorder=2)
+    ax.axhline(1e3 * e.measured, **MEASURED, label="measured mean, printed", zorder=2)
     _time_axis(ax, "velocity $v$ (mm/s)")
     handles, labels = ax.get_legend_handles_labels()
-    order = [labels.index(n) for n in ("Coulomb", "LuGre", "measured mean (printed)")]
+    order = [labels.index(n) for n in ("Coulomb", "LuGre", "measured mean, printed")]
     ax.legend(
         [handles[i] for i in order],
         [labels[i] for i in order],
         loc="lower left",
-        bbox_to_anchor=(-0.02, 1.0),
+        bbox_to_anchor=(-0.14, 1.0),
         ncols=3,
         borderaxespad=0.2,
-        columnspacing=1.0,
+        columnspacing=0.8,
+        handlelength=1.7,
+        handletextpad=0.5,
     )
 
 
@@ -130,12 +132,11 @@ def _levels(row: Row, ax: Any) -> None:
         else:
             ax.plot([place], [value], "o", color=style["color"], markersize=5, markeredgecolor="white", markeredgewidth=0.6, zorder=5)
         end = 1.0 if place is None else place
-        ax.plot([end, 1.06, 1.14], [value, height, height], color=INK, linewidth=0.4, clip_on=False, zorder=1)
+        ax.plot([end, 1.06, 1.14], [value, height, height], color=INK, linewidth=0.4, zorder=1)
         digits = 1 if place is None else 3
         ax.text(1.17, height, f"{name}: {value:.{digits}f}", color=style["color"], va="center", ha="left", fontsize=7)
-    ax.set(xlim=(0, 1), ylim=(low, high), xticks=[], ylabel="mean velocity (mm/s)")
+    ax.set(xlim=(0, 2.75), ylim=(low, high), xticks=[], ylabel="mean velocity (mm/s)")
     ax.spines["bottom"].set_visible(False)
-    ax.set_box_aspect(1.9)
 
 
 def _apart(values: Any, gap: float) -> Any:

@@ -43,7 +43,7 @@ def solve_all(tell: Tell) -> Runs:
     from stickslip.solvers import solve
 
     total, runs = 2 * len(EXPERIMENTS) + 2 * len(CASES), Runs({}, {}, _true_incline(), {}, {})
-    jobs = [(law, e.name, rig(e, law=law)) for e in EXPERIMENTS for law in ("coulomb", "lugre")]
+    jobs: list[tuple[str, Any, Any]] = [(law, e.name, rig(e, law=law)) for e in EXPERIMENTS for law in ("coulomb", "lugre")]
     jobs += [(where, c.figure, rig(c, law=law)) for c in CASES for where, law in (("figures", "lugre"), ("twins", "coulomb"))]
     for i, (where, key, robot) in enumerate(jobs):
         tell("solving the paper's cases", i, total)
