@@ -39,7 +39,12 @@ def _line(axis, curve: Curve, number: int) -> None:
     if not front:
         return
     axis.plot(
-        [point.error for point in front], [point.microseconds for point in front], label=curve.name,
-        color=COLOURS[number % len(COLOURS)], marker=MARKS[number % len(MARKS)], ls="-" if number < len(COLOURS) else "--",
-        lw=3 if number == 0 else 1.3, ms=7 if number == 0 else 5,
+        [point.error for point in front],
+        [point.microseconds for point in front],
+        label=curve.name,
+        color=COLOURS[number % len(COLOURS)],
+        marker=MARKS[number % len(MARKS)],
+        ls="-" if number < len(COLOURS) else "--",
+        lw=3 if number == 0 else 1.3,
+        ms=7 if number == 0 else 5,
     )

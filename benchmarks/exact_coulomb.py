@@ -119,8 +119,14 @@ def by_scipy(
         x += slope * STEP_OFF**2 / 2 + bend * STEP_OFF**3 / 6
         tau += STEP_OFF
     done = solve_ivp(
-        lambda t, u: (math.sin(t) - resistance, u[0]), (tau, stop), (w, x), "DOP853",
-        events=hit, rtol=rtol, atol=rtol / 100, max_step=max_step,
+        lambda t, u: (math.sin(t) - resistance, u[0]),
+        (tau, stop),
+        (w, x),
+        "DOP853",
+        events=hit,
+        rtol=rtol,
+        atol=rtol / 100,
+        max_step=max_step,
     )
     return float(done.t[-1]), float(done.y[0, -1]), float(done.y[1, -1])
 
@@ -174,7 +180,11 @@ SOLVERS = (
     Rival("stickslip, exact", "stickslip", (None,), _ours, module="stickslip"),
     Rival("closed arcs, brentq, plain Python", "scipy", (1e-3, 1e-6, 1e-9, 1e-12, 1e-15), partial(_run, closed_form), cases=128),
     Rival(
-        "scipy DOP853, events, restarts", "scipy", tuple((tol, 0.5) for tol in TOLERANCES), partial(_run, by_scipy), cases=32,
+        "scipy DOP853, events, restarts",
+        "scipy",
+        tuple((tol, 0.5) for tol in TOLERANCES),
+        partial(_run, by_scipy),
+        cases=32,
         settings_stiff=tuple((tol, 0.2) for tol in TOLERANCES),
     ),
 )

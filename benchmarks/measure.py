@@ -92,9 +92,7 @@ def again(found: Curve, rival: Rival, problem: Problem) -> Curve:
     return replace(found, points=tuple(points))
 
 
-def curve(
-    rival: Rival, problem: Problem, budget: float, answers: Callable[[Problem], np.ndarray] = reference.velocities
-) -> Curve:
+def curve(rival: Rival, problem: Problem, budget: float, answers: Callable[[Problem], np.ndarray] = reference.velocities) -> Curve:
     """The whole ladder, or as much of it as `budget` CPU seconds buy. A rival that fails says so and stops nobody else."""
     stiff = problem.mu0 < STIFF_BELOW
     problem = problem.some(rival.most_cases(stiff))

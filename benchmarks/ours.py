@@ -43,8 +43,5 @@ def _run_long(problem: Problem, rtol: float) -> Outcome:
 
 
 RTOLS = (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
-OURS = Rival(
-    name="stickslip", pip="stickslip", module="stickslip", run=_run, settings=RTOLS, alone=True,
-    note="setting: rtol; everything between the call and the number counts",
-)
-OURS_LONG = replace(OURS, name="stickslip, fixed cost of the call taken off", run=_run_long, note="setting: rtol; 300 periods more")
+OURS = Rival(name="stickslip", pip="stickslip", module="stickslip", run=_run, settings=RTOLS, alone=True)
+OURS_LONG = replace(OURS, name="stickslip, fixed cost of the call taken off", run=_run_long)

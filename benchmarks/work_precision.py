@@ -1,10 +1,10 @@
 """Work and precision of stickslip and of what installs from PyPI: one command, one table.
 
-    python benchmarks/work_precision.py                         # everything: 10 to 15 minutes
-    python benchmarks/work_precision.py --quick                 # 64 cases, small budgets: 2 minutes
-    python benchmarks/work_precision.py --only heyoka           # ours and the rows whose name contains it
-    python benchmarks/work_precision.py --json out.json --plot out.png
-    python benchmarks/work_precision.py --arith                 # the core's multiply-add peak, nothing else
+python benchmarks/work_precision.py                         # everything: 6 to 9 minutes
+python benchmarks/work_precision.py --quick                 # 64 cases, small budgets: 4 minutes
+python benchmarks/work_precision.py --only heyoka           # ours and the rows whose name contains it
+python benchmarks/work_precision.py --json out.json --plot out.png
+python benchmarks/work_precision.py --arith                 # the core's multiply-add peak, nothing else
 """
 
 from __future__ import annotations

@@ -29,7 +29,6 @@ class Rival:
     settings_stiff: tuple[Any, ...] = ()  # if other settings are best there
     skip_stiff: str = ""  # why it is not run at mu0 = 0.03
     alone: bool = False  # takes part in "one case alone"
-    note: str = ""
 
     def available(self) -> str | None:
         """None if it can run, else the reason it cannot, with what to type."""

@@ -40,8 +40,17 @@ def _compiled(method: str):
     def one(row, times, rtol):
         control = dx.PIDController(rtol=rtol, atol=rtol * jnp.array([1e-2, 1e-2, 1.0]), pcoeff=0.3, icoeff=0.4)
         done = dx.diffeqsolve(
-            dx.ODETerm(_slope), getattr(dx, method)(), times[0], times[-1], 1e-6, jnp.zeros(3), args=row, stepsize_controller=control,
-            saveat=dx.SaveAt(ts=times), max_steps=None, adjoint=dx.ForwardMode(),
+            dx.ODETerm(_slope),
+            getattr(dx, method)(),
+            times[0],
+            times[-1],
+            1e-6,
+            jnp.zeros(3),
+            args=row,
+            stepsize_controller=control,
+            saveat=dx.SaveAt(ts=times),
+            max_steps=None,
+            adjoint=dx.ForwardMode(),
         )
         return done.ys[:, 2]
 

@@ -78,6 +78,5 @@ def _rival(method: str, **more) -> Rival:
 
 RIVALS = (
     _rival("lsoda", cases=64, alone=True, settings=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)),
-    _rival("dop853", cases=32, cases_stiff=2, settings=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9),
-           settings_stiff=(1e-4, 1e-6, 1e-8)),
+    _rival("dop853", cases=32, cases_stiff=2, settings=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), settings_stiff=(1e-4, 1e-6, 1e-8)),
 )

@@ -51,9 +51,15 @@ def _run(problem: Problem, steps: int) -> Outcome:
 
 RIVALS = (
     Rival(
-        name="RK4, Numba, scalars", pip="numba", module="numba", run=_run, cases=32, cases_stiff=4, alone=True,
+        name="RK4, Numba, scalars",
+        pip="numba",
+        module="numba",
+        run=_run,
+        cases=32,
+        cases_stiff=4,
+        alone=True,
+        # steps per period
         settings=(300, 500, 700, 1000, 2000, 4000, 8000, 16_000, 64_000, 256_000),
         settings_stiff=(64_000, 128_000, 256_000, 512_000),
-        note="setting: steps per period",
     ),
 )

@@ -23,8 +23,9 @@ def _odeint(problem: Problem, row: np.ndarray, rtol: float) -> np.ndarray:
     """Scaled path at the three times by LSODA."""
     from scipy.integrate import odeint
 
-    return odeint(rhs_tyu, np.zeros(3), problem.times, args=(row,), Dfun=jacobian_tyu, tfirst=True, rtol=rtol,
-                  atol=rtol * ATOL, mxstep=10_000_000)[:, 2]
+    return odeint(
+        rhs_tyu, np.zeros(3), problem.times, args=(row,), Dfun=jacobian_tyu, tfirst=True, rtol=rtol, atol=rtol * ATOL, mxstep=10_000_000
+    )[:, 2]
 
 
 def _solve_ivp(method: str, problem: Problem, row: np.ndarray, rtol: float) -> np.ndarray:
@@ -32,8 +33,9 @@ def _solve_ivp(method: str, problem: Problem, row: np.ndarray, rtol: float) -> n
     from scipy.integrate import solve_ivp
 
     more = {"jac": jacobian_tyu} if method in ("Radau", "LSODA", "BDF") else {}
-    done = solve_ivp(rhs_tyu, problem.times[[0, -1]], np.zeros(3), method, t_eval=problem.times, args=(row,),
-                     rtol=rtol, atol=rtol * ATOL, **more)
+    done = solve_ivp(
+        rhs_tyu, problem.times[[0, -1]], np.zeros(3), method, t_eval=problem.times, args=(row,), rtol=rtol, atol=rtol * ATOL, **more
+    )
     return done.y[2]
 
 
@@ -56,11 +58,17 @@ RIVALS = (
     _rival("scipy LSODA (odeint), Numba f, J", _odeint, cases=32, settings=MULTISTEP),
     _rival("scipy LSODA (solve_ivp), Numba f, J", partial(_solve_ivp, "LSODA"), cases=16, settings=MULTISTEP),
     _rival(
-        "scipy DOP853, Numba f", partial(_solve_ivp, "DOP853"), cases=8, settings=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8),
+        "scipy DOP853, Numba f",
+        partial(_solve_ivp, "DOP853"),
+        cases=8,
+        settings=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8),
         skip_stiff="not run: explicit, 5 000 000 when tried",
     ),
     _rival(
-        "scipy Radau, Numba f, J", partial(_solve_ivp, "Radau"), cases=8, cases_stiff=4,
+        "scipy Radau, Numba f, J",
+        partial(_solve_ivp, "Radau"),
+        cases=8,
+        cases_stiff=4,
         settings=(1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
     ),
 )

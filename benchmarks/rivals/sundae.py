@@ -42,7 +42,12 @@ def _run(problem: Problem, rtol: float) -> Outcome:
 
 RIVALS = (
     Rival(
-        name="SUNDIALS CVODE (scikit-sundae), Numba f, J", pip="scikit-sundae", module="sksundae", run=_run, cases=16, cases_stiff=8,
+        name="SUNDIALS CVODE (scikit-sundae), Numba f, J",
+        pip="scikit-sundae",
+        module="sksundae",
+        run=_run,
+        cases=16,
+        cases_stiff=8,
         settings=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
     ),
 )
