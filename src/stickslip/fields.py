@@ -132,7 +132,7 @@ class Record:
             if isinstance(sub, _Sub):
                 part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
             parts[head] = part
-        return dataclasses.replace(self, **parts)  # all at once: two fields may be right only together
+        return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
 
 
 @dataclasses.dataclass
