@@ -174,10 +174,10 @@ class _StepWriter:
                 f = [w.value(e, self._bind(times[c], [f"_w{q}x{i}" for i in n])) for e in self.eq.f]
             for i in n:
                 memory = combine("", [(cc, f"_u{j}_{i}") for j, cc in enumerate(tab.C[q])])
-                text = f[i] if memory == "0.0" else f"fma(_ih, {memory}, {f[i]})"
-                if tab.d[q]:
-                    text = f"fma({literal(tab.d[q])} * _hh, {self.T[i]}, {text})"
-                w.line(f"_r{i}", text)
+                early = f"{literal(tab.d[q])} * _hh * {self.T[i]}" if tab.d[q] and self.T[i] != "0.0" else ""
+                if memory != "0.0":
+                    early = f"fma(_ih, {memory}, {early})" if early else f"_ih * {memory}"
+                w.line(f"_r{i}", f"{f[i]} + {early}" if early else f[i])
             self._solve(q)
         last = tab.stages - 1
         for i in n:

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.engine.symbols import Graph, Sym, TraceError
+from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.maths import maximum
@@ -97,7 +97,7 @@ def _trace(model: Any) -> Equations:
     contact = _lift(graph, symbolic.contact_velocity(v))
     zdot = tuple(_lift(graph, r) for r in _as_tuple(law.rate(contact, z if count > 1 else z[0], load), count, "rate"))
     force = law.force(contact, z if count > 1 else z[0], zdot if count > 1 else zdot[0], load)
-    f = (_lift(graph, symbolic.acceleration(t, graph.constant(0.0), v, force)), *zdot)
+    f = (_spread(_lift(graph, symbolic.acceleration(t, graph.constant(0.0), v, force))), *zdot)
     y = (v, *z)
     jacobian = tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f)
     guards = tuple(graph.guards)
@@ -128,6 +128,17 @@ def _velocity_scale(graph: Graph, model: Any, speed: Any) -> Sym:
 
 def _lift(graph: Graph, value: Any) -> Sym:
     return value if isinstance(value, Sym) else graph.constant(value)
+
+
+def _spread(node: Sym, factor: Sym | None = None) -> Sym:
+    """A sum with the case's factors multiplied into its terms, where they are computed once per case."""
+    graph = node.graph
+    if node.op in ("add", "subtract"):
+        a, b = (_spread(x, factor) for x in node.args)
+        return a + b if node.op == "add" else a - b
+    if node.op == "multiply" and node.args[0].level < STATE and node.args[1].op in ("add", "subtract"):
+        return _spread(node.args[1], node.args[0] if factor is None else graph.multiply(factor, node.args[0]))
+    return node if factor is None else graph.multiply(factor, node)
 
 
 def _along_flow(graph: Graph, guard: Sym, t: Sym, y: tuple[Sym, ...], f: tuple[Sym, ...]) -> Sym:

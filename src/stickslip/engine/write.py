@@ -47,6 +47,14 @@ _SIN = (-1 / 6, 8.3333333333333333e-3, -1.9841269841269841e-4, 2.755731922398589
 _SIN += (1.6059043836821613e-10, -7.6471637318198164e-13, 2.8114572543455206e-15, -8.2206352466243297e-18)  # sin r = r + r^3 (…)
 
 
+def _never_positive(node: Sym) -> bool:
+    """Whether an expression is minus a square."""
+    if node.op != "multiply" or node.args[0].op != "constant" or node.args[0].value >= 0:
+        return False
+    square = node.args[1]
+    return square.op == "multiply" and square.args[0] is square.args[1]
+
+
 class Writer:
     """Collects lines; every expression is written once for given values of what it depends on."""
 
@@ -56,6 +64,7 @@ class Writer:
         self._known: dict[tuple[int, tuple[str, ...]], str] = {}
         self._depends: dict[int, tuple[str, ...]] = {}
         self._uses: dict[int, int] = {}
+        self._depth: dict[int, int] = {}
         self._count = 0
         self._prefix = prefix
         self.indent = ""
@@ -127,7 +136,9 @@ class Writer:
     def _write(self, node: Sym, bind: dict[str, str]) -> str:
         if node.op == "case":
             return bind[node.name]
-        if node.op in ("exp", "log", "sin", "cos"):
+        if node.op == "exp":
+            return self._exp(self.value(node.args[0], bind), _never_positive(node.args[0]))
+        if node.op in ("log", "sin", "cos"):
             return getattr(self, f"_{node.op}")(self.value(node.args[0], bind))
         if node.op in ("add", "subtract"):
             return self._sum(node, bind)
@@ -141,26 +152,49 @@ class Writer:
         return self.line(self.fresh(), text)
 
     def _sum(self, node: Sym, bind: dict[str, str]) -> str:
-        """a + b or a - b, fused with a product that is used nowhere else."""
-        a, b = node.args
-        minus = node.op == "subtract"
-        for product, other, swapped in ((b, a, False), (a, b, True)):
-            if product.op == "multiply" and product.level == STATE and self._uses.get(product.number, 2) == 1:
-                p, q, o = self.value(product.args[0], bind), self.value(product.args[1], bind), self.value(other, bind)
-                if minus:
-                    p, o = (p, f"-{o}") if swapped else (f"-{p}", o)
-                return self.line(self.fresh(), f"fma({p}, {q}, {o})")
-        return self.line(self.fresh(), f"{self.value(a, bind)} {'-' if minus else '+'} {self.value(b, bind)}")
+        """A sum of any length, the term that is ready last added last; products used nowhere else are fused."""
+        terms = sorted(self._terms(node, 1.0, top=True), key=lambda t: self._ready(t[1]))
+        sign, first = terms[0]
+        text = self.value(first, bind) if sign > 0 else f"-{self.value(first, bind)}"
+        for sign, term in terms[1:]:
+            if self._fusible(term):
+                p, q = self.value(term.args[0], bind), self.value(term.args[1], bind)
+                text = f"fma({p if sign > 0 else f'-{p}'}, {q}, {text})"
+            else:
+                text = f"({text} {'+' if sign > 0 else '-'} {self.value(term, bind)})"
+        return self.line(self.fresh(), text)
 
-    def _exp(self, x: str) -> str:
+    def _fusible(self, node: Sym) -> bool:
+        return node.op == "multiply" and node.level == STATE and self._uses.get(node.number, 2) == 1
+
+    def _terms(self, node: Sym, sign: float, top: bool = False) -> list[tuple[float, Sym]]:
+        """The signed terms of a sum of sums that are used nowhere else."""
+        inner = node.op in ("add", "subtract") and (top or (node.level == STATE and self._uses.get(node.number, 2) == 1))
+        if not inner:
+            return [(sign, node)]
+        a, b = node.args
+        return self._terms(a, sign) + self._terms(b, sign if node.op == "add" else -sign)
+
+    def _ready(self, node: Sym) -> int:
+        """How many operations deep a node is, functions and quotients counting for more."""
+        if node.number not in self._depth:
+            cost = {"exp": 12, "log": 20, "sin": 15, "cos": 15, "reciprocal": 4, "sqrt": 5}.get(node.op, 1)
+            deep = node.level == STATE and node.args
+            self._depth[node.number] = cost + max(self._ready(a) for a in node.args) if deep else 0
+        return self._depth[node.number]
+
+    def _exp(self, x: str, falling: bool) -> str:
         """e^x: 2^k times a polynomial of degree 12 on |r| <= ln(2)/2 (error 2e-16)."""
-        a, r = self.fresh(), self.fresh()
-        self.line(a, f"{x} if {x} > -708.0 else -708.0")
-        self.line(a, f"{a} if {a} < 709.0 else 709.0")
+        a = self.line(self.fresh(), f"{x} if {x} > -708.0 else -708.0")
+        if not falling:
+            self.line(a, f"{a} if {a} < 709.0 else 709.0")
         k = self.line(self.fresh(), f"fma({a}, 1.4426950408889634, 6755399441055744.0)")
         whole = self.line(self.fresh(), f"{k} - 6755399441055744.0")
-        self.line(r, f"fma({whole}, -6.93147180369123816490e-01, {a})")
-        self.line(r, f"fma({whole}, -1.90821492927058770002e-10, {r})")
+        if falling:  # what the second part of ln 2 would correct is below 1e-14 of a number below 1
+            r = self.line(self.fresh(), f"fma({whole}, -0.6931471805599453, {a})")
+        else:
+            r = self.line(self.fresh(), f"fma({whole}, -6.93147180369123816490e-01, {a})")
+            self.line(r, f"fma({whole}, -1.90821492927058770002e-10, {r})")
         p = self._estrin([1 / math.factorial(i) for i in range(13)], r)
         return self.line(self.fresh(), f"{p} * as_float((as_bits({k}) + 1023) << 52)")
 
@@ -170,7 +204,9 @@ class Writer:
         r4 = self.line(self.fresh(), f"{r2} * {r2}")
         pairs = [f"fma({literal(c[i + 1])}, {r}, {literal(c[i])})" for i in range(0, 12, 2)]
         quads = [self.line(self.fresh(), f"fma({pairs[i + 1]}, {r2}, {pairs[i]})") for i in (0, 2, 4)]
-        return self.line(self.fresh(), f"fma(fma(fma({literal(c[12])}, {r4}, {quads[2]}), {r4}, {quads[1]}), {r4}, {quads[0]})")
+        low = self.line(self.fresh(), f"fma({quads[1]}, {r4}, {quads[0]})")
+        high = self.line(self.fresh(), f"fma({literal(c[12])}, {r4}, {quads[2]})")
+        return self.line(self.fresh(), f"fma({high}, {r4} * {r4}, {low})")
 
     def _sine(self, x: str, quarter: bool) -> str:
         """sin x, or cos x = sin(x + pi/2): reduction by pi in three parts, odd polynomial of degree 19."""
