@@ -7,6 +7,7 @@ A field annotated ``float`` (or ``float | None``) is a number: it may hold a flo
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Iterator
 from typing import Any, ClassVar
 
@@ -171,6 +172,16 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
+@functools.lru_cache(maxsize=256)
+def _plan(cls: type) -> tuple[tuple[str, bool], ...]:
+    """Names of a record's fields, and whether each holds a number."""
+    return tuple((field.name, is_number_field(field)) for field in dataclasses.fields(cls))  # type: ignore[arg-type]
+
+
+def _is_record(value: Any) -> bool:
+    return hasattr(value, "__dataclass_fields__") and not isinstance(value, type)
+
+
 def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple[str, Any]]:
     """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is no number.
 
@@ -178,20 +189,20 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
     """
     if kinds:
         yield prefix + "__class__", type(record)
-    for field in dataclasses.fields(record):
-        value = getattr(record, field.name)
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
-            yield from leaves(value, f"{prefix}{field.name}.", kinds)
-        elif (is_number_field(field) and value is not None) or kinds:
-            yield prefix + field.name, value
+    for name, holds_number in _plan(type(record)):
+        value = getattr(record, name)
+        if _is_record(value):
+            yield from leaves(value, f"{prefix}{name}.", kinds)
+        elif (holds_number and value is not None) or kinds:
+            yield prefix + name, value
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
     """A copy, made without any check, in which the named numbers are replaced (the engine puts symbols there)."""
     copy = object.__new__(type(record))
-    for field in dataclasses.fields(record):
-        value, name = getattr(record, field.name), prefix + field.name
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+    for field, _ in _plan(type(record)):
+        value, name = getattr(record, field), prefix + field
+        if _is_record(value):
             value = replace_leaf(value, values, name + ".")
-        object.__setattr__(copy, field.name, values.get(name, value))
+        object.__setattr__(copy, field, values.get(name, value))
     return copy

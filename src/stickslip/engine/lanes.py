@@ -17,7 +17,7 @@ from typing import Any
 from stickslip.engine import cache
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.trace import Equations, label, trace
+from stickslip.engine.trace import Equations, check_numbers, label, trace
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
 
@@ -108,13 +108,18 @@ _kernels: dict[Any, Kernel] = {}
 
 
 def kernel_of(model: Any, tableau: Tableau, record: bool) -> Kernel:
-    """The compiled kernel of a model's kind; a kind that was seen before costs nothing."""
+    """The compiled kernel of a model's kind; a kind that was seen before costs nothing.
+
+    The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
+    """
     key = (_kind(model), tableau.name, record)
     try:
         known = _kernels.get(key)
     except TypeError:  # a part of the kind that cannot be compared, such as a list
+        check_numbers(model)
         return kernel(trace(model), tableau, label(model), record)
     if known is None:
+        check_numbers(model)
         known = _kernels[key] = kernel(trace(model), tableau, label(model), record)
     return known
 

@@ -35,7 +35,6 @@ def _tableau(todo: Request) -> tableaux.Tableau:
 
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
-    trace.check_numbers(todo.model)
     tableau = _tableau(todo)
     kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
     rows = rows_of(todo.model, kernel.names)
@@ -46,6 +45,7 @@ def solve(todo: Request) -> Trajectory | Summary:
         return gather(todo, tableau.name, _parts(todo, kernel, rows, job))
     results = lanes.run(kernel, rows, todo.start, job, keep_pieces=True)
     if results.status[0] > 1:
+        trace.check_numbers(todo.model)
         raise SolveError(
             f"the run stopped after {results.periods_run[0]} of {todo.periods} periods: {STATUS[int(results.status[0])]}; "
             f"the state was x, v, z = {results.end[0].tolist()}. Try another rtol (now {todo.rtol:g}) or start, and check the law's numbers"
