@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
     from stickslip.drives import Harmonic as Harmonic
+    from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
@@ -47,6 +48,7 @@ _HOMES = {
     "SolveError": "errors",
     "StickslipError": "errors",
     "Trajectory": "trajectory",
+    "cantilever_eigenvalues": "drives",
     "check": "checking",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
