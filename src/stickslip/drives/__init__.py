@@ -2,8 +2,9 @@
 
 from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.harmonic import Harmonic
+from stickslip.drives.piezo_beam import PiezoBeam
 
-__all__ = ["DRIVES", "Harmonic", "cantilever_eigenvalues"]
+__all__ = ["DRIVES", "Harmonic", "PiezoBeam", "cantilever_eigenvalues"]
 
 DRIVES = {"harmonic": Harmonic}
-"""The harmonic drive of the paper."""
+"""The harmonic drive of the paper. A `PiezoBeam` makes one from volts and hertz."""

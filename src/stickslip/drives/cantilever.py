@@ -151,7 +151,7 @@ def mode_shape(b: Any, s: Any, derivative: int = 0) -> Any:
 def modal_mass(b: Any, tip_mass_ratio: Any) -> Any:
     r"""Modal mass of `mode_shape`, with the tip mass, in closed form.
 
-    .. math:: m_i = \int_0^1 \varphi_i^2\,ds + R\,\varphi_i(1)^2 = 1 + \tfrac{1}{4} R\,\varphi_i(1)^2
+    .. math:: m_i = \int_0^1 \varphi_i^2\,ds + R\,\varphi_i(1)^2 = 1 + \frac{R}{4}\,\varphi_i(1)^2
 
     Parameters
     ----------
