@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
     from stickslip.drives import Harmonic as Harmonic
+    from stickslip.drives import PiezoBeam as PiezoBeam
+    from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
@@ -43,10 +45,12 @@ _HOMES = {
     "Level": "tracks",
     "LuGre": "friction",
     "Motion": "analysis.motion",
+    "PiezoBeam": "drives",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
     "Trajectory": "trajectory",
+    "cantilever_eigenvalues": "drives",
     "check": "checking",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",

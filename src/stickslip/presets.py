@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
-from stickslip.drives import Harmonic
+from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import _all, describe, number
 from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
 
-__all__ = ["PRESETS", "piezo_rig"]
+__all__ = ["PRESETS", "piezo_beam_rig", "piezo_rig"]
 
 #: Masses [kg] and LuGre numbers of the paper's rig (section 4).
 BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
@@ -142,7 +143,86 @@ def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -
         problems.add(f"tilt_deg = {describe(n['tilt_deg'])}; allowed is between -90 and 90 degrees; type for example tilt_deg=1.7")
 
 
-PRESETS = {"piezo_rig": piezo_rig}
+def piezo_beam_rig(
+    voltage: Any,
+    frequency: Any,
+    tilt_deg: Any,
+    beam: PiezoBeam | None = None,
+    length: Any = None,
+    thickness: Any = None,
+    patch_length: Any = None,
+    tip_mass: Any = None,
+    damping: Any = None,
+    mu0: Any = 0.18,
+    f0: Any = 0.21,
+    law: str = "lugre",
+    incline: str = "folded",
+    gravity: Any = 9.81,
+    sigma0: Any = 4e5,
+    sigma1: Any = 100.0,
+    sigma2: Any = 0.04,
+    v_s: Any = 2e-3,
+    body_mass: Any = BODY_MASS,
+) -> Robot:
+    """The paper's robot from volts and hertz: the inner mass is the tip of a `PiezoBeam` (section 3.1).
+
+    The paper does not print its beam. The default one is ours, with the paper's inner mass. What there is to remark, such as a voltage
+    that the paper's hardware does not give, is in the robot's `notes`.
+
+    Parameters
+    ----------
+    voltage : float or array
+        Amplitude of the voltage on the patches [V].
+    frequency : float or array
+        Frequency of the voltage [Hz].
+    tilt_deg : float or array
+        Tilt of the track, downhill is forwards [degrees].
+    beam : PiezoBeam, optional
+        The beam; its tip mass is the robot's inner mass.
+    length, thickness, patch_length, tip_mass, damping : float or array, optional
+        Numbers of the beam that are to be other than in `beam` [m, m, m, kg, -].
+    mu0, f0, law, incline, gravity, sigma0, sigma1, sigma2, v_s, body_mass
+        As for `piezo_rig`.
+
+    Returns
+    -------
+    Robot
+        With a `Harmonic` drive: amplitude and frequency of the beam's tip.
+
+    Examples
+    --------
+    >>> robot = piezo_beam_rig(voltage=20.0, frequency=32.7, tilt_deg=1.7)
+    >>> print(f"{robot.drive.amplitude * 1e3:.3f} mm at {robot.drive.frequency:.1f} Hz")
+    0.671 mm at 32.7 Hz
+    """
+    problems = Problems("piezo_beam_rig")
+    changes = {"length": length, "thickness": thickness, "patch_length": patch_length, "tip_mass": tip_mass, "damping": damping}
+    changes = {name: value for name, value in changes.items() if value is not None}
+    rest = {"mu0": mu0, "f0": f0, "law": law, "incline": incline, "gravity": gravity, "body_mass": body_mass}
+    rest |= {"sigma0": sigma0, "sigma1": sigma1, "sigma2": sigma2, "v_s": v_s}
+    mine = _noted(problems, lambda: _beam(beam).replace(changes)) or PiezoBeam()
+    drive = _noted(problems, lambda: mine.drive(voltage, frequency))
+    robot = _noted(problems, lambda: piezo_rig(tilt_deg=tilt_deg, amplitude=0.0, inner_mass=mine.tip_mass, **rest))
+    problems.check()
+    return robot.replace(drive=drive)
+
+
+def _beam(beam: Any) -> PiezoBeam:
+    if beam is not None and not isinstance(beam, PiezoBeam):
+        raise InputError("piezo_beam_rig", [f"beam = {beam!r}; allowed is a PiezoBeam; type for example beam=ss.PiezoBeam(length=0.1)"])
+    return PiezoBeam() if beam is None else beam
+
+
+def _noted(problems: Problems, make: Callable[[], Any]) -> Any:
+    """What a maker makes; None, with its problems noted, where it cannot."""
+    try:
+        return make()
+    except InputError as error:
+        problems.include(error)
+    return None
+
+
+PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig}
 
 
 def preset(name: str) -> Any:

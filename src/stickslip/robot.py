@@ -128,9 +128,9 @@ class Robot(Record):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on these numbers that are no errors, such as a LuGre law that is not passive."""
+        """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
         law_notes = getattr(self.friction, "notes", None)
-        return [] if law_notes is None else list(law_notes(self.load(0.0, 0.0)))
+        return [*(getattr(self.drive, "notes", None) or ()), *([] if law_notes is None else law_notes(self.load(0.0, 0.0)))]
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""

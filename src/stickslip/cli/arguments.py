@@ -15,7 +15,7 @@ __all__ = ["Parser", "Subject", "parser", "settings", "subject", "value"]
 
 #: Arguments of the solver that a command line may set.
 SOLVER = ("periods", "settle", "rtol", "method", "samples", "steps", "workers", "slip_ratio", "dwell", "start.x", "start.v", "start.z")
-_EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4"}
+_EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "voltage": "60", "frequency": "32.7"}
 
 
 class Parser(argparse.ArgumentParser):

@@ -24,6 +24,8 @@ class Harmonic(Record):
         Angular frequency [rad/s]. Give exactly one of `omega` and `frequency`.
     frequency : float
         Frequency [Hz].
+    notes : tuple of str, optional
+        Remarks on where these numbers come from; `Robot.notes` repeats them. A copy with other numbers has none.
 
     Examples
     --------
@@ -34,13 +36,14 @@ class Harmonic(Record):
 
     amplitude: float = field(metadata={"example": "5e-4"})
     omega: float = field(metadata={"example": "205.46"})
+    notes: tuple[str, ...] | None = None
 
     _rules: ClassVar[dict[str, Any]] = {
         "amplitude": (at_least(0.0), "zero or more [m]"),
         "omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)"),
     }
 
-    def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None):
+    def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None, notes: Any = None):
         if (omega is None) == (frequency is None):
             given = "both" if omega is not None else "neither"
             raise InputError(
@@ -53,7 +56,12 @@ class Harmonic(Record):
                 raise InputError("Harmonic", [f"frequency: {error}; allowed is a positive frequency [Hz]; type frequency=32.7"]) from None
         object.__setattr__(self, "amplitude", amplitude)
         object.__setattr__(self, "omega", omega)
+        object.__setattr__(self, "notes", None if notes is None else tuple(notes))
         self.__post_init__()
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed, without the remarks on the old ones."""
+        return super().replace({"notes": None, **(changes or {}), **fields})
 
     @property
     def period(self) -> Any:

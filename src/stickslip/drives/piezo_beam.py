@@ -1,0 +1,235 @@
+"""The paper's actuator: a spring-steel beam, bent by piezo patches at its root, that shakes the inner mass at its tip (section 3.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+from stickslip.drives import beam_notes
+from stickslip.drives.beam_input import given, record, take_damping, together
+from stickslip.drives.cantilever import cantilever_eigenvalues, check_count
+from stickslip.drives.couple import tip_by_modes, tip_participation
+from stickslip.drives.harmonic import Harmonic
+from stickslip.errors import InputError, Problems
+from stickslip.fields import Record, _all, at_least, describe, is_array, positive
+from stickslip.maths import pi, sqrt
+
+__all__ = ["PiezoBeam", "TipMotion"]
+
+
+class TipMotion(NamedTuple):
+    """Steady motion of the tip, amplitude sin(omega t + phase), for a voltage sin(omega t)."""
+
+    amplitude: Any
+    phase: Any
+
+
+@dataclass(frozen=True, eq=False)
+class PiezoBeam(Record):
+    r"""A clamped beam with a pair of piezo patches at its root and the inner mass at its tip (Eqs 3.1 to 3.7, corrected).
+
+    .. math:: EI\,u'''' + \text{damping} + \rho A\,\ddot u = \frac{\partial}{\partial x}\bigl[T(t)\,(\delta(x)-\delta(x-l_0))\bigr]
+
+    .. math:: T(t) = d_{31}(h_1+h_2)\,b\,E_2\,V(t)
+
+    The tip moves as xi(t) = u(L, t). The beam is uniform: the stiffness and the mass of the patches are left out, as in the paper, and so
+    is what the motion of the body does to the beam. The defaults are a rig of ours with the paper's inner mass and a first resonance
+    at 33.4 Hz, near the paper's 32.7 Hz; the paper does not print its beam.
+
+    Parameters
+    ----------
+    length : float
+        Length L of the beam [m].
+    width : float
+        Width b of the beam and of the patches [m].
+    thickness : float
+        Thickness h1 of the beam [m].
+    density : float
+        Density rho of the beam [kg/m^3].
+    modulus : float
+        Young's modulus E of the beam [N/m^2].
+    patch_length : float
+        Length l0 of the patches, from the clamp on [m]. There is one on each face, driven with opposite signs.
+    patch_thickness : float
+        Thickness h2 of one patch [m].
+    patch_modulus : float
+        Young's modulus E2 of the patches [N/m^2].
+    d31 : float
+        Piezoelectric constant [m/V]. Its sign is in the wiring: a negative one turns the phase by pi.
+    tip_mass : float
+        Mass m at the tip [kg]: the robot's inner mass.
+    damping : float or tuple of float
+        Damping ratio of all modes, or a tuple with one for each [-]; above 0 and below 1.
+    modes : int
+        How many modes the tip's motion is summed from.
+
+    Examples
+    --------
+    >>> beam = PiezoBeam()
+    >>> beam.frequencies(3).round(1).tolist()
+    [33.4, 373.9, 1176.8]
+    >>> tip = beam.response(voltage=20.0, frequency=32.7)
+    >>> print(f"{tip.amplitude * 1e3:.2f} mm")
+    0.67 mm
+    """
+
+    length: float = field(default=0.1, metadata={"example": "0.1"})
+    width: float = field(default=0.01, metadata={"example": "0.01"})
+    thickness: float = field(default=1e-3, metadata={"example": "1e-3"})
+    density: float = field(default=7850.0, metadata={"example": "7850"})
+    modulus: float = field(default=2e11, metadata={"example": "2e11"})
+    patch_length: float = field(default=0.03, metadata={"example": "0.03"})
+    patch_thickness: float = field(default=2e-4, metadata={"example": "2e-4"})
+    patch_modulus: float = field(default=6.1e10, metadata={"example": "6.1e10"})
+    d31: float = field(default=1.71e-10, metadata={"example": "1.71e-10"})
+    tip_mass: float = field(default=9.48e-3, metadata={"example": "9.48e-3"})
+    damping: float | tuple[float, ...] = 0.02
+    modes: int = 8
+
+    _rules: ClassVar[dict[str, Any]] = {
+        **{name: (positive, "a positive length [m]") for name in ("length", "width", "thickness", "patch_length", "patch_thickness")},
+        **{name: (positive, "a positive modulus [N/m^2]") for name in ("modulus", "patch_modulus")},
+        "density": (positive, "a positive density [kg/m^3]"),
+        "d31": (lambda x: x != 0.0, "a constant other than zero [m/V]"),
+        "tip_mass": (at_least(0.0), "zero or more [kg]"),
+    }
+
+    def _check(self, problems: Problems) -> None:
+        check_count("modes", self.modes, problems)
+        take_damping(self, problems)
+        try:
+            if _all(self.length > 0) and not _all(self.patch_length <= self.length):
+                long = f"patch_length = {describe(self.patch_length)} is more than length = {describe(self.length)}"
+                problems.add(f"{long}; allowed is at most the length of the beam; type for example patch_length=0.03")
+        except (TypeError, ValueError):  # a number that was already reported, or shapes that do not fit
+            pass
+
+    @property
+    def bending_stiffness(self) -> Any:
+        """EI of the bare beam [N m^2]."""
+        return self.modulus * self.width * self.thickness**3 / 12
+
+    @property
+    def mass(self) -> Any:
+        """Mass of the beam, rho A L [kg]."""
+        return self.density * self.width * self.thickness * self.length
+
+    @property
+    def tip_mass_ratio(self) -> Any:
+        """R = m/(rho A L) [-]."""
+        return self.tip_mass / self.mass
+
+    @property
+    def angular_unit(self) -> Any:
+        """What (beta_i L)^2 is multiplied with for the angular frequency of mode i, sqrt(EI/(rho A L^4)) [rad/s]."""
+        return sqrt(self.bending_stiffness / (self.mass * self.length**3))
+
+    @property
+    def moment_per_volt(self) -> Any:
+        """Bending moment T of both patches for one volt, d31 (h1 + h2) b E2 [N m/V] (Eq. 3.2, E2 being Young's modulus)."""
+        return self.d31 * (self.thickness + self.patch_thickness) * self.width * self.patch_modulus
+
+    def eigenvalues(self, n: int | None = None) -> Any:
+        """The first n eigenvalues beta_i L (Eq. 3.5) [-], shape (..., n); as many as `modes` if n is left out."""
+        return cantilever_eigenvalues(self.tip_mass_ratio, self.modes if n is None else n)
+
+    def frequencies(self, n: int | None = None) -> Any:
+        """The first n undamped natural frequencies [Hz], shape (..., n)."""
+        import numpy as np
+
+        return self.eigenvalues(n) ** 2 * np.asarray(self.angular_unit)[..., None] / (2 * pi)
+
+    def response(self, voltage: Any, frequency: Any) -> TipMotion:
+        """Steady motion of the tip for V(t) = voltage sin(2 pi frequency t) (Eq. 3.7).
+
+        Parameters
+        ----------
+        voltage : float or array
+            Amplitude of the voltage [V].
+        frequency : float or array
+            Frequency [Hz]. Arrays broadcast with each other and with those of the beam.
+
+        Returns
+        -------
+        TipMotion
+            amplitude [m] and phase [rad]: u(L, t) = amplitude sin(2 pi frequency t + phase). Behind the voltage the phase is negative.
+        """
+        import numpy as np
+
+        u = self.length * self.spread(tip_by_modes, *given(voltage, frequency))
+        return TipMotion(_plain(abs(u)), _plain(np.arctan2(u.imag, u.real)))
+
+    def spread(self, function: Any, voltage: Any, frequency: Any) -> Any:
+        """A function of the unit beam (`tip_by_modes` and its like) times T L/EI, for every case; labelled arrays broadcast by name.
+
+        A displacement comes out in units of L, a slope in radians.
+        """
+        import numpy as np
+
+        per_mode = isinstance(self.damping, tuple)
+
+        def cases(omega: Any, ratio: Any, end: Any, damping: Any, moment: Any) -> Any:
+            zeta = np.asarray(self.damping) if per_mode else np.asarray(damping)[..., None]
+            return moment * function(omega, ratio, end, self.modes, zeta)
+
+        with together(**vars(self), voltage=voltage, frequency=frequency) as labelled:
+            moment = self.moment_per_volt * voltage * self.length / self.bending_stiffness
+            numbers = (2 * pi * frequency / self.angular_unit, self.tip_mass_ratio, self.patch_length / self.length)
+            arguments = (*numbers, 0.0 if per_mode else self.damping, moment)
+            if not labelled:
+                return cases(*arguments)
+            import xarray as xr
+
+            return xr.apply_ufunc(cases, *arguments, join="exact")
+
+    def drive(self, voltage: Any, frequency: Any) -> Harmonic:
+        """The motion of the tip as a robot's drive: amplitude and frequency of `response`, and what there is to remark.
+
+        The phase is left out. It only moves the origin of time: a robot started at rest differs in its first moments, not in how it runs.
+        """
+        tip = self.response(voltage, frequency)
+        return Harmonic(amplitude=tip.amplitude, frequency=frequency, notes=tuple(self.notes(voltage, frequency)))
+
+    def notes(self, voltage: Any = None, frequency: Any = None) -> list[str]:
+        """What to know about this beam and, if they are given, about driving it with this voltage [V] and frequency [Hz]."""
+        if voltage is None or frequency is None:
+            return beam_notes.of_beam(self)
+        return [*beam_notes.of_beam(self), *beam_notes.of_use(self, *given(voltage, frequency))]
+
+    def transient(self, t: Any, voltage: Any, frequency: float | None = None) -> Any:
+        """Motion of the tip from rest at the first time.
+
+        Parameters
+        ----------
+        t : array (times,)
+            Ascending times [s]; with `frequency` from 0 on.
+        voltage : float, array (times,) or callable
+            With `frequency` the amplitude of a sine that begins at t = 0 (Eq. 3.6, corrected). Without, V at the times or a function V(t):
+            the voltage is a straight line between them, and for that the answer is exact [V].
+        frequency : float, optional
+            Frequency of the sine [Hz].
+
+        Returns
+        -------
+        array (times,)
+            u(L, t) [m].
+        """
+        import numpy as np
+
+        from stickslip.drives.oscillator import sampled, sine_from_rest
+
+        b = self.eigenvalues()
+        if b.ndim > 1 or is_array(self.moment_per_volt * self.length):
+            raise InputError(
+                "PiezoBeam", ["transient is for one beam and this one holds arrays; type for example beam.replace(length=0.1)"]
+            )
+        free, damping = b**2 * self.angular_unit, np.broadcast_to(self.damping, b.shape)
+        t, volts = record(t, voltage, frequency)
+        q = sampled(t, volts, free, damping) if frequency is None else volts * sine_from_rest(t[:, None], 2 * pi * frequency, free, damping)
+        push = tip_participation(b, self.tip_mass_ratio, self.patch_length / self.length) * self.angular_unit**2
+        return (q * push).sum(axis=1) * self.moment_per_volt * self.length**2 / self.bending_stiffness
+
+
+def _plain(value: Any) -> Any:
+    """A float where the answer is one number."""
+    return value if is_array(value) else float(value)
