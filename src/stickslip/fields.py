@@ -189,7 +189,7 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
     """
     if kinds:
         yield prefix + "__class__", type(record)
-    for name, holds_number in _plan(type(record)):
+    for name, holds_number in _plan(type(record)):  # type: ignore[arg-type]
         value = getattr(record, name)
         if _is_record(value):
             yield from leaves(value, f"{prefix}{name}.", kinds)
@@ -200,7 +200,7 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
     """A copy, made without any check, in which the named numbers are replaced (the engine puts symbols there)."""
     copy = object.__new__(type(record))
-    for field, _ in _plan(type(record)):
+    for field, _ in _plan(type(record)):  # type: ignore[arg-type]
         value, name = getattr(record, field), prefix + field
         if _is_record(value):
             value = replace_leaf(value, values, name + ".")
