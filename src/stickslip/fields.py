@@ -175,7 +175,7 @@ def _same(a: Any, b: Any) -> bool:
 @functools.lru_cache(maxsize=256)
 def _plan(cls: type) -> tuple[tuple[str, bool], ...]:
     """Names of a record's fields, and whether each holds a number."""
-    return tuple((field.name, is_number_field(field)) for field in dataclasses.fields(cls))  # type: ignore[arg-type]
+    return tuple((field.name, is_number_field(field)) for field in dataclasses.fields(cls))
 
 
 def _is_record(value: Any) -> bool:
