@@ -85,8 +85,8 @@ def test_lugre_numbers_must_be_positive(field, value):
 
 
 def test_one_bad_value_in_an_array_is_bad():
-    says(lambda: robot(body_mass=np.array([0.06, -0.01])), "body_mass", "array of shape (2,) from -0.01 to 0.06", "positive mass")
-    says(lambda: rig(amplitude=np.array([1e-4, np.nan])), "amplitude", "array of shape (2,)")
+    says(lambda: robot(body_mass=np.array([0.06, -0.01])), "body_mass", "body_mass[1] = -0.01 (1 of 2 values", "positive mass")
+    says(lambda: rig(amplitude=np.array([1e-4, np.nan])), "amplitude", "amplitude[1] = nan")
 
 
 # relations --------------------------------------------------------------------------------------------------------

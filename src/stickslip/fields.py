@@ -60,7 +60,23 @@ def describe(value: Any) -> str:
     import numpy as np
 
     flat = np.asarray(value).ravel()
-    return f"an array of shape {np.shape(value)} from {np.min(flat):.6g} to {np.max(flat):.6g}"
+    if flat.size == 0:
+        return f"an array of shape {np.shape(value)}, without values"
+    return f"an array of shape {np.shape(value)} from {np.nanmin(flat):.6g} to {np.nanmax(flat):.6g}"
+
+
+def describe_bad(value: Any, good: Rule) -> str:
+    """A value as an error message shows it; of an array the first entry that is not good, and how many there are."""
+    if not is_array(value):
+        return f" = {value!r}"
+    import numpy as np
+
+    array = np.asarray(value)
+    bad = np.argwhere(~np.asarray(good(array), bool))
+    if len(bad) == 0:
+        return f" is {describe(value)}"
+    where = tuple(int(i) for i in bad[0])
+    return f"[{', '.join(map(str, where))}] = {array[where]:.6g} ({len(bad)} of {array.size} values are not allowed)"
 
 
 def positive(value: Any) -> Any:
@@ -83,6 +99,12 @@ class Record:
 
     _rules: ClassVar[dict[str, tuple[Rule, str]]] = {}  # field -> (rule, what is allowed)
 
+    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
+        """An empty record, its arguments' names checked."""
+        if args or kwargs:  # copying makes an empty one first
+            _check_arguments(cls, args, kwargs)
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
         problems = Problems(type(self).__name__)
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
@@ -101,9 +123,16 @@ class Record:
         except ValueError as error:
             problems.add(f"{field.name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
             return
-        good = _all(value == value) and _all(abs(value) < float("inf")) and (rule is None or _all(rule(value)))
-        if not good:
-            problems.add(f"{field.name} = {describe(value)}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+
+        def allows(x: Any) -> Any:
+            return (abs(x) < float("inf")) & (rule is None or rule(x))
+
+        if is_array(value) and value.size == 0:
+            problems.add(f"{field.name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
+        elif not _all(allows(value)):
+            problems.add(
+                f"{field.name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={_example(field)}"
+            )
         object.__setattr__(self, field.name, value)
 
     def _check(self, problems: Problems) -> None:
@@ -134,6 +163,22 @@ class Record:
                 part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
             parts[head] = part
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
+
+
+def _check_arguments(cls: type, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
+    """Names that are not known or missing, said as one of our sentences."""
+    import inspect
+
+    known = list(inspect.signature(cls.__init__).parameters.values())[1:]  # type: ignore[misc]
+    problems = Problems(cls.__name__)
+    names = [p.name for p in known]
+    for name in kwargs:
+        if name not in names:
+            problems.add(f"{name!r} is not a field; {did_you_mean(name, names)}")
+    for p in known[len(args) :]:
+        if p.default is inspect.Parameter.empty and p.name not in kwargs and p.kind is not inspect.Parameter.VAR_KEYWORD:
+            problems.add(f"{p.name} is missing; type {p.name}=...")
+    problems.check()
 
 
 @dataclasses.dataclass

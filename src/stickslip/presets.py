@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import _all, describe, number
+from stickslip.fields import _all, describe, describe_bad, is_array, number
 from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
@@ -112,12 +112,15 @@ def _numbers(arguments: dict[str, Any]) -> tuple[dict[str, Any], Problems]:
             problems.add(f"{name}: {error}; type for example {name}={EXAMPLES.get(name, '1.0')}")
             continue
         x = numbers[name]
-        good = _all(x == x) and _all(abs(x) < float("inf"))
-        if bound[1] is not None:
-            good = good and _all(x > 0 if strict else x >= 0)
-        if not good:
-            allowed = "a positive number" if strict else bound[0]
-            problems.add(f"{name} = {describe(x)}; allowed is {allowed}; type for example {name}={EXAMPLES.get(name, '1.0')}")
+
+        def allows(value: Any, strict: bool = strict, bounded: bool = bound[1] is not None) -> Any:
+            return (abs(value) < float("inf")) & (not bounded or (value > 0 if strict else value >= 0))
+
+        allowed = "a positive number" if strict else bound[0]
+        if is_array(x) and x.size == 0:
+            problems.add(f"{name} is {describe(x)}; allowed is {allowed}, or an array with at least one value")
+        elif not _all(allows(x)):
+            problems.add(f"{name}{describe_bad(x, allows)}; allowed is {allowed}; type for example {name}={EXAMPLES.get(name, '1.0')}")
     return numbers, problems
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import forces
+from stickslip.analysis.steady import needs_run
 from stickslip.pieces import HarmonicArcs
 
 __all__ = ["Energy", "energy"]
@@ -48,6 +49,11 @@ class Energy:
     residual: Array
     settle: int
 
+    def __repr__(self) -> str:
+        n = len(self.drive)
+        last = f"last: drive {self.drive[-1]:.4g} J, gravity {self.gravity[-1]:.4g} J, friction {self.friction[-1]:.4g} J" if n else ""
+        return f"<Energy of {n} periods; {last}; worst residual {self.worst:.1e}>"
+
     @property
     def worst(self) -> float:
         """Largest size of the residual after settling."""
@@ -77,6 +83,7 @@ def energy(run: Any) -> Energy:
     >>> ss.energy(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand")).friction.tolist()
     [0.0]
     """
+    needs_run("energy", run)
     edges, index, owner = _cut(run)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
     half = 0.5 * np.diff(edges)

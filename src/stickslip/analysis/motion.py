@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.segments import Raw, intervals_of, raw_segments, type_of
-from stickslip.analysis.steady import period_number
+from stickslip.analysis.steady import needs_run, period_number
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.friction import Coulomb
@@ -109,6 +109,7 @@ def motion(run: Any, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     ('I', '+0-0', 1)
     """
     _check(run, slip_ratio, dwell)
+    needs_run("motion", run)
     period = period_number(run)
     raw = raw_segments(run, period or 1, slip_ratio)
     told = _typed(run, raw, period, dwell)

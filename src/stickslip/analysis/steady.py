@@ -42,10 +42,17 @@ def mean_velocity(run: Any) -> Any:
     """
     if isinstance(run, Summary):
         return run.mean_velocity[()]
+    needs_run("mean_velocity", run)
     x, t = run.strobe_x, run.strobe_times
     count = _settled_count(run)
     count -= count % (period_number(run) or 1)
     return float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count]))
+
+
+def needs_run(what: str, run: Any) -> None:
+    """Say what to type where something else than a run was given."""
+    if not hasattr(run, "settle"):
+        raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
 
 
 def _settled_count(run: Any) -> int:

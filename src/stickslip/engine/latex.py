@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.engine.trace import inner_states
+from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic
 
@@ -113,6 +114,8 @@ def latex(law: Any) -> str:
     """
     import sympy
 
+    if not (is_dynamic(law) or hasattr(law, "sliding")):
+        raise InputError("latex", [f"{type(law).__name__} given; allowed is a friction law; type for example ss.latex(robot.friction)"])
     symbols = {name: _Tex(sympy.Symbol(symbol_text(name), positive=True)) for name, _ in leaves(law)}
     traced, load = replace_leaf(law, symbols), _Tex(sympy.Symbol("N", positive=True))
     sides = [_equations(traced, _Tex(sympy.Symbol("v", **{sign: True})), load) for sign in ("positive", "negative")]

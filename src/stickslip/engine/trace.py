@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
-from stickslip.errors import InputError
+from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
 from stickslip.maths import maximum
 
@@ -69,6 +69,7 @@ def trace(model: Any) -> Equations:
 def _explained(work: Any, model: Any) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""
     law_name = type(model.friction).__name__
+    check_signatures(model.friction)
     try:
         return work(model)
     except TraceError as error:
@@ -82,7 +83,32 @@ def _explained(work: Any, model: Any) -> Any:
             ],
         ) from error
     except TypeError as error:
-        raise InputError(law_name, [f"{error}; call functions from stickslip.maths in a law, not from math or numpy"]) from error
+        hint = "call functions from stickslip.maths in a law, not from math or numpy, and return a number"
+        raise InputError(law_name, [f"{error}; {hint}"]) from error
+
+
+ARGUMENTS = {
+    "rate": ("v", "z", "load"), "force": ("v", "z", "zdot", "load"), "sliding": ("v", "load"), "breakaway": ("load",),
+    "scale": ("load",), "velocity_scale": (),
+}  # fmt: skip
+
+
+def check_signatures(law: Any) -> None:
+    """A law's methods take what the engine gives, in that order."""
+    import inspect
+
+    problems = Problems(type(law).__name__)
+    for name, expected in ARGUMENTS.items():
+        method = getattr(law, name, None)
+        if not callable(method):
+            continue
+        given = tuple(p.name for p in inspect.signature(method).parameters.values() if p.default is p.empty)
+        if len(given) != len(expected) or (set(given) == set(expected) and given != expected):
+            problems.add(
+                f"{name} takes ({', '.join(given)}); allowed is ({', '.join(expected)}), in this order; type def {name}(self, "
+                f"{', '.join(expected)})"
+            )
+    problems.check()
 
 
 def _trace(model: Any) -> Equations:
@@ -166,7 +192,12 @@ def _check_numbers(model: Any) -> None:
     for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
         try:
             rate = _as_tuple(law.rate(v, z0, load), count, "rate")
-            values = {"rate": max(map(abs, rate)), "force": law.force(v, z0, rate if count > 1 else rate[0], load)}
+            bad = next((r for r in rate if not isinstance(r, (int, float))), None)
+            values = (
+                {"rate": bad}
+                if any(not isinstance(r, (int, float)) for r in rate)
+                else {"rate": max(map(abs, rate)), "force": law.force(v, z0, rate if count > 1 else rate[0], load)}
+            )
         except (ValueError, ZeroDivisionError, OverflowError) as error:
             values = {"rate or force": f"no number ({error})"}
         for what, value in values.items():

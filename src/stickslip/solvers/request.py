@@ -12,7 +12,7 @@ import numpy as np
 
 from stickslip.batch import Labels, labels_of
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves
+from stickslip.fields import leaves, number
 from stickslip.forces import is_dynamic
 
 __all__ = ["Request", "provenance", "request"]
@@ -55,6 +55,12 @@ def request(
         raise InputError(
             "solve", [f"{model!r} is no model; allowed is a Robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"]
         )
+    for name, value in leaves(model):
+        try:
+            number(value)
+        except ValueError as error:
+            problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
+    problems.check()
     labels = labels_of(model)
     whole = {"periods": (periods, 1), "workers": (workers, 1), "samples": (samples, 4)}
     for name, (value, least) in whole.items():
@@ -74,11 +80,28 @@ def request(
     problems.check()
     keep = keep or ("summary" if labels.shape else "trajectory")
     periods = int(periods)
+    _check_size(keep, periods, int(samples))
     settled = periods // 2 if settle is None or auto else int(settle)
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
     )  # fmt: skip
+
+
+#: Bytes that a trajectory takes for each sample of its columns, and for each period of dense output (measured, generous).
+SAMPLE, PERIOD, MOST = 130, 25_000, 8e9
+
+
+def _check_size(keep: str, periods: int, samples: int) -> None:
+    """A trajectory that would fill the memory is refused before it is computed."""
+    size = periods * (samples * SAMPLE + PERIOD)
+    if keep == "trajectory" and size > MOST:
+        most = int(MOST / (samples * SAMPLE + PERIOD))
+        raise InputError(
+            "solve",
+            [f"a trajectory of {periods} periods with {samples} samples each would take about {size / 1e9:.0f} GB; allowed are about "
+             f'{most} periods; type keep="summary", which keeps no curve, or fewer periods'],
+        )  # fmt: skip
 
 
 def _is_whole(value: Any) -> bool:
