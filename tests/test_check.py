@@ -32,8 +32,8 @@ def test_uncertainty_covers_the_true_error(lugre):
 
 
 def test_every_judge_is_asked(lugre, coulomb):
-    assert [j.name for j in lugre.judges] == ["Rodas5P"] * 4 + ["scipy radau"] + ["RK4, fixed steps"] * 2
-    assert [j.name for j in coulomb.judges] == ["exact arcs", "closed formula", "scipy dop853", "RK4, fixed steps"]
+    assert [j.name for j in lugre.judges] == ["Rodas5P"] * 4 + ["scipy radau"] + ["RK4"] * 2
+    assert [j.name for j in coulomb.judges] == ["exact arcs", "closed formula", "scipy dop853", "RK4"]
     assert all(np.isfinite(j.mean_velocity) and j.seconds >= 0 for j in lugre.judges + coulomb.judges)
 
 
@@ -50,6 +50,43 @@ def test_a_naive_script_that_errs_is_named():
 def test_a_robot_at_rest_has_no_digits():
     told = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-6, law="coulomb"), periods=10, rk4_steps=())
     assert told.mean_velocity == 0.0 and told.digits == 0 and "no net motion" in told.verdict and "exactly zero" in told.verdict
+
+
+def test_the_judges_that_count_are_named(lugre, coulomb):
+    assert "certain: our ladder and scipy agree to" in lugre.verdict
+    assert "certain: our exact arcs, the closed formula and scipy agree to" in coulomb.verdict
+    assert str(lugre).count("The RK4 rows show what fixed steps give; they do not count.") == 1
+    assert lugre.rows()[0][4] == "difference [m/s]"
+    assert [j.remark for j in lugre.judges if j.name == "scipy radau"] == ["against the reference over the same 6 periods"]
+
+
+def test_a_run_without_a_period_promises_no_certain_digits():
+    told = check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4), periods=2, rk4_steps=(), scipy=False)
+    assert told.period is None and told.digits > 0 and "certain" not in told.verdict and "RK4" not in str(told)
+    assert "No motion period was found" in told.verdict and "for a run of this length only" in told.verdict
+    assert "the rungs of our ladder agree" in told.verdict
+
+
+def test_a_closed_formula_that_does_not_apply_is_skipped():
+    """On 20 degrees gravity wins: there is no periodic motion, and the other judges still speak."""
+    slides = ss.presets.piezo_rig(tilt_deg=20, amplitude=5.525e-4, law="coulomb", incline="gravity")
+    told = check(slides, periods=20, rk4_steps=(2000,))
+    formula = told.judges[1]
+    assert formula.remark == "skipped: what slides down by itself has no period" and not formula.counts
+    assert [j.name for j in told.judges if np.isfinite(j.difference)] == ["exact arcs", "scipy dop853", "RK4"]
+    assert told.period is None and "our exact arcs and scipy agree" in told.verdict and "certain" not in told.verdict
+
+
+def test_one_judge_alone_is_sure_of_nothing():
+    slides = ss.presets.piezo_rig(tilt_deg=20, amplitude=5.525e-4, law="coulomb", incline="gravity")
+    told = check(slides, periods=20, rk4_steps=(), scipy=False)
+    assert told.digits == 0 and np.isnan(told.uncertainty) and "no other judge that counts" in told.verdict
+
+
+def test_a_part_of_a_study_file_without_a_kind_is_told_what_to_type():
+    text = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4).to_toml().replace('kind = "harmonic"\n', "")
+    with pytest.raises(ss.InputError, match=r'robot\.drive\.kind is missing; type kind = "harmonic"'):
+        ss.Robot.from_toml(text)
 
 
 def test_it_reads_well_and_as_data(lugre, coulomb):

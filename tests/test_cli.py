@@ -223,7 +223,7 @@ def test_several_values_are_read(text, told):
         (["run", *ROBOT, "--figure", "run.jpg"], "allowed are .png, .svg, .pdf"),
         (["run", *ROBOT, "--data", "nowhere/at/all/run.nc"], "does not exist; make it first"),
         (["sweep", *ROBOT[:2], "amplitude=1e-4..b:3"], "is no range"),
-        (["sweep", *ROBOT[:2], "amplitude=1e-4,-1e-4"], "amplitude = an array"),
+        (["sweep", *ROBOT[:2], "amplitude=1e-4,-1e-4"], "amplitude[1] = -0.0001"),
         (["check", *ROBOT, "samples=3"], "'samples' is not known"),
         (["presets", "more"], "more is not an option"),
         (["paper", "--fats"], "did you mean '--fast'?"),

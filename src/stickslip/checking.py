@@ -10,9 +10,12 @@ from typing import Any
 
 from stickslip.analysis.energy import energy
 from stickslip.analysis.steady import mean_velocity, period_number, periodic_mean_velocity
+from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
 from stickslip.batch import shape_of
+from stickslip.drives import Harmonic
 from stickslip.errors import InputError, SolveError
 from stickslip.forces import is_dynamic
+from stickslip.friction import Coulomb
 from stickslip.solvers import solve
 
 __all__ = ["Check", "Judge", "check"]
@@ -24,6 +27,7 @@ SCIPY = {True: ("radau", 6, 1e-9), False: ("dop853", 12, 1e-11)}
 #: Tolerances of the ladder below the one that is judged.
 LADDER = (1.0, 0.1, 1e-2, 1e-4)
 _TIGHTEST = 1e-12
+_REFERENCE = "the reference"
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Judge:
     counts : bool
         Whether it limits the number of certain digits.
     remark : str
-        Why it failed, or what it is compared with.
+        Why it failed or was skipped, or what it is compared with.
     """
 
     name: str
@@ -71,9 +75,9 @@ class Check:
     best : float
         The most accurate value found [m/s].
     uncertainty : float
-        Largest difference among the judges that count [m/s].
+        Largest difference among the judges that count [m/s]; nan where there is but one.
     digits : int
-        Digits of `mean_velocity` that are certain.
+        Digits of `mean_velocity` that are certain; where `period` is None, for a run of this length only.
     period : int or None
         Period number of the motion.
     energy : float
@@ -101,26 +105,32 @@ class Check:
 
     def rows(self) -> list[tuple[str, ...]]:
         """The judges as rows of text, the heading first."""
-        head = ("judge", "setting", "periods", "mean velocity [m/s]", "difference", "time [s]", "")
+        head = ("judge", "setting", "periods", "mean velocity [m/s]", "difference [m/s]", "time [s]", "")
         return [head, *(_row(judge) for judge in self.judges)]
 
     def __str__(self) -> str:
         rows = self.rows()
         widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
         lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        lines += ["", f"energy balance: worst residual {self.energy:.1e} of the drive's work in a period", self.verdict]
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+        return "\n".join([*lines, "", self._balance(), self.verdict, *self._remarks()])
+
+    def _balance(self) -> str:
+        return f"energy balance: worst residual {self.energy:.1e} of the drive's work in a period"
+
+    def _remarks(self) -> list[str]:
+        fixed = any(judge.name == RK4 for judge in self.judges)
+        return [*([f"The {RK4} rows show what fixed steps give; they do not count."] if fixed else []), *(f"note: {n}" for n in self.notes)]
 
     def _repr_html_(self) -> str:
         cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in self.rows()]
-        notes = "".join(f"<p>note: {html.escape(note)}</p>" for note in self.notes)
-        return f"<table><caption>{html.escape(self.verdict)}</caption>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>{notes}"
+        below = "".join(f"<p>{html.escape(line)}</p>" for line in (self._balance(), *self._remarks()))
+        return f"<table><caption>{html.escape(self.verdict)}</caption>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>{below}"
 
 
 def _row(judge: Judge) -> tuple[str, ...]:
     value = f"{judge.mean_velocity:.12e}" if math.isfinite(judge.mean_velocity) else "-"
     difference = f"{judge.difference:+.1e}" if math.isfinite(judge.difference) else "-"
-    return judge.name, judge.setting, str(judge.periods), value, difference, f"{judge.seconds:.2f}", judge.remark
+    return judge.name, judge.setting, str(judge.periods or "-"), value, difference, f"{judge.seconds:.2f}", judge.remark
 
 
 def check(
@@ -173,13 +183,14 @@ def check(
     best = judges[-1].mean_velocity if dynamic else judges[0].mean_velocity
     if scipy:
         judges.append(court.scipy(*SCIPY[dynamic], tight=max(1e-4 * rtol, _TIGHTEST)))
-    judges += [court.judge("RK4, fixed steps", f"{n} per period", best, counts=False, method="rk4", steps=n) for n in rk4_steps]
+    judges += [court.judge(RK4, f"{n} per period", best, counts=False, method="rk4", steps=n) for n in rk4_steps]
     period, balance = period_number(run), energy(run).worst
     answer = judges[0].mean_velocity
-    differences = [abs(judge.difference) for judge in judges if judge.counts and math.isfinite(judge.difference)]
-    uncertainty = max([*differences, 2e-16 * abs(answer)])
-    digits = _digits(answer, uncertainty)
-    verdict = _verdict(answer, uncertainty, digits, period, judges, robot)
+    counted = [judge for judge in judges if judge.counts and math.isfinite(judge.difference)]
+    alone = all(judge.remark == _REFERENCE for judge in counted) and answer != 0
+    uncertainty = math.nan if alone else max([*(abs(judge.difference) for judge in counted), 2e-16 * abs(answer)])
+    digits = certain_digits(answer, uncertainty)
+    verdict = sentence(answer, uncertainty, digits, period, counted, robot) + naive(answer, judges, robot)
     return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(robot.notes), verdict)
 
 
@@ -190,8 +201,9 @@ class _Court:
         self.robot, self.periods, self.start = robot, periods, start
 
     def judge(
-        self, name: str, setting: str, reference: float | None, counts: bool = True, periods: int | None = None, **options: Any
-    ) -> Judge:
+        self, name: str, setting: str, reference: float | None,
+        counts: bool = True, periods: int | None = None, remark: str = "", **options: Any,
+    ) -> Judge:  # fmt: skip
         """One run; a run that fails is reported, not raised."""
         begin = time.perf_counter()
         periods = periods or self.periods
@@ -200,7 +212,7 @@ class _Court:
         except SolveError as error:
             return Judge(name, setting, periods, math.nan, math.nan, time.perf_counter() - begin, False, str(error).split(";")[0])
         difference = math.nan if reference is None else value - reference
-        return Judge(name, setting, periods, value, difference, time.perf_counter() - begin, counts)
+        return Judge(name, setting, periods, value, difference, time.perf_counter() - begin, counts, remark)
 
     def ladder(self, rtol: float) -> tuple[Any, list[Judge]]:
         """The answer and the same at tighter tolerances; the tightest is the reference of the others."""
@@ -208,56 +220,35 @@ class _Court:
         run = solve(self.robot, periods=self.periods, start=self.start, rtol=rtol)
         found = [self.judge(f"{run.method}", f"rtol {tolerance:.0e}", None, rtol=tolerance) for tolerance in tolerances]
         best = found[-1].mean_velocity
-        last = {"remark": "the reference"}
+        last = {"remark": _REFERENCE}
         return run, [Judge(**{**asdict(j), "difference": j.mean_velocity - best, **(last if j is found[-1] else {})}) for j in found]
 
     def exact(self) -> tuple[Any, list[Judge]]:
-        """The exact run, and the closed formula of the periodic motion, compared with a run until the strobe point repeats."""
+        """The exact run and the closed formula."""
         run = solve(self.robot, periods=self.periods, start=self.start)
-        first = self.judge("exact arcs", "no tolerance", None)
-        judges = [Judge(**{**asdict(first), "difference": 0.0, "remark": "the reference"})]
-        begin = time.perf_counter()
-        formula = float(periodic_mean_velocity(self.robot))
-        settled: Any = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)
-        judges.append(
-            Judge(
-                "closed formula", "periodic motion", int(settled.periods_run), formula, formula - float(settled.mean_velocity),
-                time.perf_counter() - begin, remark="against a run until the strobe point repeats",
-            )
-        )  # fmt: skip
-        return run, judges
+        first = self.judge("exact arcs", "no tolerance", None, remark=_REFERENCE)
+        return run, [Judge(**{**asdict(first), "difference": 0.0}), self.formula()]
+
+    def formula(self) -> Judge:
+        """The closed formula of the periodic motion against a run until the strobe point repeats; skipped where it does not apply."""
+        begin, value, law, drive = time.perf_counter(), math.nan, self.robot.friction, self.robot.drive
+        why = "" if type(law) is Coulomb and type(drive) is Harmonic else "it is for Coulomb friction and a harmonic drive"
+        try:
+            value = math.nan if why else float(periodic_mean_velocity(self.robot))
+        except InputError as error:
+            why = error.problems[0].rsplit(": ", 1)[-1]
+        if why:
+            return Judge("closed formula", "periodic motion", 0, math.nan, math.nan, 0.0, False, f"skipped: {why}")
+        long: Any = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)
+        repeats, ran = bool(long.period), int(long.periods_run)
+        remark = f"against a run until the strobe point {'repeats' if repeats else f'repeats, which it did not in {ran} periods'}"
+        difference = value - float(long.mean_velocity) if repeats else math.nan
+        return Judge("closed formula", "periodic motion", ran, value, difference, time.perf_counter() - begin, repeats, remark)
 
     def scipy(self, method: str, periods: int, rtol: float, tight: float) -> Judge:
         """An integrator that is not ours, over fewer periods, against our own tight run of the same length."""
         periods = min(periods, self.periods)
         own = self.judge("", "", None, periods=periods, rtol=tight)
-        return self.judge(f"scipy {method}", f"rtol {rtol:.0e}", own.mean_velocity, periods=periods, method=method, rtol=rtol)
-
-
-def _digits(answer: float, uncertainty: float) -> int:
-    """Certain digits: half a unit of the last one is more than the uncertainty."""
-    if uncertainty <= 0:
-        return 15 if answer else 0
-    return max(0, min(15, math.floor(-math.log10(2 * uncertainty / abs(answer))))) if answer else 0
-
-
-def _verdict(answer: float, uncertainty: float, digits: int, period: int | None, judges: list[Judge], robot: Any) -> str:
-    small = 1e-9 * float(robot.velocity_scale)
-    if abs(answer) <= max(uncertainty, small):
-        within = f"zero to within {max(uncertainty, abs(answer)):.1e} m/s" if answer or uncertainty else "exactly zero"
-        sentence = f"There is no net motion: the mean velocity is {within}."
-    elif digits == 0:
-        sentence = f"No digit of the mean velocity {answer:.3e} m/s is certain: the judges differ by {uncertainty:.1e} m/s."
-    else:
-        shown = f"{answer:.{max(digits - 1, 0)}e}"
-        count = f"{digits} digits" if digits > 1 else "1 digit"
-        sentence = (
-            f"{count} of the mean velocity {shown} m/s {'are' if digits > 1 else 'is'} certain: the judges agree to {uncertainty:.1e} m/s."
-        )
-    if period is None:
-        sentence += " The motion did not repeat within the run, so this mean still depends on how long the run is."
-    wrong = [j for j in judges if j.name.startswith("RK4") and abs(j.difference) > 0.01 * abs(answer) > small]
-    if wrong:
-        coarse = max(wrong, key=lambda j: abs(j.difference))
-        sentence += f" Runge-Kutta with {coarse.setting.replace(' per', ' steps per', 1)} would have said {coarse.mean_velocity:.3e} m/s."
-    return sentence
+        remark = f"against the reference over the same {periods} periods" if periods < self.periods else ""
+        name, setting = f"scipy {method}", f"rtol {rtol:.0e}"
+        return self.judge(name, setting, own.mean_velocity, periods=periods, remark=remark, method=method, rtol=rtol)

@@ -72,7 +72,7 @@ def from_table(cls: type, table: dict[str, Any]) -> Any:
         if isinstance(arguments.get(part), dict):
             arguments[part] = _part(part, dict(arguments[part]), problems)
         elif part in arguments or part != "track":
-            problems.add(f"[robot.{part}] is missing or no table; type [robot.{part}] and then kind = {next(iter(PARTS[part]))!r}")
+            problems.add(f'[robot.{part}] is missing or no table; type [robot.{part}] and then kind = "{next(iter(PARTS[part]))}"')
             arguments.pop(part, None)
     robot = _build(cls, arguments, "robot", problems)
     problems.check()
@@ -80,7 +80,11 @@ def from_table(cls: type, table: dict[str, Any]) -> Any:
 
 
 def _part(part: str, table: dict[str, Any], problems: Problems) -> Any:
-    kind = table.pop("kind", None)
+    if "kind" not in table:
+        kinds = " or ".join(f'kind = "{name}"' for name in PARTS[part])
+        problems.add(f"robot.{part}.kind is missing; type {kinds} under [robot.{part}]")
+        return None
+    kind = table.pop("kind")
     if kind not in PARTS[part]:
         problems.add(f"robot.{part}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
