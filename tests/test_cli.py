@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import subprocess
 import sys
+from itertools import permutations, product
 
+import numpy as np
 import pytest
 
 import stickslip as ss
@@ -58,6 +61,7 @@ def test_version(capsys):
 def test_run_tells_the_motion_with_units(capsys):
     code, out, _ = call(capsys, "run", *ROBOT, "periods=60")
     assert code == 0
+    assert "margin             0.0" in out and "no motion period" not in out
     for words in ("0.002014682 m/s", "I  (pattern +0-0)", "1 drive period", "forward 53.7 %", "J", "finished, 60 periods", "stickslip 0."):
         assert words in out
     assert "\x1b" not in out
@@ -86,6 +90,14 @@ def test_run_takes_solver_arguments_and_multiples_of_pi(capsys):
     words = ["periods=10", "settle=2", "samples=50", "start.v=0.01", "omega=65.4pi", "method=rk4", "steps=500"]
     record = strict(call(capsys, "run", *ROBOT, *words, "--json")[1])
     assert record["settle"] == 2 and record["counts"]["steps"] == 5000 and record["parameters"]["drive.omega"] == pytest.approx(205.4601595)
+
+
+def test_run_says_what_was_not_found_and_counts_one_as_one(capsys):
+    out = call(capsys, "run", *ROBOT[:3], "periods=1", "method=rk4", "steps=700")[1]
+    assert "no motion period was found within 1 period: the mean velocity still depends on how long the run is; try more" in out
+    assert "finished, 1 period (0 to settle)" in out and "rk4 with 700 steps per period" in out and "rtol" not in out
+    record = strict(call(capsys, "run", *ROBOT[:3], "periods=1", "method=rk4", "steps=700", "--json")[1])
+    assert record["rtol"] is None and "no motion period" in record["notes"][-1]
 
 
 def test_run_writes_figure_and_data(tmp_path, capsys):
@@ -128,10 +140,66 @@ def test_sweep_prints_a_table_and_writes_it(tmp_path, capsys):
     assert record["axes"]["amplitude"] == [4e-4, 5e-4, 6e-4] and len(record["columns"]["mean_velocity"]) == 2
 
 
+AXES = {"tilt_deg": (1.7, 2.5), "amplitude": (4e-4, 5e-4, 8e-4), "law": ("coulomb", "coulomb-static")}
+
+
+@pytest.fixture(scope="module")
+def single():
+    """Mean velocities of single solves, by their numbers."""
+    points = [dict(zip(AXES, point, strict=True)) for point in product(*AXES.values())]
+    return {tuple(p.values()): float(ss.mean_velocity(ss.solve(ss.presets.piezo_rig(**p), periods=200))) for p in points}
+
+
+@pytest.mark.parametrize("order", [order for n in (2, 3) for order in permutations(AXES, n)], ids="-".join)
+def test_every_row_of_a_sweep_is_its_own_case(order, single, capsys, tmp_path):
+    fixed = {name: values[0] for name, values in AXES.items() if name not in order}
+    words = [f"{name}={','.join(map(str, AXES[name]))}" for name in order] + [f"{k}={v}" for k, v in fixed.items()]
+    wanted = {
+        point: single[tuple({**fixed, **dict(zip(order, point, strict=True))}[n] for n in AXES)] for point in product(*map(AXES.get, order))
+    }
+    rows = call(capsys, "sweep", "piezo_rig", *words)[1].splitlines()
+    assert [head.split()[0] for head in rows[0].split("  ") if head.strip()][: len(order)] == list(order)
+    for (point, velocity), row in zip(wanted.items(), rows[1:-1], strict=True):
+        cells = row.split()
+        assert cells[: len(order)] == [str(p) for p in point] and float(cells[len(order)]) == pytest.approx(velocity, rel=1e-6)
+    record = strict(call(capsys, "sweep", "piezo_rig", *words, "--json", "--out", str(tmp_path / "grid.csv"))[1])
+    assert list(record["axes"]) == list(order) and all(record["axes"][n] == list(AXES[n]) for n in order)
+    velocities = np.array(record["columns"]["mean_velocity"])
+    assert velocities.shape == tuple(len(AXES[n]) for n in order)
+    assert velocities.ravel() == pytest.approx(list(wanted.values()), rel=1e-6)
+    with (tmp_path / "grid.csv").open(encoding="utf-8", newline="") as file:
+        lines = list(csv.DictReader(file))
+    assert {line["status"] for line in lines} == {"settled"}
+    assert [float(line["mean_velocity [m/s]"]) for line in lines] == velocities.ravel().tolist()
+
+
+def test_sweep_says_which_cases_found_no_period(capsys):
+    out = call(capsys, "sweep", *ROBOT[:2], "amplitude=4e-4,5e-4", "periods=1")[1]
+    assert "  none  " in out and "2 cases: no motion period was found within 1 period: " in out.splitlines()[-1]
+    assert call(capsys, "sweep", *ROBOT)[1].splitlines()[-1] == "piezo_rig: 1 case: 1 settled"
+
+
 @pytest.mark.parametrize(("command", "word"), [("presets", "piezo_rig"), ("laws", "lugre"), ("drives", "harmonic")])
 def test_lists(command, word, capsys):
     assert f"{word}:" in call(capsys, command)[1]
-    assert word in strict(call(capsys, command, "--json")[1])[command]
+    entry = strict(call(capsys, command, "--json")[1])[command][word]
+    assert all(argument["meaning"] for argument in entry["arguments"].values())
+
+
+def test_lists_are_clean_text_with_units(capsys):
+    for command in ("presets", "laws", "drives"):
+        out = call(capsys, command)[1]
+        assert not any(mark in out for mark in (":math:", "`", "\\", "default None"))
+    assert "σ1      N s/m  needed   Bristle (micro-)damping." in call(capsys, "laws")[1]
+    assert "ξ(t) = A sin(ω t)" in call(capsys, "drives")[1] and "bristle stiffness. LuGre numbers" in call(capsys, "presets")[1]
+
+
+@pytest.mark.slow
+def test_warmup_compiles_for_one_case_and_for_many(tmp_path):
+    assert process("warmup", STICKSLIP_CACHE_DIR=str(tmp_path)).returncode == 0
+    for kind, method in product(("single", "lanes"), ("rodas5p", "rodas4")):
+        assert len(list(tmp_path.glob(f"{kind}_lugre_harmonic_{method}_*.py"))) == 1
+        assert list((tmp_path / "__pycache__").glob(f"{kind}_lugre_harmonic_{method}_*.nbi"))
 
 
 def test_doctor_finds_the_cache_folder(capsys, monkeypatch, tmp_path):
@@ -152,7 +220,9 @@ def test_paper_hands_over_what_was_asked(capsys, monkeypatch, tmp_path):
             return "the paper"
 
     def reproduce(out, fast, progress):
-        progress("drawing", 0, 2), progress("drawing", 1, 2), progress("writing", 0, 1)
+        for i in range(6, 31):
+            progress(f"drawing Figure {i}", i, 30)
+        progress("writing: the report", 0, 1)
         asked.append((out, fast))
         return Result()
 
@@ -161,9 +231,10 @@ def test_paper_hands_over_what_was_asked(capsys, monkeypatch, tmp_path):
     assert call(capsys, "paper", "--out", str(tmp_path / "a" / "b"), "--fast", "--json") == (
         0,
         '{\n "speed": null\n}\n',
-        "drawing\nwriting\n",
+        "this takes about a minute the first time\ndrawing Figure 6 …\nwriting …\n",
     )
-    assert call(capsys, "paper")[:2] == (0, "the paper\n")
+    code, out, err = call(capsys, "paper")
+    assert (code, out) == (0, "the paper\n") and err.startswith("this takes about two minutes the first time\n")
     assert [(str(out), fast) for out, fast in asked] == [(str(tmp_path / "a" / "b"), True), ("stickslip-paper", False)]
     (tmp_path / "file").touch()
     code, _, err = call(capsys, "paper", "--out", str(tmp_path / "file" / "folder"))
@@ -204,7 +275,7 @@ def test_several_values_are_read(text, told):
     ("words", "told"),
     [
         (["rn"], "did you mean 'run'?"),
-        (["run"], "ROBOT"),
+        (["run"], "stickslip run: ROBOT is missing"),
         (["run", "piezo_rg"], "did you mean 'piezo_rig'?"),
         (["run", "nowhere.toml"], "'nowhere.toml' cannot be read: No such file"),
         (["run", "."], "cannot be read"),
@@ -223,6 +294,7 @@ def test_several_values_are_read(text, told):
         (["run", *ROBOT, "--figure", "run.jpg"], "allowed are .png, .svg, .pdf"),
         (["run", *ROBOT, "--data", "nowhere/at/all/run.nc"], "does not exist; make it first"),
         (["sweep", *ROBOT[:2], "amplitude=1e-4..b:3"], "is no range"),
+        (["sweep", *ROBOT[:2], "amplitude=1e-4..2e-4"], "add their number, such as 1e-4..2e-4:9"),
         (["sweep", *ROBOT[:2], "amplitude=1e-4,-1e-4"], "amplitude[1] = -0.0001"),
         (["check", *ROBOT, "samples=3"], "'samples' is not known"),
         (["presets", "more"], "more is not an option"),
@@ -238,6 +310,20 @@ def test_bad_input_is_told_in_a_sentence(words, told, capsys):
 def test_all_that_is_wrong_is_told_at_once(capsys):
     err = call(capsys, "run", "piezo_rig", "amplitud=1", "periodss=2", "x")[2]
     assert "5 problems" in err  # two missing, two unknown, one without a value
+
+
+@pytest.mark.parametrize(
+    ("words", "told", "not_told"),
+    [
+        (["run", "piezo_rig", "amplitude=abc"], ["2 problems", "tilt_deg is missing", "'abc' is not a number"], "amplitude is missing"),
+        (["run", "piezo_rig", "tilt_deg", "amplitude=", "mu0=-1", "periods=0"], ["4 problems", "mu0 = -1", "periods = 0"], "missing"),
+        (["run", "piezo_rig", "amplitude=1e-4", "mu0=0.001", "f0=0.0001"], ["2 problems", "below mu0"], "friction angle"),
+        (["sweep", "piezo_rig", "amplitude=4e-4..8e-4", "law=lugre,colomb", "rtol=2"], ["4 problems", "'coulomb'", ":9", "rtol = 2"], "x"),
+    ],
+)
+def test_names_values_and_solver_arguments_are_judged_together(words, told, not_told, capsys):
+    code, _, err = call(capsys, *words)
+    assert code == 2 and all(sentence in err for sentence in told) and (not_told not in err or not_told == "x")
 
 
 def test_a_failed_run_is_exit_code_one(capsys):
@@ -262,7 +348,7 @@ def test_unreadable_study_files_say_why(text, told, tmp_path, capsys):
     else:
         study.write_text(text.replace("good", ss.presets.piezo_rig(tilt_deg=1.7, amplitude=4e-4).to_toml()), encoding="utf-8")
     code, _, err = call(capsys, "run", str(study))
-    assert code == 2 and told in err
+    assert code == 2 and told in err and str(study) in err
 
 
 # another process --------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.errors import InputError, Problems
 from stickslip.fields import describe, is_array, leaves
 
-__all__ = ["Labels", "labels_of", "rows_of", "shape_of"]
+__all__ = ["Labels", "labels_of", "rows_of", "shape_of", "spread"]
 
 
 @dataclass(frozen=True)
@@ -73,12 +73,19 @@ def rows_of(model: Any, names: tuple[str, ...]) -> Any:
     count = int(np.prod(labels.shape, dtype=np.int64))
     table = np.empty((count, len(names)))
     for column, name in enumerate(names):
-        value = values[name]
-        if hasattr(value, "dims") and labels.dims is not None:
-            present = [d for d in labels.dims if d in value.dims]
-            array = np.asarray(value.transpose(*present))
-            array = array.reshape([value.sizes[d] if d in value.dims else 1 for d in labels.dims])
-        else:
-            array = np.asarray(value)
-        table[:, column] = np.broadcast_to(array, labels.shape).ravel()
+        table[:, column] = spread(values[name], labels)
     return table
+
+
+def spread(value: Any, labels: Labels) -> Any:
+    """One number of a batch, for every case, flat in the order of the rows; labelled arrays broadcast by name."""
+    import numpy as np
+
+    if hasattr(value, "dims") and labels.dims is not None:
+        strange = [str(d) for d in value.dims if d not in labels.dims]
+        if strange:
+            raise ValueError(f"the batch has no dimension {', '.join(strange)}; it has {', '.join(labels.dims)}")
+        present = [d for d in labels.dims if d in value.dims]
+        array = np.asarray(value.transpose(*present), float)
+        value = array.reshape([value.sizes[d] if d in value.dims else 1 for d in labels.dims])
+    return np.broadcast_to(np.asarray(value, float), labels.shape).ravel()

@@ -233,10 +233,10 @@ class _Court:
         """The closed formula of the periodic motion against a run until the strobe point repeats; skipped where it does not apply."""
         begin, value, law, drive = time.perf_counter(), math.nan, self.robot.friction, self.robot.drive
         why = "" if type(law) is Coulomb and type(drive) is Harmonic else "it is for Coulomb friction and a harmonic drive"
-        try:
-            value = math.nan if why else float(periodic_mean_velocity(self.robot))
-        except InputError as error:
-            why = error.problems[0].rsplit(": ", 1)[-1]
+        why = why or ("it is for motions that begin at rest" if self.start else "")  # two motions may coexist
+        value = math.nan if why else float(periodic_mean_velocity(self.robot))
+        if not why and math.isnan(value):
+            why = "what slides down by itself has no period"
         if why:
             return Judge("closed formula", "periodic motion", 0, math.nan, math.nan, 0.0, False, f"skipped: {why}")
         long: Any = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)

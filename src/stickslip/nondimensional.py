@@ -135,6 +135,11 @@ class DimensionlessRobot(Record):
         """The inner mass in units of the whole mass [-]."""
         return self.mu
 
+    @property
+    def free_velocity(self) -> Any:
+        """mu, the velocity amplitude without friction [-]."""
+        return self.mu
+
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact."""
         return v

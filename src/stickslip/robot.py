@@ -110,6 +110,11 @@ class Robot(Record):
         """A omega, the velocity that errors are measured against [m/s]."""
         return self.drive.amplitude * self.drive.omega
 
+    @property
+    def free_velocity(self) -> Any:
+        """A mu omega, the velocity amplitude of the body without friction: how close is close for strobe points [m/s]."""
+        return self.velocity_scale * self.mass_ratio
+
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
         return v

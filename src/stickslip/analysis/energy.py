@@ -94,7 +94,8 @@ def energy(run: Any) -> Energy:
     kinetic = np.diff(0.5 * run.model.total_mass * run.strobe_v**2)
     missing = works["drive"] + works["gravity"] - works["friction"] - kinetic
     with np.errstate(divide="ignore", invalid="ignore"):
-        residual = np.where(missing == 0, 0.0, missing / works["drive"])
+        largest = np.maximum(abs(works["gravity"]), np.maximum(abs(works["friction"]), abs(kinetic)))
+        residual = np.where(missing == 0, 0.0, missing / np.where(works["drive"] != 0, works["drive"], largest))
     return Energy(**works, kinetic=kinetic, residual=residual, settle=min(int(run.settle), count))
 
 

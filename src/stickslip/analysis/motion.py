@@ -148,7 +148,7 @@ def _typed(run: Any, raw: Raw, period: int | None, dwell: float) -> dict[str, An
     scale = model.velocity_scale * run.period_time
     floor = (float(run.rtol) if is_dynamic(model.friction) else 1e-12) * scale * count
     v = run.v[run.t >= run.pieces.t[-1] - count * run.period_time]
-    moving = np.ptp(v) > 1e-9 * model.velocity_scale
+    moving = np.ptp(v) > (0.0 if is_dynamic(model.friction) else 1e-9 * model.velocity_scale)
     return type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
 
 

@@ -93,7 +93,7 @@ def period_number(run: Any) -> int | None:
 def _strobe_points(run: Any) -> Any:
     """Strobe points over their scales: v over the velocity scale, z over the law's scale."""
     model, z = run.model, run.strobe_z
-    v = run.strobe_v / (model.velocity_scale or 1.0)
+    v = run.strobe_v / (getattr(model, "free_velocity", model.velocity_scale) or 1.0)
     if z is None:
         return v[:, None]
     scale = getattr(model.friction, "scale", None)
@@ -144,8 +144,9 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     >>> round(float(periodic_mean_velocity(robot)), 9)
     0.002014682
     """
-    if type(model.friction).__name__ == "Coulomb" and type(model.drive).__name__ == "Harmonic":
-        return _closed(model)
+    closed = _closed(model) if not is_dynamic(model.friction) else None
+    if closed is not None:
+        return closed
     from stickslip.solvers import solve
 
     many = solve(model, periods=periods, settle="auto", rtol=rtol, keep="summary")
@@ -153,19 +154,18 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
 
 
 def _closed(model: Any) -> Any:
-    """V = A mu omega times the closed mean of w."""
+    """V = A mu omega times the closed mean of w; None where a case has no closed formula (it may slide down by itself)."""
     from stickslip.analysis.closed_form import periodic
+    from stickslip.batch import shape_of
+    from stickslip.solvers.arcs import handles, reduced
 
-    law, load, mass = model.friction, model.load(0.0, 0.0), model.total_mass
-    along = model.acceleration(0.0, 0.0, 0.0, 0.0)
-    a = model.mass_ratio * model.drive.amplitude * model.drive.omega**2
-    backward, forward = law.breakaway(load)
-    resist = (law.sliding(1.0, load) / mass - along, along - law.sliding(-1.0, load) / mass)
-    hold = (forward / mass - along, along - backward / mass)
-    a, *alphas, omega = np.broadcast_arrays(a, *resist, *hold, model.drive.omega)
-    driven = a > 0
-    if np.any(~driven & (np.minimum(*alphas[2:]) < 0)):
-        raise InputError("periodic_mean_velocity", ["without a drive this robot slides downhill; it has no periodic motion"])
-    plus, minus, *static = (np.where(driven, alpha, 2.0) / np.where(driven, a, 1.0) for alpha in alphas)  # 2: holds without a drive
-    mean = periodic(plus, minus, static=None if law.f_plus is None and law.f_minus is None else (static[0], static[1])).mean
-    return np.where(driven, mean * a / omega, 0.0)[()]
+    if handles(model) is not None:
+        return None
+    arcs = reduced(model)
+    driven = arcs.drive > 0
+    resist, hold = (arcs.resist_plus, arcs.resist_minus), (arcs.hold_plus, arcs.hold_minus)
+    if np.any(np.minimum(*hold) < 0) or np.any(driven & (np.minimum(*resist) < 0)):
+        return None
+    plus, minus, *static = (np.where(driven, r, 2.0) / np.where(driven, arcs.drive, 1.0) for r in (*resist, *hold))  # 2: no drive, at rest
+    mean = periodic(plus, minus, static=(static[0], static[1])).mean
+    return np.where(driven, mean * arcs.drive / arcs.omega, 0.0).reshape(shape_of(model))[()]

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
+from stickslip.cli.probing import probe
 from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["Parser", "Subject", "parser", "settings", "subject", "value"]
@@ -27,6 +29,8 @@ class Parser(argparse.ArgumentParser):
         if found:
             options = [option for option in self._option_string_actions if option.startswith("--")]
             message = f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
+        if message.endswith("are required: ROBOT"):
+            message = f"ROBOT is missing; give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.525e-4"
         raise InputError(self.prog, [f"{message} (type {self.prog} --help)"])
 
 
@@ -36,7 +40,9 @@ def parser(command: str, about: str, robot: bool = True, more: str = "") -> Pars
     made = Parser(prog=f"stickslip {command}", description=about, epilog=more, allow_abbrev=False, formatter_class=plain)
     if robot:
         made.add_argument("robot", metavar="ROBOT", help="name of a preset, or path of a TOML study file")
-        made.add_argument("settings", metavar="NAME=VALUE", nargs="*", help="numbers of the robot, and arguments of the solver")
+        made.add_argument(
+            "settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"
+        )
     made.add_argument("--json", action="store_true", help="print all results as JSON on stdout")
     return made
 
@@ -70,6 +76,8 @@ def values(text: str) -> Any:
             steps = max(count - 1, 1)
             return [first + (last - first) * (i / steps) if i < steps or count == 1 else float(last) for i in range(count)]
         raise ValueError(f"{text!r} is no range; allowed is a..b:n, such as 4e-4..8e-4:9")
+    if ".." in text:
+        raise ValueError(f"{text!r} does not say how many values; add their number, such as {text}:9")
     if "," in text:
         return [value(part) for part in text.split(",") if part.strip()]
     return value(text)
@@ -118,7 +126,7 @@ class Subject:
 
     def robot(self) -> Any:
         """The robot itself."""
-        return self.make(**self.arguments) if callable(self.make) else self.make.replace(self.arguments)
+        return _builder(self.make)(self.arguments)
 
     def title(self) -> str:
         """What was asked for, in the words of the command line."""
@@ -130,23 +138,40 @@ def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, 
     problems = Problems("arguments")
     given = settings(words, many, problems)
     make, from_file = _found(name)
-    if callable(make):
-        parameters = inspect.signature(make).parameters
-        known = list(parameters)
-        for p in parameters.values():
-            if p.default is p.empty and p.name not in given:
-                problems.add(f"{p.name} is missing; {name} has no default for it; type for example {p.name}={_EXAMPLES.get(p.name, '1.0')}")
-    else:
-        from stickslip.fields import leaves
-
-        known = [path for path, _ in leaves(make)]
+    needed, known = _names(make)
+    tried = {word.partition("=")[0] for word in words}
+    for missing in (n for n in needed if n not in tried):
+        problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={_EXAMPLES.get(missing, '1.0')}")
     options = {k: v for k, v in given.items() if k in solver}
     arguments = {k: v for k, v in given.items() if k not in solver}
     for word in arguments:
         if word not in known:
             problems.add(f"{word!r} is not known; {did_you_mean(word, [*known, *solver])}")
+    options = _start({**from_file, **options})
+    known_ones = {k: v for k, v in arguments.items() if k in known}
+    for sentence in probe(_builder(make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}):
+        problems.add(sentence)
     problems.check()
-    return Subject(name, make, arguments, _start({**from_file, **options}))
+    return Subject(name, make, arguments, options)
+
+
+def _names(make: Any) -> tuple[list[str], list[str]]:
+    """The arguments that are needed, and all there are."""
+    if callable(make):
+        parameters = inspect.signature(make).parameters
+        return [p.name for p in parameters.values() if p.default is p.empty], list(parameters)
+    from stickslip.fields import leaves
+
+    return [], [path for path, _ in leaves(make)]
+
+
+def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:
+    return (lambda arguments: make(**arguments)) if callable(make) else make.replace
+
+
+def _kept(solver: tuple[str, ...]) -> dict[str, Any]:
+    """A command that takes `samples` keeps the curves, and those may be too large."""
+    return {"keep": "trajectory"} if "samples" in solver else {}
 
 
 def _start(options: dict[str, Any]) -> dict[str, Any]:
@@ -171,20 +196,23 @@ def _found(name: str) -> tuple[Any, dict[str, Any]]:
         why = "it is not text" if isinstance(error, UnicodeDecodeError) else error.strerror
         what = "give the path of a TOML file, such as robot.to_toml() writes"
         raise InputError("study file", [f"{name!r} cannot be read: {why}; {what}"]) from None
-    return _study(text)
+    return _study(text, name)
 
 
-def _study(text: str) -> tuple[Any, dict[str, Any]]:
+def _study(text: str, name: str) -> tuple[Any, dict[str, Any]]:
     import tomllib
 
     from stickslip.robot import Robot
 
-    robot = Robot.from_toml(text)
+    try:
+        robot = Robot.from_toml(text)
+    except InputError as error:
+        raise InputError(f"study file {name!r}", error.problems) from None
     table = tomllib.loads(text).get("solve", {})
     names = {name.partition(".")[0] for name in SOLVER}
-    problems = Problems("study file")
-    for name in table:
-        if name not in names:
-            problems.add(f"solve.{name} is not known; {did_you_mean(name, names)}")
+    problems = Problems(f"study file {name!r}")
+    for option in table:
+        if option not in names:
+            problems.add(f"solve.{option} is not known; {did_you_mean(option, names)}")
     problems.check()
     return robot, table

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 from stickslip.cli import show
@@ -23,6 +24,7 @@ def act(command: str, words: list[str]) -> int:
 
     from stickslip import paper
 
+    print(f"this takes about {'a minute' if asked.fast else 'two minutes'} the first time", file=sys.stderr, flush=True)
     result = paper.reproduce(folder, fast=asked.fast, progress=show.stages())
     if asked.json:
         show.print_json(result.to_dict())

@@ -62,8 +62,9 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "energy": {**works, "worst_residual": balance.worst},
         "status": run.status,
         **run.provenance["settings"],
+        **({"rtol": None} if "steps_per_period" in run.counts else {}),  # steps of fixed length know no tolerance
         "counts": run.counts,
-        "notes": run.notes,
+        "notes": [*run.notes, *([show.no_period(run.periods)] if m.period is None else [])],
         "provenance": run.provenance,
         "written": written,
     }
@@ -80,17 +81,25 @@ def _told(record: dict[str, Any]) -> str:
         ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),
         ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
         ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g} s"),
-        ("margin", f"{show.quantity(m['margin'], digits=4)}  (0 is the border to another type)"),
+        ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),
         ("velocity", f"{show.quantity(record['velocity_min'], 'm/s')} to {show.quantity(record['velocity_max'], 'm/s')}"),
         ("energy per period", _works(work)),
         ("energy balance", f"worst residual {work['worst_residual']:.1e}"),
-        ("status", f"{record['status']}, {record['periods']} periods ({record['settle']} to settle)"),
+        ("status", f"{record['status']}, {show.counted(record['periods'], 'period')} ({record['settle']} to settle)"),
         *(("note", note) for note in record["notes"]),
         *(("written", path) for path in record["written"]),
-        ("made by", f"stickslip {versions['stickslip']}, {record['method']}" + (f" at rtol {record['rtol']:g}" if record["rtol"] else "")),
+        ("made by", f"stickslip {versions['stickslip']}, {_method(record)}"),
     ]
     return f"{record['robot']}\n{show.facts(rows)}"
+
+
+def _method(record: dict[str, Any]) -> str:
+    """The method, and what it was told about accuracy."""
+    if record["rtol"]:
+        return f"{record['method']} at rtol {record['rtol']:g}"
+    steps = record["counts"].get("steps_per_period")
+    return f"{record['method']} with {steps} steps per period" if steps else str(record["method"])
 
 
 def _works(work: dict[str, float]) -> str:

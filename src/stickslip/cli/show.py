@@ -12,7 +12,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["facts", "print_json", "progress", "quantity", "stages", "table", "writable"]
+__all__ = ["counted", "facts", "no_period", "print_json", "progress", "quantity", "stages", "table", "writable"]
 
 
 def quantity(value: float, unit: str = "", digits: int = 7) -> str:
@@ -26,6 +26,23 @@ def quantity(value: float, unit: str = "", digits: int = 7) -> str:
     if value is None or not math.isfinite(value):
         return "-"
     return f"{value:.{digits}g} {unit}".rstrip()
+
+
+def counted(number: int, thing: str) -> str:
+    """A number of things.
+
+    Examples
+    --------
+    >>> counted(1, "period"), counted(2, "period")
+    ('1 period', '2 periods')
+    """
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def no_period(periods: int) -> str:
+    """What it means that a motion was not seen to repeat."""
+    within = counted(periods, "period")
+    return f"no motion period was found within {within}: the mean velocity still depends on how long the run is; try more periods"
 
 
 def facts(rows: Iterable[tuple[str, str]]) -> str:
@@ -70,8 +87,8 @@ def progress(what: str) -> Callable[[int, int], None] | None:
 
 
 def stages() -> Callable[[str, int, int], None]:
-    """Tells on stderr what is being done: on one line that is written over for a person, else one line for each thing."""
-    last = ""
+    """Tells on stderr what is being done: on one line that is written over for a person, else one line for each kind of thing."""
+    last, told = "", set()
     over = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
     def tell(what: str, done: int, whole: int) -> None:
@@ -80,9 +97,9 @@ def stages() -> Callable[[str, int, int], None]:
             line = f"{what} {done}/{whole}" if whole > 1 else what
             print(f"\r{line:<{max(len(last), 1)}}", end="", file=sys.stderr, flush=True)
             last = line
-        elif what != last:
-            print(what, file=sys.stderr, flush=True)
-            last = what
+        elif (kind := what.partition(" ")[0]) not in told:  # drawing, judging, …
+            print(f"{what.partition(':')[0]} …", file=sys.stderr, flush=True)
+            told.add(kind)
 
     return tell
 

@@ -147,18 +147,18 @@ def _plain(label: str) -> str:
 
 
 def _constants(eq: Equations, step: Step) -> int:
-    return len(step.case_nodes) + 2 + len(eq.inner_scales or ())
+    return len(step.case_nodes) + 3 + len(eq.inner_scales or ())
 
 
 def _source(eq: Equations, tableau: Tableau, step: Step, width: int, groups: int, label: str, record: bool) -> str:
     lanes = width * groups
-    extras = [eq.period, eq.velocity_scale, *(eq.inner_scales or ())]
+    extras = [eq.period, eq.velocity_scale, eq.free_velocity, *(eq.inner_scales or ())]
     constants = _constants(eq, step)
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named = {
         "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "FIELDS": len(step.fields) + constants, "CONSTANTS": constants,
         "DEGREE": step.degree, "RECORD": record, "PERIOD": len(step.case_nodes), "VSCALE": len(step.case_nodes) + 1,
-        "ZSCALE": len(step.case_nodes) + 2 if eq.inner_scales else -1, "F_C": len(step.fields) * lanes,
+        "FREE": len(step.case_nodes) + 2, "ZSCALE": len(step.case_nodes) + 3 if eq.inner_scales else -1, "F_C": len(step.fields) * lanes,
         "F_Y": offsets["y0"], "F_B": offsets["b0"], "F_ON": offsets["on0"], "F_M": offsets.get("m1", 0), "F_K": offsets.get("k0_0", 0),
     }  # fmt: skip
     named |= {

@@ -29,6 +29,7 @@ class Equations:
     guard_rates: tuple[Sym, ...]  # total derivative of each guard along the flow
     period: Sym
     velocity_scale: Sym
+    free_velocity: Sym  # what the body would do without friction: the unit of strobe distances
     inner_scales: tuple[Sym, ...] | None  # None: the law names no scale
     stribeck_velocity: Sym | None
 
@@ -140,16 +141,17 @@ def _trace(model: Any) -> Equations:
         guards=guards,
         guard_rates=rates,
         period=_lift(graph, symbolic.period),
-        velocity_scale=_velocity_scale(graph, symbolic, speed),
+        velocity_scale=_velocity_scale(graph, symbolic.velocity_scale, speed),
+        free_velocity=_velocity_scale(graph, getattr(symbolic, "free_velocity", symbolic.velocity_scale), speed),
         inner_scales=None if scale is None else tuple(_lift(graph, s) for s in _as_tuple(scale(load), count, "scale")),
         stribeck_velocity=None if speed is None else _lift(graph, speed()),
     )
 
 
-def _velocity_scale(graph: Graph, model: Any, speed: Any) -> Sym:
-    """What errors of v are measured against: the drive's A omega, and something positive where the drive is off."""
-    driven = _lift(graph, model.velocity_scale)
-    return driven if speed is None else maximum(driven, 1e-3 * _lift(graph, speed()))
+def _velocity_scale(graph: Graph, driven: Any, speed: Any) -> Sym:
+    """A velocity of the drive, and something positive where the drive is off."""
+    driven = _lift(graph, driven)
+    return driven if speed is None else maximum(driven, 1e-9 * _lift(graph, speed()))
 
 
 def _lift(graph: Graph, value: Any) -> Sym:

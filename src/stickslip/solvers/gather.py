@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.batch import spread
 from stickslip.forces import is_dynamic
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
@@ -37,7 +38,7 @@ class Raw:
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk."""
     cases = todo.cases
-    T = np.broadcast_to(np.asarray(_unlabelled(todo)), (cases,)) if todo.labels.shape else np.full(1, float(todo.model.period))
+    T = spread(todo.model.period, todo.labels)
     columns: dict[str, Any] = {}
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last]).items():
@@ -47,16 +48,6 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     shaped = {name: values.reshape(todo.labels.shape) for name, values in columns.items()}
     tolerance = None if method == "exact" else todo.rtol
     return Summary(todo.model, todo.labels, shaped, dict(STATUS), provenance(todo, method, tolerance))
-
-
-def _unlabelled(todo: Request) -> Any:
-    """Periods T of all cases, flat, in the order of the rows."""
-    period = todo.model.period
-    if hasattr(period, "dims") and todo.labels.dims is not None:
-        present = [d for d in todo.labels.dims if d in period.dims]
-        array = np.asarray(period.transpose(*present))
-        period = array.reshape([period.sizes[d] if d in period.dims else 1 for d in todo.labels.dims])
-    return np.broadcast_to(np.asarray(period, float), todo.labels.shape).ravel()
 
 
 def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:

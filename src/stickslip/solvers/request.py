@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, labels_of
+from stickslip.batch import Labels, labels_of, spread
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, number
 from stickslip.forces import is_dynamic
@@ -163,9 +163,10 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
                 if not columns[name]:
                     problems.add(f"start has z = {value!r}, but {type(model.friction).__name__} has no inner state; leave z out")
                     continue
-                table[:, columns[name][0]] = np.broadcast_to(values, labels.shape).ravel()
-        except (TypeError, ValueError):
-            problems.add(f"start[{name!r}] = {value!r}; allowed is a finite number or an array that broadcasts to {labels.shape}")
+                table[:, columns[name][0]] = spread(value, labels)
+        except (TypeError, ValueError) as error:
+            allowed = f"a finite number or an array that broadcasts to {labels.shape}"
+            problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
     if not np.all(np.isfinite(table)):
         problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
     return table

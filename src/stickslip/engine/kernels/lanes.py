@@ -72,9 +72,11 @@ def remaining(lane, p, N, RING, scale):
     k = N[lane, DONE]
     d1 = 0.0
     d0 = 0.0
-    for i in range(STATES):
-        d1 = max(d1, abs(RING[lane, k % RINGS, 1 + i] - RING[lane, (k - p) % RINGS, 1 + i]) / scale[i])
-        d0 = max(d0, abs(RING[lane, (k - p) % RINGS, 1 + i] - RING[lane, (k - 2 * p) % RINGS, 1 + i]) / scale[i])
+    for back in range(max(1, min(p, min(k, RINGS - 1) - 2 * p + 1))):  # every phase of the motion, as far as it is remembered
+        for i in range(STATES):
+            new, old, older = (k - back) % RINGS, (k - back - p) % RINGS, (k - back - 2 * p) % RINGS
+            d1 = max(d1, abs(RING[lane, new, 1 + i] - RING[lane, old, 1 + i]) / scale[i])
+            d0 = max(d0, abs(RING[lane, old, 1 + i] - RING[lane, older, 1 + i]) / scale[i])
     if d1 == 0.0:
         return 0.0
     ratio = min(d1 / d0, 0.999) if d0 > 0.0 else 0.999
@@ -177,7 +179,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
     for i in range(STATES):
         RING[lane, k % RINGS, 1 + i] = S[F_Y + i * L + lane]
         scale[i] = (
-            S[F_C + VSCALE * L + lane] if i == 0 else (S[F_C + (ZSCALE + i - 1) * L + lane] if ZSCALE >= 0 else S[F_M + (i - 1) * L + lane])
+            S[F_C + FREE * L + lane] if i == 0 else (S[F_C + (ZSCALE + i - 1) * L + lane] if ZSCALE >= 0 else S[F_M + (i - 1) * L + lane])
         )
         scale[i] = max(scale[i], 1e-300)
     if k >= settle and k < settle + KEPT:
@@ -203,6 +205,8 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
     if k < periods:
         return 0
     p = repeated(lane, N, RING, scale, 30.0 * rtol)
+    if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale) > 300.0 * rtol:  # it still drifts
+        p = 0
     N[lane, NUMBER] = p
     whole = max(p, 1)
     first = (periods - settle) % whole

@@ -1,0 +1,76 @@
+"""Everything that is wrong with a robot's numbers and the solver's arguments, found before any work, so that it is told at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import islice, product
+from typing import Any
+
+from stickslip.errors import InputError
+
+__all__ = ["probe"]
+
+#: What stands in for an argument that is missing or could not be read, so that the others can be checked.
+STAND_INS = {"tilt_deg": 0.0, "amplitude": 5.525e-4, "voltage": 20.0, "frequency": 32.7}
+_MOST = 64  # choices of words that are tried
+
+
+def probe(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any]) -> list[str]:
+    """What the robot's maker and the solver have to say about these arguments; each problem once.
+
+    Parameters
+    ----------
+    build : callable
+        Makes a robot from a dict of arguments.
+    arguments : dict
+        The arguments that were given; a list is an axis of a sweep.
+    absent : list of str
+        Arguments that the maker needs and that are missing or could not be read.
+    options : dict
+        Arguments of the solver.
+    """
+    filled = {name: STAND_INS.get(name, 1.0) for name in absent}
+    robot, found = None, []
+    for choice in islice(_choices(arguments), _MOST):
+        made, problems = _tried(build, {**filled, **choice})
+        robot = made if robot is None else robot
+        found += [p for p in problems if not p.startswith(tuple(f"{name} " for name in absent))]
+    if robot is None:
+        rest = [name for name in arguments if name in STAND_INS]
+        robot = _tried(build, {**filled, **{name: STAND_INS[name] for name in rest}})[0]
+    return list(dict.fromkeys(found + _of_solver(robot, options)))
+
+
+def _choices(arguments: dict[str, Any]) -> Any:
+    """The arguments with each choice of their words; lists of numbers become labelled arrays, as in a sweep."""
+    import xarray as xr
+
+    words = {k: v for k, v in arguments.items() if isinstance(v, list) and not all(isinstance(x, (int, float)) for x in v)}
+    rest = {k: v for k, v in arguments.items() if k not in words}
+    rest |= {k: xr.DataArray([float(x) for x in v], dims=(k,)) for k, v in rest.items() if isinstance(v, list)}
+    return ({**rest, **dict(zip(words, choice, strict=True))} for choice in product(*words.values()))
+
+
+def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) -> tuple[Any, list[str]]:
+    try:
+        return build(arguments), []
+    except InputError as error:
+        return None, list(error.problems)
+    except (TypeError, ValueError):  # a maker that does not take arrays: the sweep calls it point by point
+        return None, []
+
+
+def _of_solver(robot: Any, options: dict[str, Any]) -> list[str]:
+    """What the solver refuses of its arguments for a robot of this kind."""
+    from stickslip.solvers.request import request
+
+    if robot is None:
+        return []
+    usual = {"periods": 200, "settle": None, "rtol": 1e-6, "start": None, "workers": 1, "keep": "summary", "samples": 400, "method": "auto"}
+    usual |= {"slip_ratio": 0.75, "dwell": 0.03, "progress": None}
+    own = {name: options[name] for name in usual if name in options}
+    try:
+        request(robot, **{**usual, **own}, options={k: v for k, v in options.items() if k not in usual})
+    except InputError as error:
+        return list(error.problems)
+    return []
