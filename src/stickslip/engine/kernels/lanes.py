@@ -66,9 +66,9 @@ def repeated(lane, N, RING, scale, tolerance):
     return 0
 
 
-@njit("float64(int64, int64, int64[:,::1], float64[:,:,::1], float64[::1])", **OPTIONS)
-def remaining(lane, p, N, RING, scale):
-    """Estimated distance to the periodic state: the last difference d1 over 1 - d1/d0."""
+@njit("float64(int64, int64, int64[:,::1], float64[:,:,::1], float64[::1], float64)", **OPTIONS)
+def remaining(lane, p, N, RING, scale, noise):
+    """Estimated distance to the periodic state: the last difference d1 over 1 - d1/d0; a difference below `noise` is no drift."""
     k = N[lane, DONE]
     d1 = 0.0
     d0 = 0.0
@@ -77,8 +77,8 @@ def remaining(lane, p, N, RING, scale):
             new, old, older = (k - back) % RINGS, (k - back - p) % RINGS, (k - back - 2 * p) % RINGS
             d1 = max(d1, abs(RING[lane, new, 1 + i] - RING[lane, old, 1 + i]) / scale[i])
             d0 = max(d0, abs(RING[lane, old, 1 + i] - RING[lane, older, 1 + i]) / scale[i])
-    if d1 == 0.0:
-        return 0.0
+    if d1 <= noise:
+        return d1
     ratio = min(d1 / d0, 0.999) if d0 > 0.0 else 0.999
     return d1 / (1.0 - ratio)
 
@@ -193,7 +193,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
         return 1
     if auto and k < periods:
         p = repeated(lane, N, RING, scale, 10.0 * rtol)
-        if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale) <= 3.0 * rtol:
+        if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 0.0) <= 3.0 * rtol:
             N[lane, NUMBER] = p
             N[lane, STATUS] = REPEATED
             N[lane, TARGET] = k + p
@@ -205,7 +205,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
     if k < periods:
         return 0
     p = repeated(lane, N, RING, scale, 30.0 * rtol)
-    if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale) > 300.0 * rtol:  # it still drifts
+    if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 3.0 * rtol) > 300.0 * rtol:  # it still drifts
         p = 0
     N[lane, NUMBER] = p
     whole = max(p, 1)
