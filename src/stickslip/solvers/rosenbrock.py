@@ -79,7 +79,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, rows: Any, job: lanes.Job) -> An
 
 def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     """Chunks of cases: large enough for full lanes, small enough that threads finish together."""
-    size = min(CHUNK, max(128, -(-cases // (workers * 4)))) if workers > 1 else CHUNK
+    size = min(CHUNK, max(128, -(-cases // (workers * 2)))) if workers > 1 else CHUNK
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
