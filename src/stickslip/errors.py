@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable
-from typing import Any, NoReturn
+from typing import Any
 
 __all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather"]
 
@@ -79,8 +79,3 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     known = list(known)
     near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.55)
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
-
-
-def unknown(what: str, name: str, known: Iterable[str]) -> NoReturn:
-    """Raise the error for a name that nobody knows."""
-    raise InputError(what, [f"{name!r} is not known; {did_you_mean(name, known)}"])

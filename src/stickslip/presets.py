@@ -226,10 +226,3 @@ def _noted(problems: Problems, make: Callable[[], Any]) -> Any:
 
 
 PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig}
-
-
-def preset(name: str) -> Any:
-    """The preset of this name."""
-    if name not in PRESETS:
-        raise InputError("preset", [f"{name!r} is not known; {did_you_mean(name, PRESETS)}"])
-    return PRESETS[name]

@@ -37,8 +37,8 @@ class Control:
 
 CONTROL = {RODAS4.name: Control(), RODAS5P.name: Control(swing=0.45, swing_from=2.5, inner_floor=9.0)}
 
-#: Values of the step's state `stat`.
-RUNNING, ARRIVED, BUDGET, TOO_SMALL, NOT_A_NUMBER = 0, 1, 2, 3, 4
+#: Values of the step's state `stat` beside 0 (running) and 1 (arrived at the end of the period).
+BUDGET, TOO_SMALL, NOT_A_NUMBER = 2, 3, 4
 _LOG = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
 
 

@@ -194,12 +194,11 @@ def _check_numbers(model: Any) -> None:
     for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
         try:
             rate = _as_tuple(law.rate(v, z0, load), count, "rate")
-            bad = next((r for r in rate if not isinstance(r, (int, float))), None)
-            values = (
-                {"rate": bad}
-                if any(not isinstance(r, (int, float)) for r in rate)
-                else {"rate": max(map(abs, rate)), "force": law.force(v, z0, rate if count > 1 else rate[0], load)}
-            )
+            bad = [r for r in rate if not isinstance(r, (int, float))]
+            if bad:
+                values = {"rate": bad[0]}
+            else:
+                values = {"rate": max(map(abs, rate)), "force": law.force(v, z0, rate if count > 1 else rate[0], load)}
         except (ValueError, ZeroDivisionError, OverflowError) as error:
             values = {"rate or force": f"no number ({error})"}
         for what, value in values.items():

@@ -70,11 +70,10 @@ def _parts(todo: Request, kernel: lanes.Kernel, rows: Any, job: lanes.Job) -> An
         return lanes.run(kernel, rows[first:last], todo.start[first:last], job, progress=tell)
 
     if todo.workers == 1 or len(bounds) == 1:
-        results = map(work, range(len(bounds)))
-        yield from ((bounds[i], _raw(r, rows, todo)) for i, r in enumerate(results))
+        yield from zip(bounds, map(_raw, map(work, range(len(bounds)))), strict=True)
         return
     with ThreadPoolExecutor(todo.workers) as pool:
-        yield from ((bounds[i], _raw(r, rows, todo)) for i, r in enumerate(pool.map(work, range(len(bounds)))))
+        yield from zip(bounds, map(_raw, pool.map(work, range(len(bounds)))), strict=True)
 
 
 def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
@@ -83,7 +82,7 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, rows: Any, todo: Request) -> Raw:
+def _raw(r: lanes.Results) -> Raw:
     return Raw(
         displacement=r.displacement, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max, v_min=r.v_min, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
