@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["columns", "friction_force", "held_velocity", "is_dynamic", "offered_force"]
+__all__ = ["columns", "friction_force", "held_velocity", "is_dynamic", "normal_load", "offered_force"]
 
 _TINY = 1e-300  # a velocity that has a sign and nothing else
 
@@ -14,6 +14,11 @@ _TINY = 1e-300  # a velocity that has a sign and nothing else
 def is_dynamic(law: Any) -> bool:
     """Whether a law has inner states (rate and force) and so never rests exactly; else it is set-valued."""
     return hasattr(law, "rate") and hasattr(law, "force")
+
+
+def normal_load(model: Any, t: Any, x: Any) -> Any:
+    """Normal force N on the contact [N]: a method of the robot, a number of the test benches."""
+    return model.load(t, x) if callable(model.load) else model.load
 
 
 def offered_force(model: Any, t: Any, x: Any) -> Any:
