@@ -24,8 +24,22 @@ if TYPE_CHECKING:
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
     from stickslip.errors import StickslipError as StickslipError
+    from stickslip.friction import GMS as GMS
+    from stickslip.friction import LAWS as LAWS
+    from stickslip.friction import Bristle as Bristle
     from stickslip.friction import Coulomb as Coulomb
+    from stickslip.friction import CoulombViscous as CoulombViscous
+    from stickslip.friction import Dahl as Dahl
+    from stickslip.friction import DeadBand as DeadBand
+    from stickslip.friction import ElastoPlastic as ElastoPlastic
+    from stickslip.friction import Karnopp as Karnopp
     from stickslip.friction import LuGre as LuGre
+    from stickslip.friction import ResetIntegrator as ResetIntegrator
+    from stickslip.friction import Stribeck as Stribeck
+    from stickslip.friction import Sum as Sum
+    from stickslip.friction import Tabulated as Tabulated
+    from stickslip.friction import TanhCoulomb as TanhCoulomb
+    from stickslip.friction import Viscous as Viscous
     from stickslip.io import load as load
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
@@ -37,19 +51,33 @@ if TYPE_CHECKING:
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
+    "Bristle": "friction",
     "Coulomb": "friction",
+    "CoulombViscous": "friction",
+    "Dahl": "friction",
+    "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
+    "ElastoPlastic": "friction",
+    "GMS": "friction",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
+    "Karnopp": "friction",
+    "LAWS": "friction",
     "Level": "tracks",
     "LuGre": "friction",
     "Motion": "analysis.motion",
     "PiezoBeam": "drives",
+    "ResetIntegrator": "friction",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
+    "Stribeck": "friction",
+    "Sum": "friction",
+    "Tabulated": "friction",
+    "TanhCoulomb": "friction",
     "Trajectory": "trajectory",
+    "Viscous": "friction",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
     "dimensionless": "nondimensional",
