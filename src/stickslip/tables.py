@@ -43,8 +43,17 @@ def to_table(record: Any) -> dict[str, Any]:
 
             table[field.name] = np.asarray(value).tolist()
         elif value is not None:
-            table[field.name] = value
+            table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
     return table
+
+
+def _plain(value: Any) -> Any:
+    """A value of a tuple as a file keeps it."""
+    if not is_array(value):
+        return value
+    import numpy as np
+
+    return np.asarray(value).tolist()
 
 
 def to_toml(robot: Any) -> str:
@@ -88,6 +97,8 @@ def _part(part: str, table: dict[str, Any], problems: Problems) -> Any:
     if kind not in PARTS[part]:
         problems.add(f"robot.{part}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
+    for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive
+        table[inner] = _part(inner, dict(table[inner]), problems)
     return _build(PARTS[part][kind], table, f"robot.{part}", problems)
 
 
