@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from stickslip.friction import Coulomb as Coulomb
     from stickslip.friction import LuGre as LuGre
     from stickslip.io import load as load
+    from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
+    from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
+    from stickslip.mechanisms import PulledMass as PulledMass
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
@@ -37,8 +40,10 @@ if TYPE_CHECKING:
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
+    "BlockOnBelt": "mechanisms",
     "Coulomb": "friction",
     "DimensionlessRobot": "nondimensional",
+    "ForcedOscillator": "mechanisms",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
@@ -46,6 +51,7 @@ _HOMES = {
     "LuGre": "friction",
     "Motion": "analysis.motion",
     "PiezoBeam": "drives",
+    "PulledMass": "mechanisms",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
