@@ -117,7 +117,7 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
             problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {field.metadata.get('example', '1.0')}")
             arguments[field.name] = 1.0
     parts = _parts_of(cls)
-    if any(arguments.get(p, 0) is None for p in parts) or any(p not in arguments for p in parts if p != "track"):
+    if any(arguments.get(p, 0) is None for p in parts) or any(p not in arguments for p in parts if p != "track" and "." not in where):
         return None
     try:
         return cls(**arguments)
