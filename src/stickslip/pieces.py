@@ -119,7 +119,7 @@ class PolynomialPieces(_Arrays):
         Position at the start of each step [m].
     coefficients : array (n, states, degree + 1)
         The numbers c, lowest power first.
-    memory : array (n, modes) of int8
+    memory : array (n, modes) of int
         Whole-number memories of the law on each step.
     holds_x : bool
         Whether the last state is the position, instead of the integral of the velocity from `x0`.
@@ -141,7 +141,7 @@ class PolynomialPieces(_Arrays):
 
     def __post_init__(self) -> None:
         if self.memory is None:
-            object.__setattr__(self, "memory", np.empty((len(self.mode), 0), np.int8))
+            object.__setattr__(self, "memory", np.empty((len(self.mode), 0), np.int32))
         object.__setattr__(self, "holds_x", bool(self.holds_x))
 
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:

@@ -192,7 +192,14 @@ class Trajectory:
         rates = inner_rates(self.pieces, t, index)
         inner, inner_rate = (z[:, 0], rates[:, 0]) if z.shape[1] == 1 else (tuple(z.T), tuple(rates.T))
         memory = tuple(self.pieces.memory[index].T) if hasattr(self.pieces, "memory") else ()
-        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], t, x, v, inner, inner_rate, memory)
+        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], self._within(t, index), x, v, inner, inner_rate, memory)
+
+    def _within(self, t: Any, index: Any) -> Any:
+        """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
+        if not (getattr(self.model, "breaks", ()) or self._impulses):
+            return t
+        aside, nodes = 1e-12 * self.period_time, self.pieces.t
+        return np.clip(t, nodes[index] + aside, np.maximum(nodes[index + 1] - aside, nodes[index] + aside))
 
     acceleration = _force_column("acceleration")
     friction_force = _force_column("friction_force")

@@ -63,7 +63,7 @@ def joined(parts: list[Part], end: float, cyclic: bool) -> PolynomialPieces:
     times = np.append([part.t for part in parts], max(parts[-1].t, end))
     good = np.diff(times) > 0
     c = np.stack([np.pad(p.coefficients, ((0, states - len(p.coefficients)), (0, width - p.coefficients.shape[1]))) for p in parts])
-    memory = np.array([part.memory or (0,) * memories for part in parts], np.int8).reshape(len(parts), memories)
+    memory = np.array([part.memory or (0,) * memories for part in parts], np.int32).reshape(len(parts), memories)
     return PolynomialPieces(
         t=np.append(times[:-1][good], times[-1]), mode=np.array([p.mode for p in parts], np.int8)[good],
         x0=np.array([p.x for p in parts])[good], coefficients=c[good], memory=memory[good], holds_x=not cyclic,
