@@ -50,6 +50,9 @@ if TYPE_CHECKING:
     from stickslip.friction import TanhCoulomb as TanhCoulomb
     from stickslip.friction import Viscous as Viscous
     from stickslip.io import load as load
+    from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
+    from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
+    from stickslip.mechanisms import PulledMass as PulledMass
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
@@ -63,6 +66,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "BangBang": "drives",
+    "BlockOnBelt": "mechanisms",
     "Bristle": "friction",
     "Coulomb": "friction",
     "CoulombViscous": "friction",
@@ -71,6 +75,7 @@ _HOMES = {
     "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
     "ElastoPlastic": "friction",
+    "ForcedOscillator": "mechanisms",
     "GMS": "friction",
     "Harmonic": "drives",
     "Incline": "tracks",
@@ -82,6 +87,7 @@ _HOMES = {
     "Motion": "analysis.motion",
     "MultiHarmonic": "drives",
     "PiezoBeam": "drives",
+    "PulledMass": "mechanisms",
     "Recorded": "drives",
     "ResetIntegrator": "friction",
     "Reversed": "drives",
@@ -112,7 +118,7 @@ _HOMES = {
     "solve": "solvers",
     "sweep": "sweeping",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
+_MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
 

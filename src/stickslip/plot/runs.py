@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, prefix, publication
 from stickslip.summary import Summary
 
@@ -204,7 +204,7 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
 
 def _limits(run: Any) -> tuple[float, ...]:
     """Break-away forces: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
-    law, load = run.model.friction, run.model.load(0.0, 0.0)
+    law, load = run.model.friction, normal_load(run.model, 0.0, 0.0)
     if not is_dynamic(law):
         return tuple(float(limit) for limit in law.breakaway(load))
     if not hasattr(law, "f_plus"):
