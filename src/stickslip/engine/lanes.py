@@ -70,6 +70,7 @@ class Kernel:
     degree: int
     record: bool
     names: tuple[str, ...]
+    modes: int  # memories of the law, kept with each piece
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ class Results:
     seg_code: Any
     accepted: Any
     rejected: Any
-    pieces: Any = None  # (pieces, 5 + states (degree + 1)) of a recorded case
+    pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
 
 
 _kernels: dict[Any, Kernel] = {}
@@ -142,7 +143,7 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     module = cache.load(
         source, f"{name}_{_plain(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})"
     )
-    return Kernel(module, width * groups, len(step.fields) + len(_constants(eq, step)), eq.states, step.degree, record, eq.names)
+    return Kernel(module, width * groups, len(step.fields) + len(_constants(eq, step)), eq.states, step.degree, record, eq.names, len(eq.modes) if eq.dynamic else 0)
 
 
 def _plain(label: str) -> str:
@@ -168,12 +169,12 @@ def _layout(eq: Equations, step: Step, lanes: int, record: bool) -> dict[str, An
     named = {
         "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(step.fields) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "RECORD": record, "PERIOD": first, "FREE": first + 2, "SCALE_AT": tuple(scale_at),
-        "SET_VALUED": not eq.dynamic, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses),
+        "SET_VALUED": not eq.dynamic, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses),
         "BREAKS": breaks, "BREAK_AT": constants - len(eq.impulses) - breaks, "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(step.fields) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
-    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0"}
-    alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last")
+    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
+    alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     return named | {name: offsets.get(field, -1) for name, field in (firsts | {f"F_{f.upper()}": f for f in alone}).items()}
 
 
@@ -278,7 +279,7 @@ def run(
     cursor = np.array([0, cases, 0], dtype=np.int64)
     out, count = np.full((cases, 5 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
-    pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + n * (k.degree + 1))), []
+    pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     while k.module.advance(
         S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,

@@ -76,6 +76,7 @@ class _StepWriter:
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
         if self.record:
             fields += ["t0", "hh", "x0", *(f"k{i}_{m}" for i in n for m in range(self.degree + 1)), "side"]
+            fields += [f"held{i}" for i in range(len(self.eq.modes))]
         self._slopes()
         self._length()
         self._matrix()
@@ -392,7 +393,8 @@ class _StepWriter:
         offset = w.value(self.eq.offset, self.start)
         integral = integral if offset == "0.0" else f"(({integral}) + {offset})"
         if self.record:
-            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0")):
+            kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
+            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0"), *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
             if i:

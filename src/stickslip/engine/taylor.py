@@ -66,7 +66,7 @@ class _SeriesWriter:
         n = range(self.n)
         fields = ["t", "tend", "x", *(f"y{i}" for i in n), *(f"b{k}" for k in range(self.eq.signs)), "mode0"]
         fields += [*(f"clk{k}" for k in range(len(self.eq.clocks))), *(f"m{i}" for i in n if i), "stat", "nacc", "nrej", "ratio", "acc"]
-        fields += ["t0", "hh", "x0", "side", "last", *(f"k{i}_{m}" for i in n for m in range(ORDER + 1))]
+        fields += ["t0", "hh", "x0", "side", "last", "top", *(f"k{i}_{m}" for i in n for m in range(ORDER + 1))]
         fields += [f"g{k}_{m}" for k in self.guards for m in range(ORDER + 1)]
         self._series()
         self._length()

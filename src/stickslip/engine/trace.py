@@ -86,11 +86,9 @@ def inner_states(law: Any) -> int:
 def numbers_of(model: Any) -> tuple[str, ...]:
     """Names of the numbers that make a case's row.
 
-    A law may name exponents in a class attribute `constants`: where such a field is one number for all cases, it belongs to the kind,
-    and its power is written out.
+    An exponent that is 1 or 2 for all cases belongs to the kind: its power is written out.
     """
-    fixed = {f"friction.{name}" for name in getattr(model.friction, "constants", ())}
-    return tuple(name for name, value in leaves(model) if not (name in fixed and isinstance(value, float)))
+    return tuple(name for name, value in leaves(model) if not (name.endswith(".exponent") and isinstance(value, float) and value in (1.0, 2.0)))
 
 
 def _as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:

@@ -93,7 +93,7 @@ class GMS(Law):
         check_static(self, problems)
         lengths = []
         for name in ("stiffness", "weights"):
-            values = self._take_tuple(name, positive, "positive", problems)
+            values = self._several(name, positive, "positive", problems)
             lengths.append(len(values))
             total = sum(values)
             if values and abs(total - 1.0) > 1e-9:

@@ -30,7 +30,7 @@ class Law(Record):
 
         return Sum(other, self)
 
-    def _take_tuple(self, name: str, rule: Any, allowed: str, problems: Problems) -> tuple[Any, ...]:
+    def _several(self, name: str, rule: Any, allowed: str, problems: Problems) -> tuple[Any, ...]:
         """A field of several numbers as a tuple; () where it is none, which is reported."""
         given = getattr(self, name)
         try:

@@ -63,10 +63,10 @@ class Tabulated(Law):
     }
 
     def _check(self, problems: Problems) -> None:
-        speed = self._take_tuple("speed", at_least(0.0), "zero or more [m/s]", problems)
+        speed = self._several("speed", at_least(0.0), "zero or more [m/s]", problems)
         _check_rising(speed, problems)
         for side in ("plus", "minus"):
-            mu, f = self._take_tuple(f"mu_{side}", at_least(0.0), "zero or more", problems), getattr(self, f"f_{side}")
+            mu, f = self._several(f"mu_{side}", at_least(0.0), "zero or more", problems), getattr(self, f"f_{side}")
             if mu and speed and len(mu) != len(speed):
                 problems.add(f"mu_{side} has {len(mu)} values and speed {len(speed)}; allowed is one coefficient for every speed")
             if mu and f is not None and not _all(f >= mu[0]):

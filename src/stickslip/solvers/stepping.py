@@ -11,6 +11,7 @@ from stickslip.batch import rows_of, spread
 from stickslip.engine import lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
+from stickslip.forces import rest_velocity
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.request import Request
@@ -41,7 +42,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
             f"the state was x, v, z = {results.end[0].tolist()}. Try another rtol (now {todo.rtol:g}) or start, and check the law's numbers"
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
-    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts)
+    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
 
 
 class _Table:
@@ -51,10 +52,10 @@ class _Table:
         model, labels = todo.model, todo.labels
         names = [n for n in kernel.names if n != trace.SPAN]
         self.rows = rows_of(model, tuple(names))
-        self.span = spread(model.period, labels) if model.period is not None else np.broadcast_to(float(todo.span), (todo.cases,))
+        self.span = np.broadcast_to(todo.span, (todo.cases,))
         if len(names) < len(kernel.names):
             self.rows = np.column_stack([self.rows, self.span])
-        self.offset = spread(0.0 - model.contact_velocity(0.0), labels)  # velocity of the body less that at the contact
+        self.offset = spread(rest_velocity(model), labels)  # velocity of the body less that at the contact
         x, v, z = todo.start[:, :1], todo.start[:, 1:2] - self.offset[:, None], todo.start[:, 2:]
         self.cyclic = bool(getattr(model, "cyclic", False))
         self.start = np.ascontiguousarray(np.hstack([x, v, z] if self.cyclic else [x, v, z, x]))
@@ -104,6 +105,8 @@ def _pieces(pieces: Any, kernel: lanes.Kernel, table: _Table, periods: int) -> P
     t = np.concatenate([[0.0], ends])
     good = np.diff(t) > 0
     t, pieces = np.concatenate([[0.0], ends[good]]), pieces[good]
-    coefficients = pieces[:, 5:].reshape(len(pieces), kernel.states, kernel.degree + 1).copy()
+    first = 5 + kernel.modes
+    coefficients = pieces[:, first:].reshape(len(pieces), kernel.states, kernel.degree + 1).copy()
     coefficients[:, 0, 0] += table.offset[0]
-    return PolynomialPieces(t=t, mode=pieces[:, 4].astype(np.int8), x0=pieces[:, 3], coefficients=coefficients)
+    memory = pieces[:, 5:first].astype(np.int32)
+    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), pieces[:, 3], coefficients, memory, holds_x=not table.cyclic)

@@ -99,6 +99,25 @@ def first_zero(S, at):
     return 2.0
 
 
+@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+def extremum(S, at, end):
+    """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
+    d0, d1 = S[at + L], rate_at(S, at, end)
+    if d0 * d1 >= 0.0:
+        return at_theta(S, at, end)
+    lo, hi = 0.0, end
+    for _ in range(30):
+        x = 0.5 * (lo + hi) if d0 == d1 else lo + (hi - lo) * d0 / (d0 - d1)
+        d = rate_at(S, at, x)
+        if d == 0.0 or hi - lo <= 1e-8:
+            break
+        if d * d0 > 0.0:
+            lo, d0, d1 = x, d, 0.5 * d1
+        else:
+            hi, d1, d0 = x, d, 0.5 * d0
+    return at_theta(S, at, x)
+
+
 @njit("void(int64, float64[::1], float64)", **OPTIONS)
 def land(lane, S, budget):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
@@ -113,6 +132,7 @@ def land(lane, S, budget):
     travel = S[F_K + DEGREE * L + lane] / (DEGREE + 1)
     for m in range(DEGREE - 1, -1, -1):
         travel = fma(travel, part, S[F_K + m * L + lane] / (m + 1))
+    S[F_TOP + lane] = extremum(S, F_K + lane, part)
     bad = False
     for i in range(STATES):
         y = at_theta(S, F_K + i * (DEGREE + 1) * L + lane, part)

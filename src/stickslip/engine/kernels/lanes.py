@@ -190,7 +190,7 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
             add_segment(lane, 2 * side if slips else side, dt, N, SEGT, SEGC)
         top = v
         aq = K[lane, AQ]
-        if aq * acceleration < 0.0:  # an extremum of v between: the cubic's
+        if F_TOP < 0 and aq * acceleration < 0.0:  # an extremum of v between: the cubic's
             d0, d1, rise = aq * dt, acceleration * dt, v - K[lane, VQ]
             a, bb = 3.0 * (d0 + d1 - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * d0 - d1)
             root = math.sqrt(max(bb * bb - 4.0 * a * d0, 0.0))
@@ -319,15 +319,19 @@ def advance(
             part, power = (end - begin) / S[F_HH], 1.0
             if S[F_STAT] == 1.0:
                 part = 1.0
+            for k in range(KEPT_MODES):
+                PIECES[n, 5 + k] = S[F_HELD + k]
             for m in range(DEGREE + 1):
                 for i in range(STATES):
-                    PIECES[n, 5 + i * (DEGREE + 1) + m] = S[F_K + i * (DEGREE + 1) + m] * power
+                    PIECES[n, 5 + KEPT_MODES + i * (DEGREE + 1) + m] = S[F_K + i * (DEGREE + 1) + m] * power
                 power *= part
             CURSOR[2] += 1
         if recording > 0:
             for lane in range(L):
                 if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
                     continue
+                if F_TOP >= 0 and N[lane, CLOSING] == 0:
+                    K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[F_TOP + lane]), min(K[lane, VMIN], S[F_TOP + lane])
                 if N[lane, FRESH] > 0:
                     period = S[F_C + PERIOD * L + lane]
                     observe(lane, S[F_ACC + lane], S[F_RATIO + lane], slip_ratio, period, N, K, SEGT, SEGC)
