@@ -90,7 +90,7 @@ _HOMES = {
     "solve": "solvers",
     "sweep": "sweeping",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
+_MODULES = ("friction", "maths", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
 
