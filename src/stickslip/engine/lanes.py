@@ -7,6 +7,7 @@ one lane, which also keeps the dense output, solves a single case; the two give 
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,6 +48,13 @@ def as_bits(typingctx, x):
     def emit(context, builder, sig, args):
         return builder.bitcast(args[0], ir.IntType(64))
     return types.int64(types.float64), emit
+
+
+@intrinsic
+def choose(typingctx, condition, yes, no):
+    def emit(context, builder, sig, args):
+        return builder.select(*args)
+    return yes(types.boolean, yes, no), emit
 
 
 @intrinsic
@@ -253,7 +261,26 @@ def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], con
         for g in range(groups):
             renamed = re.sub(r"(?<![\w.])_(?=[A-Za-z])", f"_{'abcd'[g]}_", line)
             text.append("        " + renamed.replace("l@", "l" if g == 0 else f"l + {g * width}"))
-    return "\n".join(text)
+    return _without_branches("\n".join(text))
+
+
+class _Selects(ast.NodeTransformer):
+    """Decisions inside expressions as calls that are one instruction each: the compiler then sees no branches to join again."""
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        self.generic_visit(node)
+        return ast.Call(ast.Name("choose", ast.Load()), [node.test, node.body, node.orelse], [])
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        self.generic_visit(node)
+        joined = node.values[0]
+        for value in node.values[1:]:
+            joined = ast.BinOp(joined, ast.BitAnd() if isinstance(node.op, ast.And) else ast.BitOr(), value)
+        return joined
+
+
+def _without_branches(text: str) -> str:
+    return ast.unparse(ast.fix_missing_locations(_Selects().visit(ast.parse(text))))
 
 
 def run(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import positive
 from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side
+from stickslip.friction.sides import alone_or_all, by_side, each
 
 __all__ = ["Bristle"]
 
@@ -84,27 +85,28 @@ class Bristle(Law):
         """Number of memories: how often each bristle has snapped."""
         return self.bristles
 
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> tuple[Any, ...]:
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
         """Every bristle bends with the body [m/s]."""
-        return (v,) * self.bristles
+        return alone_or_all((v,) * self.bristles)
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
         """Friction force R [N]."""
-        return self.sigma0 / self.bristles * sum(z)
+        return self.sigma0 / self.bristles * sum(each(z))
 
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
         """A bristle snaps where it is bent too far in the direction of motion."""
         reach = by_side(v, 1.5 * self.mu_plus, -1.5 * self.mu_minus) * load / self.sigma0  # signed
         found: list[tuple[Any, Any, Any]] = []
+        z = each(z)
         for i in range(self.bristles):
             snapped = tuple(n + (j == i) for j, n in enumerate(mode))
             bent = tuple(reach * _draw(self.seed, i, int(mode[i])) if j == i else zj for j, zj in enumerate(z))
-            found.append((abs(reach) - by_side(v, z[i], -z[i]), snapped, bent))
+            found.append((abs(reach) - by_side(v, z[i], -z[i]), snapped, alone_or_all(bent)))
         return found
 
-    def scale(self, load: Any) -> tuple[Any, ...]:
+    def scale(self, load: Any) -> Any:
         """Typical deflections [m]."""
-        return (0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0,) * self.bristles
+        return alone_or_all((0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0,) * self.bristles)
 
     def notes(self, load: Any) -> list[str]:
         """What a user should know about this law."""
@@ -113,6 +115,7 @@ class Bristle(Law):
         ]
 
 
+@functools.lru_cache(maxsize=4096)
 def _draw(seed: int, bristle: int, count: int) -> float:
     """A number from 0 to 1, the same for the same arguments on every machine (SplitMix64: Steele, Lea, Flood 2014)."""
     state = 0

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from stickslip.errors import Problems
 from stickslip.fields import at_least, positive
 from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, fading
+from stickslip.friction.sides import alone_or_all, by_side, check_static, each, fading
 from stickslip.maths import where
 
 __all__ = ["GMS"]
@@ -111,33 +111,33 @@ class GMS(Law):
         """Number of memories: each element sticks (0) or slips (1)."""
         return len(self.weights)
 
-    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> tuple[Any, ...]:
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
         """Rates of the deflections dz_i/dt [m/s]."""
         pull, signed = by_side(v, self.attraction, -self.attraction), by_side(v, 1.0, -1.0) / (load * fading(self, v))
         rates = []
-        for zi, slips, kappa, alpha in zip(z, mode, self.stiffness, self.weights, strict=True):
+        for zi, slips, kappa, alpha in zip(each(z), mode, self.stiffness, self.weights, strict=True):
             k = kappa * self.sigma0
             rates.append(where(slips > 0, pull * (alpha - k * zi * signed) / k, v))
-        return tuple(rates)
+        return alone_or_all(tuple(rates))
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
         """Friction force R [N]."""
-        return self.sigma0 * sum(kappa * zi for kappa, zi in zip(self.stiffness, z, strict=True)) + self.sigma2 * v
+        return self.sigma0 * sum(kappa * zi for kappa, zi in zip(self.stiffness, each(z), strict=True)) + self.sigma2 * v
 
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
         """All elements stick when v passes zero; one slips when its force reaches its share of the Stribeck curve."""
         found: list[tuple[Any, Any, Any]] = [(abs(v), (0,) * self.modes, None)]
-        limit = load * fading(self, v)
+        limit, z = load * fading(self, v), each(z)
         for i, (kappa, alpha) in enumerate(zip(self.stiffness, self.weights, strict=True)):
             left = alpha * limit - kappa * self.sigma0 * by_side(v, z[i], -z[i])
             slips = tuple(1 if j == i else mode[j] for j in range(self.modes))
             found.append((where(mode[i] > 0, limit, left), slips, None))
         return found
 
-    def scale(self, load: Any) -> tuple[Any, ...]:
+    def scale(self, load: Any) -> Any:
         """Typical deflections: where each element begins to slip [m]."""
         whole = 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
-        return tuple(alpha / kappa * whole for kappa, alpha in zip(self.stiffness, self.weights, strict=True))
+        return alone_or_all(tuple(alpha / kappa * whole for kappa, alpha in zip(self.stiffness, self.weights, strict=True)))
 
     def velocity_scale(self) -> Any:
         """The velocity over which friction changes [m/s]."""

@@ -8,7 +8,7 @@ from stickslip.errors import Problems
 from stickslip.fields import _all, describe
 from stickslip.maths import exp, log, where
 
-__all__ = ["by_side", "check_static", "fading", "power", "signed_power", "static", "stribeck"]
+__all__ = ["alone_or_all", "by_side", "check_static", "each", "fading", "power", "signed_power", "static", "stribeck"]
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this, so that it has a slope there
 
@@ -44,6 +44,16 @@ def power(x: Any, exponent: Any) -> Any:
 def signed_power(x: Any, exponent: Any) -> Any:
     """``|x|**exponent * sgn(x)`` for a positive exponent, with a finite slope at x = 0."""
     return x * exp(0.5 * (exponent - 1.0) * log(x * x + _BLUNT))
+
+
+def each(z: Any) -> tuple[Any, ...]:
+    """The inner states as a tuple; a law with one state is given a number."""
+    return z if isinstance(z, tuple) else (z,)
+
+
+def alone_or_all(values: tuple[Any, ...]) -> Any:
+    """A number for one state, a tuple for several."""
+    return values[0] if len(values) == 1 else values
 
 
 def _is(number: Any, value: float) -> Any:
