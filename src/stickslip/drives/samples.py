@@ -190,8 +190,10 @@ def fitted(record: Record, tolerance: float, order: int | None) -> tuple[list[fl
     c = _solved(record, most)
     if order is None:
         powers = 0.5 * (c[1::2] ** 2 + c[2::2] ** 2)
-        left = np.sqrt(np.append(np.cumsum(powers[::-1])[::-1], 0.0))  # left[k]: r.m.s. of the harmonics above k
-        order = max(1, int(np.argmax(left <= tolerance * record.spread)))
+        unfitted = np.mean((record.values - _basis(record, most) @ c) ** 2)
+        left = np.sqrt(unfitted + np.append(np.cumsum(powers[::-1])[::-1][1:], 0.0))  # left[k - 1]: r.m.s. above harmonic k
+        good = left <= tolerance * record.spread
+        order = int(np.argmax(good)) + 1 if good.any() else most
         c = _solved(record, order)
     misses = record.values - _basis(record, order) @ c
     residual = float(np.sqrt(np.mean(misses**2))) / record.spread

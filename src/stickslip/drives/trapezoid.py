@@ -150,17 +150,19 @@ class Trapezoid(PeriodicDrive):
 
 def _rise(sigma: Any) -> Any:
     """From 0 to 1 with two derivatives that are zero at both ends [-]."""
-    return sigma**3 * (6 * sigma**2 - 15 * sigma + 10)
+    return sigma * sigma * sigma * ((6 * sigma - 15) * sigma + 10)
 
 
 def _risen(sigma: Any) -> Any:
     """Integral of `_rise` [-]."""
-    return sigma**4 * (sigma**2 - 3 * sigma + 2.5)
+    square = sigma * sigma
+    return square * square * ((sigma - 3) * sigma + 2.5)
 
 
 def _slope(sigma: Any) -> Any:
     """Derivative of `_rise` [-]."""
-    return 30 * sigma**2 * (1 - sigma) ** 2
+    half = sigma * (1 - sigma)
+    return 30 * half * half
 
 
 def _inverse(level: Any) -> Any:
