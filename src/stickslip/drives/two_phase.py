@@ -118,7 +118,7 @@ def _completed(known: dict[str, Any], problems: Problems) -> dict[str, Any]:
             _complete_phase(known, u, t, problems)
     missing = [name for name in ("stroke", "u1", "u2") if name not in known]
     if missing:
-        names = ", ".join(known) or "nothing"
+        names = ", ".join(known) or "what was given"
         problems.add(f"{names} does not settle {', '.join(missing)}; allowed is any three that do, as stroke = u1 t1 = u2 t2; {_EXAMPLE}")
     return {name: known[name] for name in ("stroke", "u1", "u2") if name in known}
 
