@@ -214,6 +214,14 @@ def test_a_study_file_keeps_every_drive(drive):
     assert ss.Robot.from_toml(robot.to_toml()) == robot
 
 
+def test_a_study_file_says_where_a_drive_inside_a_drive_is_wrong():
+    text = rig(DRIVES["vertical on three phases"]).to_toml()
+    with pytest.raises(ss.InputError, match=r"robot\.drive\.drive\.kind = 'threefase'; did you mean 'threephase'"):
+        ss.Robot.from_toml(text.replace("threephase", "threefase"))
+    with pytest.raises(ss.InputError, match=r"robot\.drive\.drive\.w4 is not known"):
+        ss.Robot.from_toml(text.replace("w3 =", "w4 ="))
+
+
 def test_one_harmonic_of_several_is_the_harmonic_drive():
     one, t = ss.MultiHarmonic(omega=205.0, amplitudes=(5e-4,)), np.linspace(0, 1, 99)
     plain = ss.Harmonic(amplitude=5e-4, omega=205.0)

@@ -88,18 +88,19 @@ def from_table(cls: type, table: dict[str, Any]) -> Any:
     return robot
 
 
-def _part(part: str, table: dict[str, Any], problems: Problems) -> Any:
+def _part(part: str, table: dict[str, Any], problems: Problems, where: str = "robot") -> Any:
+    where = f"{where}.{part}"
     if "kind" not in table:
         kinds = " or ".join(f'kind = "{name}"' for name in PARTS[part])
-        problems.add(f"robot.{part}.kind is missing; type {kinds} under [robot.{part}]")
+        problems.add(f"{where}.kind is missing; type {kinds} under [{where}]")
         return None
     kind = table.pop("kind")
     if kind not in PARTS[part]:
-        problems.add(f"robot.{part}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
+        problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
     for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive
-        table[inner] = _part(inner, dict(table[inner]), problems)
-    return _build(PARTS[part][kind], table, f"robot.{part}", problems)
+        table[inner] = _part(inner, dict(table[inner]), problems, where)
+    return _build(PARTS[part][kind], table, where, problems)
 
 
 def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
