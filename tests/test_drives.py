@@ -1,5 +1,6 @@
 """Drives: position, velocity and acceleration are one periodic motion with the breaks and jumps it says it has; and robots with them."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -211,6 +212,14 @@ def test_a_number_may_be_an_array(make):
 def test_a_study_file_keeps_every_drive(drive):
     robot = rig(drive)
     assert ss.Robot.from_toml(robot.to_toml()) == robot
+
+
+def test_a_study_file_says_where_a_drive_inside_a_drive_is_wrong():
+    text = rig(DRIVES["vertical on three phases"]).to_toml()
+    with pytest.raises(ss.InputError, match=r"robot\.drive\.drive\.kind = 'threefase'; did you mean 'threephase'"):
+        ss.Robot.from_toml(text.replace("threephase", "threefase"))
+    with pytest.raises(ss.InputError, match=r"robot\.drive\.drive\.w4 is not known"):
+        ss.Robot.from_toml(text.replace("w3 =", "w4 ="))
 
 
 def test_one_harmonic_of_several_is_the_harmonic_drive():
@@ -425,8 +434,9 @@ def test_a_harmonic_robot_has_the_numbers_it_always_had():
 
 
 def test_a_drive_of_ones_own_needs_a_period_and_a_motion():
+    @dataclasses.dataclass(frozen=True)
     class Own:
-        period = 0.5
+        period: float = 0.5
 
         def position(self, t):
             return 1e-3 * np.sin(4 * np.pi * t)
@@ -442,6 +452,9 @@ def test_a_drive_of_ones_own_needs_a_period_and_a_motion():
     assert robot.impulses == () and robot.breaks == ()
     with pytest.raises(ss.InputError, match="an object with position, velocity, acceleration, period"):
         rig(object())
+    bare = type("Bare", (), {name: getattr(Own, name) for name in ("position", "velocity", "acceleration", "period")})
+    with pytest.raises(ss.InputError, match="not a dataclass; write @dataclass"):
+        rig(bare())
 
 
 @pytest.mark.parametrize(
@@ -463,6 +476,14 @@ def test_mean_velocities_on_paper_are_those_of_the_arcs(drive, published):
     assert formula == pytest.approx(twin, abs=1e-13)  # the twin's instants are good to 1e-16 s at velocities below 1 m/s
     if published is not None:
         assert formula == pytest.approx(published, abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["harmonic", "multiharmonic", "twophase", "threephase", "bangbang", "trapezoid", "recorded"])
+def test_every_example_moves_the_robot_forwards_and_its_reverse_the_mirrored_one_back(name):
+    drive = ss.DRIVES[name].example()
+    there = Coasting(drive, MU, 0.15 * G, 0.21 * G).mean_velocity(8)
+    assert there > 1e-4
+    assert Coasting(ss.Reversed(drive), MU, 0.21 * G, 0.15 * G).mean_velocity(8) == pytest.approx(-there, rel=1e-9)
 
 
 def test_one_of_the_two_phase_formulas_always_holds():

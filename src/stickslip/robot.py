@@ -69,6 +69,8 @@ class Robot(Record):
             lacking = [n for n in needs if not hasattr(part, n)]
             if isinstance(part, type) or lacking:
                 problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
+            elif not dataclasses.is_dataclass(part):
+                problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
         law = self.friction
         if isinstance(law, type) or not (
             (hasattr(law, "sliding") and hasattr(law, "breakaway")) or (hasattr(law, "rate") and hasattr(law, "force"))
@@ -78,9 +80,7 @@ class Robot(Record):
                 f"(dynamic law); type for example {_PARTS['friction']}"
             )
         elif not dataclasses.is_dataclass(law):
-            problems.add(
-                f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known"
-            )
+            problems.add(f"friction = {law!r} is not a dataclass; {_NO_DATACLASS}")
         if not problems.found:
             try:
                 shape_of(self)
@@ -170,6 +170,7 @@ class Robot(Record):
         return record_html(self)
 
 
+_NO_DATACLASS = "write @dataclass(frozen=True) above the class, so that its numbers are known"
 _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
     "track": "track=ss.Level()",

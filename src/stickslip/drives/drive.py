@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import Record, _all, describe, number
+from stickslip.fields import Record, _all, describe, is_array, number
 from stickslip.maths import maximum, pi
 
-__all__ = ["Drive", "PeriodicDrive", "agree", "given_numbers", "largest_velocity", "settled"]
+__all__ = ["Drive", "PeriodicDrive", "agree", "given_numbers", "largest_velocity", "settled", "shown"]
 
 _SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
 
@@ -93,11 +93,16 @@ def settled(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[
     for other, different in others:
         if not agree(different, value):
             problems.add(
-                f"{name} = {describe(known[name])} and {other} = {describe(known[other])} do not agree: {other} asks for "
-                f"{wanted} = {describe(different)}, not {describe(value)} {unit}; allowed is a motion that closes; give one of them; "
+                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for "
+                f"{wanted} = {shown(different)}, not {shown(value)} {unit}; allowed is a motion that closes; give one of them; "
                 f"{example}"
             )
     return value
+
+
+def shown(value: Any) -> str:
+    """A number as a message shows it: six digits."""
+    return describe(value) if is_array(value) else f"{value:.6g}"
 
 
 def agree(a: Any, b: Any) -> bool:

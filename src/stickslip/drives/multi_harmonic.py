@@ -17,7 +17,7 @@ _EXAMPLE = "type for example MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4),
 
 @dataclass(frozen=True, eq=False, init=False)
 class MultiHarmonic(FourierDrive):
-    r"""Relative motion :math:`\xi(t) = \sum_k A_k\sin(k\omega t+\varphi_k)`.
+    r"""Relative motion :math:`\xi(t) = A_1 \sin(\omega t + \varphi_1) + A_2 \sin(2 \omega t + \varphi_2) + \dots`.
 
     A second harmonic makes the motion lopsided, so that even a robot with the same friction on both sides moves.
 
@@ -58,7 +58,8 @@ class MultiHarmonic(FourierDrive):
                 raise InputError("MultiHarmonic", [f"frequency: {error}; allowed is a positive frequency [Hz]; {_EXAMPLE}"]) from None
         object.__setattr__(self, "omega", omega)
         object.__setattr__(self, "amplitudes", amplitudes)
-        object.__setattr__(self, "phases", (0.0,) * len(amplitudes) if phases is None and hasattr(amplitudes, "__len__") else phases)
+        count = len(amplitudes) if hasattr(amplitudes, "__len__") else 1
+        object.__setattr__(self, "phases", (0.0,) * count if phases is None else phases)
         self.__post_init__()
 
     def _check(self, problems: Problems) -> None:
@@ -87,4 +88,4 @@ class MultiHarmonic(FourierDrive):
     @classmethod
     def example(cls) -> MultiHarmonic:
         """One that moves the paper's robot forwards."""
-        return cls(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, 0.5 * pi))
+        return cls(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, -0.5 * pi))

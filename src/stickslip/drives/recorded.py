@@ -19,7 +19,9 @@ _EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03
 
 @dataclass(frozen=True, eq=False, init=False)
 class Recorded(FourierDrive):
-    r"""A periodic record as :math:`\xi(t) = \sum_k a_k\cos k\omega t+b_k\sin k\omega t`; `from_samples` makes it from a record.
+    r"""A periodic record as a sum of harmonics; `from_samples` makes it from the record.
+
+    .. math:: \xi(t) = \sum_k a_k\cos k\omega t+b_k\sin k\omega t
 
     Parameters
     ----------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +17,7 @@ _GAP = 2.5  # a step this many times as long as the usual one is a gap
 _REPEAT = 0.1  # part of the r.m.s. by which a record may differ from itself a period later
 _MEAN = 0.02  # part of the r.m.s. that the mean of a velocity or acceleration may be
 _JUMP = 3.0  # a step from the last sample to the first this many times as large as any other is no repetition
+_CHUNK = 1 << 14  # samples at a time
 _EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
 
 Array = Any
@@ -141,7 +144,7 @@ def _check_repetition(record: Record, problems: Problems) -> None:
 
 
 def _difference(record: Record) -> float:
-    """By how much the record differs from itself a whole number of periods later, over its r.m.s.; inf if one period does not close."""
+    """By how much the record differs from itself whole periods later, over its r.m.s.; of one period, the step that does not close."""
     import numpy as np
 
     t, values = record.t, record.values
@@ -157,29 +160,44 @@ def _difference(record: Record) -> float:
 
 def _mean(record: Record) -> float:
     """Mean over the whole periods of the record."""
-    a = _solved(record, min(8, int((record.per_period - 1) // 2)))
-    return float(a[0])
+    return float(_solved(record, min(8, int((record.per_period - 1) // 2)))[0])
 
 
-def _basis(record: Record, order: int) -> Array:
-    """Columns 1, cos, sin, cos 2, sin 2, … at the instants."""
+def _basis(angle: Array, order: int) -> Array:
+    """Columns 1, cos, sin, cos 2, sin 2, … of angles."""
     import numpy as np
 
     from stickslip.drives.fourier import harmonics
 
-    angle = 2 * np.pi / record.period * record.t
     columns = [np.ones_like(angle)]
     for pair in harmonics(angle, order):
         columns += pair
     return np.stack(columns, axis=1)
 
 
+def _chunks(record: Record, order: int) -> Iterator[tuple[Array, Array]]:
+    """The basis and the values, some samples at a time: a long record needs little memory."""
+    for start in range(0, len(record.t), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        yield _basis(2 * math.pi / record.period * record.t[part], order), record.values[part]
+
+
 def _solved(record: Record, order: int) -> Array:
-    """Coefficients of `_basis` by least squares."""
+    """Coefficients of the basis by least squares."""
     import numpy as np
 
-    basis = _basis(record, order)
-    return np.linalg.lstsq(basis.T @ basis, basis.T @ record.values, rcond=1e-12)[0]
+    square, right = np.zeros((2 * order + 1, 2 * order + 1)), np.zeros(2 * order + 1)
+    for basis, values in _chunks(record, order):
+        square += basis.T @ basis
+        right += basis.T @ values
+    return np.linalg.lstsq(square, right, rcond=1e-12)[0]
+
+
+def _misses(record: Record, c: Array) -> Array:
+    """What a fit leaves of every sample."""
+    import numpy as np
+
+    return np.concatenate([values - basis @ c for basis, values in _chunks(record, len(c) // 2)])
 
 
 def fitted(record: Record, tolerance: float, order: int | None) -> tuple[list[float], list[float], str]:
@@ -190,12 +208,12 @@ def fitted(record: Record, tolerance: float, order: int | None) -> tuple[list[fl
     c = _solved(record, most)
     if order is None:
         powers = 0.5 * (c[1::2] ** 2 + c[2::2] ** 2)
-        unfitted = np.mean((record.values - _basis(record, most) @ c) ** 2)
+        unfitted = np.mean(_misses(record, c) ** 2)
         left = np.sqrt(unfitted + np.append(np.cumsum(powers[::-1])[::-1][1:], 0.0))  # left[k - 1]: r.m.s. above harmonic k
         good = left <= tolerance * record.spread
         order = int(np.argmax(good)) + 1 if good.any() else most
         c = _solved(record, order)
-    misses = record.values - _basis(record, order) @ c
+    misses = _misses(record, c)
     residual = float(np.sqrt(np.mean(misses**2))) / record.spread
     remark = (
         f"the drive is a {record.name} record of {len(record.t)} samples as {order} harmonics; they leave {100 * residual:.3g} per cent "

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, settled
+from stickslip.drives.drive import PeriodicDrive, given_numbers, settled, shown
 from stickslip.errors import Problems
-from stickslip.fields import _all, describe, positive
-from stickslip.maths import maximum, minimum, where, within
+from stickslip.fields import _all, positive
+from stickslip.maths import maximum, where, within
 
 __all__ = ["Trapezoid"]
 
@@ -73,11 +73,11 @@ class Trapezoid(PeriodicDrive):
     def _check(self, problems: Problems) -> None:
         if problems.found:
             return
-        longest = self.period * minimum(self.u1, self.u2) / (self.u1 + self.u2)
-        if not _all(self.ramp < longest):
+        total = (self.u1 + self.u2) * self.ramp
+        if not _all((total < self.period * self.u1) & (total < self.period * self.u2)):
             problems.add(
-                f"ramp = {describe(self.ramp)} leaves no plateau; allowed is below T min(u1, u2)/(u1 + u2) = {describe(longest)} s, "
-                "or a MultiHarmonic; type a shorter ramp or a longer period"
+                f"ramp = {shown(self.ramp)} with period = {shown(self.period)} leaves no plateau; allowed is below T u/(u1 + u2), u "
+                "being the smaller speed; type a shorter ramp, a longer period, or a MultiHarmonic"
             )
 
     @property

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import PeriodicDrive, agree, given_numbers
+from stickslip.drives.drive import PeriodicDrive, agree, given_numbers, shown
 from stickslip.errors import Problems
-from stickslip.fields import describe, positive
+from stickslip.fields import positive
 from stickslip.maths import maximum, where, within
 
 __all__ = ["TwoPhase"]
@@ -118,7 +118,7 @@ def _completed(known: dict[str, Any], problems: Problems) -> dict[str, Any]:
             _complete_phase(known, u, t, problems)
     missing = [name for name in ("stroke", "u1", "u2") if name not in known]
     if missing:
-        names = ", ".join(known) or "nothing"
+        names = ", ".join(known) or "what was given"
         problems.add(f"{names} does not settle {', '.join(missing)}; allowed is any three that do, as stroke = u1 t1 = u2 t2; {_EXAMPLE}")
     return {name: known[name] for name in ("stroke", "u1", "u2") if name in known}
 
@@ -126,8 +126,8 @@ def _completed(known: dict[str, Any], problems: Problems) -> dict[str, Any]:
 def _complete_phase(known: dict[str, Any], u: str, t: str, problems: Problems) -> None:
     if u in known and t in known and "stroke" in known:
         if not agree(known[u] * known[t], known["stroke"]):
-            way = describe(known[u] * known[t])
-            problems.add(f"{u} {t} = {way} m and stroke = {describe(known['stroke'])} m; allowed is one stroke for both phases; {_EXAMPLE}")
+            way = shown(known[u] * known[t])
+            problems.add(f"{u} {t} = {way} m and stroke = {shown(known['stroke'])} m; allowed is one stroke for both phases; {_EXAMPLE}")
             del known[t]
     elif u in known and t in known:
         known["stroke"] = known[u] * known[t]

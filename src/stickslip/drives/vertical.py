@@ -16,7 +16,7 @@ __all__ = ["VerticalVibration"]
 
 @dataclass(frozen=True, eq=False)
 class VerticalVibration(Around):
-    r"""A drive whose inner mass also moves up and down: :math:`\eta(t) = B\sin(n\omega t+\varphi)`, upwards positive.
+    r"""A drive whose inner mass also moves up and down: :math:`\eta(t) = B \sin(n \omega t + \varphi)`, upwards positive.
 
     .. math:: N(t) = (M+m)\,g\cos\theta + m\,\ddot\eta(t)
 
@@ -30,8 +30,8 @@ class VerticalVibration(Around):
     amplitude : float
         Amplitude B of the vertical motion [m].
     phase : float
-        Phase against the start of the drive's period [rad]. To have :math:`N = W(1+b\sin(\omega t+\varphi))` take phase
-        :math:`\varphi+\pi`.
+        Phase against the start of the drive's period [rad]. To have :math:`N = W (1 + b \sin(\omega t + \varphi))` take phase
+        :math:`\varphi + \pi`.
     harmonic : int
         How many vertical vibrations there are in one period of the drive.
 

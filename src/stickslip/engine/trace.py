@@ -180,6 +180,8 @@ class _Mechanics:
         self.offset = -self.lift(self.model.contact_velocity(graph.constant(0.0)))
         self.v = self.slip + self.offset
         self.load = self.lift(normal_load(self.model, self.t, self.x))
+        zero = graph.constant(0.0)
+        self.first_load = self.lift(normal_load(self.model, zero, zero))  # a typical load, where it varies
         self.law = self.model.friction
 
     def lift(self, value: Any) -> Sym:
@@ -246,7 +248,7 @@ def _dynamic(m: _Mechanics) -> _Motion:
     force = law.force(m.slip, _given(z), _given(zdot), m.load, *memory, *applied)
     events, at_rest = _switches(m, z, modes) if memory else ([], None)
     scale = getattr(law, "scale", None)
-    scales = (None,) * count if scale is None else tuple(m.lift(s) for s in _as_tuple(scale(m.load), count, "scale"))
+    scales = (None,) * count if scale is None else tuple(m.lift(s) for s in _as_tuple(scale(m.first_load), count, "scale"))
     zero = graph.constant(0.0)
     return _Motion(z, (m.acceleration(force), *zdot), events, at_rest, modes, (zero,) * len(modes), scales)
 

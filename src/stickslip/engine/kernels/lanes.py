@@ -207,6 +207,22 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
     N[lane, FRESH] = 0
 
 
+@njit("void(int64, float64, float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], int8[:,::1])", **OPTIONS)
+def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC):
+    """At a known instant: what was observed ends before an impulse, and begins anew after it."""
+    jump = jump_of(lane, S)
+    if jump == 0.0:
+        return
+    if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
+        observe(lane, 0.0, K[lane, RQ], slip_ratio, S[F_C + PERIOD * L + lane], N, K, SEGT, SEGC)
+    apply_jump(lane, S, PARAM[N[lane, CASE]], jump)
+    if N[lane, RECORDING] == 1:
+        v = S[F_Y + lane]
+        N[lane, FRESH] = 2
+        K[lane, TP], K[lane, VP] = S[F_T + lane], v
+        K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
+
+
 @njit("void(int64, float64[::1], int64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,::1], int64[:,::1])", **OPTIONS)
 def finish(lane, S, N, K, RING, OUT, COUNT):
     """Write a case's results."""
