@@ -233,7 +233,7 @@ def test_dahl_virgin_curve(exponent, curve):
     law = ss.Dahl(mu_plus=0.3, mu_minus=0.2, sigma0=1e5, exponent=exponent)
     reach = 0.3 / 1e5
     ways = np.array([0.1, 0.5, 1.0, 1.9])
-    z = integrated(law, lambda _: reach, 2.0, times=ways)
+    z = integrated(law, lambda _: reach, ways[-1], times=ways)
     assert law.sigma0 * z / 0.3 == pytest.approx([curve(x) for x in ways], abs=1e-10)
 
 
@@ -269,7 +269,7 @@ def test_elasto_plastic_does_not_drift_below_its_elastic_limit():
             rate = law.rate(v, z, 1.0)
             return [v, 0.4 + 0.2 * math.sin(2 * math.pi * t) - law.force(v, z, rate, 1.0), rate]
 
-        run = solve_ivp(slope, (0, 5), [0.0, 0.0, 0.0], method="Radau", rtol=1e-8, atol=[1e-14, 1e-12, 1e-14])
+        run = solve_ivp(slope, (0, 2), [0.0, 0.0, 0.0], method="LSODA", rtol=1e-9, atol=[1e-15, 1e-13, 1e-15])
         return run.y[0] - run.y[2]
 
     assert np.abs(drift(plastic)).max() <= 1e-12
