@@ -18,13 +18,21 @@ Piece = tuple[float, Callable[[float], float]]
 def shaken(probe: Probe, stroke: float, speed: float, cycles: int = 2) -> dict[str, float]:
     """Move a fresh contact to and fro over a stroke with velocity ``speed sin(omega t)``; what it cost, as `moved` tells it."""
     half = math.pi * stroke / (2.0 * abs(speed))
-    to, fro = ((half, lambda t, way=way: way * math.sin(math.pi * t / half)) for way in (speed, -speed))
+    to, fro = ((half, _sine(way, half)) for way in (speed, -speed))
     return moved(probe, [to, fro] * cycles, last=2)
 
 
 def burst(probe: Probe, stroke: float, slow: float, fast: float) -> dict[str, float]:
     """Push a fresh contact slowly over a stroke, and then suddenly fast."""
-    return moved(probe, [(stroke / abs(v), lambda t, v=v: v) for v in (slow, fast)], last=1)
+    return moved(probe, [(stroke / abs(v), _steady(v)) for v in (slow, fast)], last=1)
+
+
+def _steady(speed: float) -> Callable[[float], float]:
+    return lambda t: speed
+
+
+def _sine(speed: float, half: float) -> Callable[[float], float]:
+    return lambda t: speed * math.sin(math.pi * t / half)
 
 
 def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
