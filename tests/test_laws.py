@@ -25,7 +25,6 @@ EVERY = {name: cls.example() for name, cls in ss.LAWS.items()} | {
     "film and oil": ss.TanhCoulomb.example() + ss.Viscous.example(),
 }
 every_law = pytest.mark.parametrize("law", EVERY.values(), ids=EVERY)
-DYNAMIC = {name: law for name, law in EVERY.items() if hasattr(law, "rate")}
 
 #: Canudas de Wit et al. 1995, with a load of 1 N: Fc = 1 N, Fs = 1.5 N.
 LUGRE_1995 = ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3)
@@ -70,6 +69,12 @@ def test_a_law_is_copied_with_changes_and_compared(law):
     assert law.replace() == law
     if name is not None:
         assert law.replace({name: 1.1 * value + 1e-9}) != law
+
+
+@pytest.mark.parametrize("name", ss.LAWS)
+def test_a_study_file_holds_every_law(name):
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=EVERY[name])
+    assert ss.Robot.from_toml(robot.to_toml()).friction == EVERY[name]
 
 
 @pytest.mark.parametrize("name", ss.LAWS)
