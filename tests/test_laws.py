@@ -25,7 +25,6 @@ EVERY = {name: cls.example() for name, cls in ss.LAWS.items()} | {
     "film and oil": ss.TanhCoulomb.example() + ss.Viscous.example(),
 }
 every_law = pytest.mark.parametrize("law", EVERY.values(), ids=EVERY)
-DYNAMIC = {name: law for name, law in EVERY.items() if hasattr(law, "rate")}
 
 #: Canudas de Wit et al. 1995, with a load of 1 N: Fc = 1 N, Fs = 1.5 N.
 LUGRE_1995 = ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3)
@@ -66,10 +65,16 @@ def test_only_bristles_with_damping_give_back_energy(name):
 
 @every_law
 def test_a_law_is_copied_with_changes_and_compared(law):
-    name, value = next(iter(leaves(law)), (None, None))
+    name, value = next(((n, x) for n, x in leaves(law) if not n[-1].isdigit() or n[-2] != "."), (None, None))
     assert law.replace() == law
     if name is not None:
         assert law.replace({name: 1.1 * value + 1e-9}) != law
+
+
+@pytest.mark.parametrize("name", ss.LAWS)
+def test_a_study_file_holds_every_law(name):
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=EVERY[name])
+    assert ss.Robot.from_toml(robot.to_toml()).friction == EVERY[name]
 
 
 @pytest.mark.parametrize("name", ss.LAWS)
@@ -233,7 +238,7 @@ def test_dahl_virgin_curve(exponent, curve):
     law = ss.Dahl(mu_plus=0.3, mu_minus=0.2, sigma0=1e5, exponent=exponent)
     reach = 0.3 / 1e5
     ways = np.array([0.1, 0.5, 1.0, 1.9])
-    z = integrated(law, lambda _: reach, 2.0, times=ways)
+    z = integrated(law, lambda _: reach, ways[-1], times=ways)
     assert law.sigma0 * z / 0.3 == pytest.approx([curve(x) for x in ways], abs=1e-10)
 
 
@@ -269,7 +274,7 @@ def test_elasto_plastic_does_not_drift_below_its_elastic_limit():
             rate = law.rate(v, z, 1.0)
             return [v, 0.4 + 0.2 * math.sin(2 * math.pi * t) - law.force(v, z, rate, 1.0), rate]
 
-        run = solve_ivp(slope, (0, 5), [0.0, 0.0, 0.0], method="Radau", rtol=1e-8, atol=[1e-14, 1e-12, 1e-14])
+        run = solve_ivp(slope, (0, 2), [0.0, 0.0, 0.0], method="LSODA", rtol=1e-9, atol=[1e-15, 1e-13, 1e-15])
         return run.y[0] - run.y[2]
 
     assert np.abs(drift(plastic)).max() <= 1e-12
@@ -521,25 +526,27 @@ BAD = [
      "exponent = 0.0; allowed is a positive number, mostly 1 or 2; type for example exponent=1.0"),
     (lambda: ss.Dahl(0.2, 0.2, sigma0=-1.0), "sigma0 = -1.0; allowed is a positive stiffness [N/m]; type for example sigma0=1.0"),
     (lambda: maxwell(weights=(0.5, 0.4), stiffness=(0.5, 0.5)),
-     "weights = (0.5, 0.4) sum to 0.9; allowed are shares that sum to 1; divide each by 0.9"),
+     "weights = (0.5, 0.4) sum to 0.9; allowed are shares that sum to 1; divide each by their sum"),
+    (lambda: ss.Tabulated((), (), ()), "speed has 0 values; allowed is a table of two or more; type for example speed=(0.0, 0.1)"),
+    (lambda: maxwell(weights=()), "weights is empty; allowed is one share or more; type for example weights=(0.5, 0.5)"),
     (lambda: maxwell(weights=(0.5, 0.5)), "stiffness has 4 values and weights 2; allowed is one of each for every element"),
     (lambda: maxwell(weights=(1.5, -0.5), stiffness=(0.5, 0.5)),
-     "weights[1] = -0.5; each must be positive; type for example weights=(0.1, 0.2)"),
+     "weights[1] = -0.5; allowed is several positive numbers that sum to 1; type for example weights=(0.5, 0.5)"),
     (lambda: maxwell(weights=1.0, stiffness=(1.0,)),
-     "weights = 1.0; allowed is several numbers, each positive; type for example weights=(0.1, 0.2)"),
+     "weights = 1.0; allowed is a tuple of numbers; type for example weights=(0.5, 0.5)"),
     (lambda: ss.Tabulated((0.0, 1.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),
      "the table is not single-valued: speed[2] = 1.0 after speed[1] = 1.0; allowed is one coefficient for a speed; remove one, or put "
      "their mean"),
     (lambda: ss.Tabulated((0.0, 2.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1, 0.1)),
      "the table does not rise: speed[2] = 1.0 after speed[1] = 2.0; allowed are rising speeds; sort the table by speed"),
     (lambda: ss.Tabulated((0.0, 1.0), (0.1, -0.1), (0.1, 0.1)),
-     "mu_plus[1] = -0.1; each must be zero or more; type for example mu_plus=(0.1, 0.2)"),
+     "mu_plus[1] = -0.1; allowed is several coefficients, zero or more; type for example mu_plus=(0.2, 0.1)"),
     (lambda: ss.Tabulated((0.0, 1.0), (0.1, math.nan), (0.1, 0.1)),
-     "mu_plus[1] = nan; each must be zero or more; type for example mu_plus=(0.1, 0.2)"),
+     "mu_plus[1] = nan; allowed is several coefficients, zero or more; type for example mu_plus=(0.2, 0.1)"),
     (lambda: ss.Tabulated((0.0, 1.0), (0.1, 0.1, 0.1), (0.1, 0.1)),
      "mu_plus has 3 values and speed 2; allowed is one coefficient for every speed"),
     (lambda: ss.Tabulated((0.0,), (0.1,), (0.1,)),
-     "speed has one value; allowed is a table of at least two; type for example speed=(0.0, 0.1)"),
+     "speed has 1 values; allowed is a table of two or more; type for example speed=(0.0, 0.1)"),
     (lambda: ss.Tabulated((0.0, 1.0), (0.2, 0.1), (0.1, 0.1), f_plus=0.15),
      "f_plus = 0.15 is below mu_plus[0] = 0.2; allowed is f_plus >= mu_plus[0]; type f_plus=None for equal ones"),
     (lambda: ss.Bristle(0.2, 0.2, 1e5, bristles=0), "bristles = 0; allowed is a whole number from 1 on; type for example bristles=10"),

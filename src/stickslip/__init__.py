@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
+    from stickslip import testing as testing
     from stickslip.analysis.energy import energy as energy
     from stickslip.analysis.motion import Motion as Motion
     from stickslip.analysis.motion import motion as motion

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, positive
-from stickslip.friction.law import Law
+from stickslip.fields import _all, at_least, describe, positive
+from stickslip.friction.law import Law, several
 from stickslip.friction.sides import alone_or_all, by_side, check_static, each, fading
 from stickslip.maths import where
 
@@ -72,8 +72,8 @@ class GMS(Law):
     v_s: float
     attraction: float
     sigma2: float = 0.0
-    stiffness: tuple[float, ...] = (0.4, 0.3, 0.2, 0.1)
-    weights: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4)
+    stiffness: tuple[float, ...] = field(default=(0.4, 0.3, 0.2, 0.1), metadata={"example": "(0.5, 0.5)"})
+    weights: tuple[float, ...] = field(default=(0.1, 0.2, 0.3, 0.4), metadata={"example": "(0.5, 0.5)"})
 
     _example: ClassVar[dict[str, Any]] = dict(
         mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, v_s=2e-3, attraction=100.0, sigma2=0.04
@@ -87,19 +87,23 @@ class GMS(Law):
         "v_s": (positive, "a positive velocity [m/s]"),
         "attraction": (positive, "a positive force rate [N/s]"),
         "sigma2": (at_least(0.0), "zero or more [N s/m]"),
+        "stiffness": (positive, "several positive numbers that sum to 1"),
+        "weights": (positive, "several positive numbers that sum to 1"),
     }
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)
-        lengths = []
-        for name in ("stiffness", "weights"):
-            values = self._several(name, positive, "positive", problems)
-            lengths.append(len(values))
+        shares = {name: several(getattr(self, name)) for name in ("stiffness", "weights")}
+        for name, values in shares.items():
             total = sum(values)
-            if values and abs(total - 1.0) > 1e-9:
-                problems.add(f"{name} = {values} sum to {total:.6g}; allowed are shares that sum to 1; divide each by {total:.6g}")
-        if all(lengths) and lengths[0] != lengths[1]:
-            problems.add(f"stiffness has {lengths[0]} values and weights {lengths[1]}; allowed is one of each for every element")
+            if values and not _all(abs(total - 1.0) < 1e-9):
+                given = f"{name} = {values} sum to {describe(total)}"
+                problems.add(f"{given}; allowed are shares that sum to 1; divide each by their sum")
+            elif getattr(self, name) == ():
+                problems.add(f"{name} is empty; allowed is one share or more; type for example {name}=(0.5, 0.5)")
+        counts = [len(values) for values in shares.values()]
+        if all(counts) and counts[0] != counts[1]:
+            problems.add(f"stiffness has {counts[0]} values and weights {counts[1]}; allowed is one of each for every element")
 
     @property
     def states(self) -> int:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from stickslip.errors import Problems
-from stickslip.fields import Record, describe, number
+from stickslip.fields import Record, is_array
 
-__all__ = ["Law"]
+__all__ = ["Law", "several"]
 
 
 class Law(Record):
@@ -30,20 +29,8 @@ class Law(Record):
 
         return Sum(other, self)
 
-    def _several(self, name: str, rule: Any, allowed: str, problems: Problems) -> tuple[Any, ...]:
-        """A field of several numbers as a tuple; () where it is none, which is reported."""
-        given = getattr(self, name)
-        try:
-            values = tuple(number(value) for value in given)
-        except (TypeError, ValueError):
-            problems.add(f"{name} = {given!r}; allowed is several numbers, each {allowed}; type for example {name}=(0.1, 0.2)")
-            return ()
-        object.__setattr__(self, name, values)
-        bad = [f"{name}[{k}] = {describe(x)}" for k, x in enumerate(values) if not _good((abs(x) < float("inf")) & rule(x))]
-        if bad:
-            problems.add(f"{', '.join(bad)}; each must be {allowed}; type for example {name}=(0.1, 0.2)")
-        return () if bad else values
 
-
-def _good(condition: Any) -> bool:
-    return bool(condition.all()) if hasattr(condition, "all") else bool(condition)
+def several(values: Any) -> tuple[Any, ...]:
+    """A field of several numbers; () where there is none, or something else among them, which has been reported."""
+    good = isinstance(values, tuple) and all(isinstance(value, float) or is_array(value) for value in values)
+    return values if good else ()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import _all, at_least, describe
-from stickslip.friction.law import Law
+from stickslip.friction.law import Law, several
 from stickslip.friction.sides import by_side, static
 from stickslip.maths import where
 
@@ -48,9 +48,9 @@ class Tabulated(Law):
     (-2.4, 1.8)
     """
 
-    speed: tuple[float, ...]
-    mu_plus: tuple[float, ...]
-    mu_minus: tuple[float, ...]
+    speed: tuple[float, ...] = field(metadata={"example": "(0.0, 0.1)"})
+    mu_plus: tuple[float, ...] = field(metadata={"example": "(0.2, 0.1)"})
+    mu_minus: tuple[float, ...] = field(metadata={"example": "(0.2, 0.1)"})
     f_plus: float | None = None
     f_minus: float | None = None
 
@@ -58,15 +58,20 @@ class Tabulated(Law):
         speed=(0.0, 1e-3, 4e-3, 2e-2, 0.1), mu_plus=(0.18, 0.165, 0.151, 0.15, 0.17), mu_minus=(0.24, 0.225, 0.211, 0.21, 0.22)
     )
     _rules: ClassVar[dict[str, Any]] = {
+        "speed": (at_least(0.0), "several speeds, zero or more and rising [m/s]"),
+        "mu_plus": (at_least(0.0), "several coefficients, zero or more"),
+        "mu_minus": (at_least(0.0), "several coefficients, zero or more"),
         "f_plus": (at_least(0.0), "zero or more, or None"),
         "f_minus": (at_least(0.0), "zero or more, or None"),
     }
 
     def _check(self, problems: Problems) -> None:
-        speed = self._several("speed", at_least(0.0), "zero or more [m/s]", problems)
+        speed = several(self.speed)
         _check_rising(speed, problems)
+        if isinstance(self.speed, tuple) and len(self.speed) < 2:
+            problems.add(f"speed has {len(self.speed)} values; allowed is a table of two or more; type for example speed=(0.0, 0.1)")
         for side in ("plus", "minus"):
-            mu, f = self._several(f"mu_{side}", at_least(0.0), "zero or more", problems), getattr(self, f"f_{side}")
+            mu, f = several(getattr(self, f"mu_{side}")), getattr(self, f"f_{side}")
             if mu and speed and len(mu) != len(speed):
                 problems.add(f"mu_{side} has {len(mu)} values and speed {len(speed)}; allowed is one coefficient for every speed")
             if mu and f is not None and not _all(f >= mu[0]):
@@ -103,8 +108,6 @@ class Tabulated(Law):
 
 def _check_rising(speed: tuple[Any, ...], problems: Problems) -> None:
     """A table is a function of speed."""
-    if len(speed) == 1:
-        problems.add("speed has one value; allowed is a table of at least two; type for example speed=(0.0, 0.1)")
     for k in range(1, len(speed)):
         if _all(speed[k] > speed[k - 1]):
             continue

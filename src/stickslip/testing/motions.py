@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import Any
@@ -17,13 +18,21 @@ Piece = tuple[float, Callable[[float], float]]
 def shaken(probe: Probe, stroke: float, speed: float, cycles: int = 2) -> dict[str, float]:
     """Move a fresh contact to and fro over a stroke with velocity ``speed sin(omega t)``; what it cost, as `moved` tells it."""
     half = math.pi * stroke / (2.0 * abs(speed))
-    to, fro = ((half, lambda t, way=way: way * math.sin(math.pi * t / half)) for way in (speed, -speed))
+    to, fro = ((half, _sine(way, half)) for way in (speed, -speed))
     return moved(probe, [to, fro] * cycles, last=2)
 
 
 def burst(probe: Probe, stroke: float, slow: float, fast: float) -> dict[str, float]:
     """Push a fresh contact slowly over a stroke, and then suddenly fast."""
-    return moved(probe, [(stroke / abs(v), lambda t, v=v: v) for v in (slow, fast)], last=1)
+    return moved(probe, [(stroke / abs(v), _steady(v)) for v in (slow, fast)], last=1)
+
+
+def _steady(speed: float) -> Callable[[float], float]:
+    return lambda t: speed
+
+
+def _sine(speed: float, half: float) -> Callable[[float], float]:
+    return lambda t: speed * math.sin(math.pi * t / half)
 
 
 def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
@@ -46,6 +55,14 @@ def moved(probe: Probe, pieces: list[Piece], last: int) -> dict[str, float]:
     return {"least": state.least, "turned": state.turned, "loss": loss, "loss_turned": turned, "force": end}
 
 
+#: Evaluations after which a stretch between two switches is given to an integrator for stiff equations.
+CALLS = 20_000
+
+
+class _TooStiff(Exception):
+    """The integrator takes too many steps."""
+
+
 class _Contact:
     """Where a contact is: its states and memories, and the work done on it so far."""
 
@@ -56,25 +73,36 @@ class _Contact:
 
     def follow(self, length: float, velocity: Callable[[float], float]) -> None:
         """Go through one piece of a motion, from switch to switch."""
-        from scipy.integrate import solve_ivp
-
-        t, count = 0.0, self.probe.states
-        atol = [*(1e-10 * size for size in self.probe.scale), 1e-10 * self.work, 1e-10 * self.work]
+        t = 0.0
         while t < length:
-            run = solve_ivp(
-                self._slope(velocity), (t, length), [*self.z, self.done, self.turned], method="LSODA", rtol=1e-8, atol=atol,
-                max_step=length / 50, events=self._guard(velocity) if self.probe.modes else None,
-            )  # fmt: skip
+            try:
+                run = self._integrated(t, length, velocity, "LSODA")
+            except _TooStiff:
+                run = self._integrated(t, length, velocity, "Radau")
             before = [g for g, _, _ in self.probe.switches(velocity(0.5 * (t + run.t[-1])), self.z, self.mode)]
             t, y = float(run.t[-1]), [float(value) for value in run.y[:, -1]]
-            self.z, self.done, self.turned = tuple(y[:count]), y[-2], y[-1]
+            self.z, self.done, self.turned = tuple(y[:-2]), y[-2], y[-1]
             self.least = min(self.least, float(run.y[-2].min()))
             v = velocity(t)
             stopped = t >= length and abs(v) < 1e-9 * abs(velocity(0.5 * length))
             self._switch(0.0 if stopped else v, before, t < length)
 
-    def _slope(self, velocity: Callable[[float], float]) -> Any:
+    def _integrated(self, t: float, end: float, velocity: Callable[[float], float], method: str) -> Any:
+        """States and work up to the next switch. LSODA may miss that it is too stiff, where rates are next to nothing."""
+        from scipy.integrate import solve_ivp
+
+        atol = [*(1e-10 * size for size in self.probe.scale), 1e-10 * self.work, 1e-10 * self.work]
+        return solve_ivp(
+            self._slope(velocity, budget=CALLS if method == "LSODA" else None), (t, end), [*self.z, self.done, self.turned],
+            method=method, rtol=1e-8, atol=atol, max_step=end / 50, events=self._guard(velocity) if self.probe.modes else None,
+        )  # fmt: skip
+
+    def _slope(self, velocity: Callable[[float], float], budget: int | None) -> Any:
+        calls = itertools.count()
+
         def slope(t: float, y: Any) -> list[float]:
+            if next(calls) == budget:
+                raise _TooStiff
             v, z = velocity(t), tuple(map(float, y[: self.probe.states]))
             power = self.probe.force(v, z, self.mode) * v
             return [*self.probe.rate(v, z, self.mode), power, abs(power)]
