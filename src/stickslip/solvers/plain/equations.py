@@ -8,10 +8,10 @@ from typing import Any
 
 from stickslip.forces import is_dynamic, law_force, law_rate, memories_of, normal_load, rest_velocity, states_of
 
-__all__ = ["LOAD", "SLIP", "Equations"]
+__all__ = ["LEAST", "LOAD", "SLIP", "Equations"]
 
 SLIP, LOAD = 0, 1  # the first two guards; the others are the law's own
-_LEAST = 1e-300  # a velocity that has a side and nothing else
+LEAST = 1e-300  # a velocity that has a side and nothing else
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
 Memory = tuple[int, ...]
@@ -26,7 +26,7 @@ class Equations:
         self.inner, self.memories = states_of(law), memories_of(law)
         self.rest = float(rest_velocity(model))
         self.scale_of_time = time_scale(model)
-        self.first, self.last = -math.inf, math.inf
+        self.first, self.last, self.first_load = -math.inf, math.inf, 0.0
 
     def between(self, first: float, last: float) -> None:
         """Ask the drive between two of its breaks only."""
@@ -40,10 +40,14 @@ class Equations:
         """Normal force [N]."""
         return normal_load(self.model, self._time(t), x)
 
+    def _pressing(self, t: float, x: float) -> float:
+        """Normal force, positive also a moment after the contact is lost: a step looks beyond its end."""
+        return max(normal_load(self.model, t, x), 1e-12 * self.first_load, LEAST)
+
     def slip(self, y: Any, side: int) -> float:
         """Velocity at the contact, held on its side [m/s]."""
         u = self.model.contact_velocity(float(y[1]))
-        return u if side * u > _LEAST else side * _LEAST
+        return u if side * u > LEAST else side * LEAST
 
     def state(self, y: Any) -> Any:
         """The inner states as the law wants them: a number if it has one, else a tuple."""
@@ -56,16 +60,24 @@ class Equations:
 
         def dynamic(t: float, y: Any) -> list[float]:
             t, x, v = self._time(t), float(y[0]), float(y[1])
-            slip, z, load = self.slip(y, side), self.state(y), normal_load(model, t, x)
+            slip, z, load = self.slip(y, side), self.state(y), self._pressing(t, x)
             rate = law_rate(law, slip, z, load, memory)
             force = law_force(law, slip, z, rate, load, memory, model.total_mass * model.acceleration(t, x, v, 0.0))
             return [v, model.acceleration(t, x, v, force), *((rate,) if self.inner == 1 else rate)]
 
         def set_valued(t: float, y: Any) -> list[float]:
             t, x, v = self._time(t), float(y[0]), float(y[1])
-            return [v, model.acceleration(t, x, v, law.sliding(self.slip(y, side), normal_load(model, t, x)))]
+            return [v, model.acceleration(t, x, v, law.sliding(self.slip(y, side), self._pressing(t, x)))]
 
-        return dynamic if self.dynamic else set_valued
+        plain = dynamic if self.dynamic else set_valued
+
+        def finite(t: float, y: Any) -> list[float]:
+            try:
+                return plain(t, y)
+            except ArithmeticError:  # a trial step far too long: the integrator takes a shorter one
+                return [math.nan] * len(y)
+
+        return finite
 
     def guards(self, t: float, y: Any, side: int, memory: Memory) -> list[float]:
         """Positive while nothing happens: the velocity at the contact, the load, and the law's switches."""
@@ -74,7 +86,7 @@ class Equations:
 
     def switches(self, t: float, y: Any, slip: float, memory: Memory) -> list[Any]:
         """The law's switches: (guard, new memory, new inner states or None)."""
-        return list(self.law.switches(slip, self.state(y), self.load(t, float(y[0])), memory)) if self.memories else []
+        return list(self.law.switches(slip, self.state(y), self._pressing(self._time(t), float(y[0])), memory)) if self.memories else []
 
     def excess(self, t: Any, x: Any) -> tuple[Any, Any]:
         """How far the offered force is above the forward limit, and below the backward one [N]; negative while they hold."""

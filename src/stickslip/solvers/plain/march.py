@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import SolveError
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain.dense import Part, joined, resting
-from stickslip.solvers.plain.equations import LOAD, SLIP, Equations, Memory
+from stickslip.solvers.plain.equations import LEAST, LOAD, SLIP, Equations, Memory
 from stickslip.solvers.plain.stretch import Stretch, integrate
 from stickslip.solvers.request import Request
 
@@ -70,7 +70,8 @@ class _Run:
         self.parts: list[Part] = []
         self.counts, self.lost = {"steps": 0, "evaluations": 0, "restarts": 0}, False
         self.since, self.events = 0.0, 0
-        if equations.load(0.0, float(self.y[0])) <= 0.0:
+        equations.first_load = float(equations.load(0.0, float(self.y[0])))
+        if equations.first_load <= 0.0:
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
         self.mode = equations.side(0.0, self.y, 0, self.memory)
 
@@ -140,10 +141,13 @@ class _Run:
             self.y[2:] = z
 
     def _pass_zero(self) -> None:
-        """The velocity at the contact is zero: every switch that waits for it, each once."""
+        """The velocity at the contact is zero: every switch that waits for it (and for nothing else), each once."""
         done: set[int] = set()
+        side = self.mode or 1
         while True:
-            waiting = [k for k, s in enumerate(self.equations.switches(self.t, self.y, 0.0, self.memory)) if s[0] <= 0 and k not in done]
+            at_zero = self.equations.switches(self.t, self.y, 0.0, self.memory)
+            beside = self.equations.switches(self.t, self.y, side * LEAST, self.memory)
+            waiting = [k for k, (a, b) in enumerate(zip(at_zero, beside, strict=True)) if a[0] <= 0 < b[0] and k not in done]
             if not waiting:
                 return
             self._switch(0.0, waiting[0])

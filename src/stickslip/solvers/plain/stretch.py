@@ -19,7 +19,10 @@ NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
 _ONE_STEP = ("DOP853", "Radau")  # these begin a step anew without loss, so that an event is landed on by a step of its own
 _LOOKS = np.arange(1, 9) / 8  # where in a step guards are looked at
 _HALVINGS = 60
+_NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity at which laws are asked
 _NOT_A_NUMBER = 4
+_LITTLE = 1e-6  # of the load at the start: a dynamic law grows infinitely stiff where the load falls to zero
+_MOMENT = 1e-7  # of a period: how far ahead a guard that begins at zero is looked at
 
 
 @dataclass
@@ -55,11 +58,21 @@ class _Step:
         times = self.start + _LOOKS * (self.end - self.start)
         values = np.array([before, *(self.guards(float(t)) for t in times)])
         times = np.concatenate([[self.start], times])
-        found = [(t, k) for k in range(values.shape[1]) if (t := self._root(k, times, values[:, k], k in fresh)) is not None]
-        return min(found) if found else None
+        found: tuple[float, int] | None = None
+        for k in range(values.shape[1]):
+            if found is not None and self._holds_until(k, found[0], times, values[:, k]):
+                t = self._dip(k, times[times <= found[0]], values[times <= found[0], k])
+            else:
+                t = self._root(k, times, values[:, k], k in fresh)
+            found = (t, k) if t is not None and (found is None or t < found[0]) else found
+        return found
+
+    def _holds_until(self, k: int, t: float, times: Any, g: Any) -> bool:
+        """Whether a guard is positive at t and at all looks before."""
+        return bool(np.all(g[1:][times[1:] <= t] >= 0)) and self.guards(t)[k] > 0
 
     def _root(self, k: int, times: Any, g: Any, fresh: bool) -> float | None:
-        below = np.flatnonzero(g[1:] < 0) + 1
+        below = np.flatnonzero(g[1:] < (-_NOTHING if k == SLIP else 0.0)) + 1
         if len(below) == 0:
             return self._dip(k, times, g)
         last = int(below[0])
@@ -102,6 +115,9 @@ def integrate(todo: Request, equations: Equations, t: float, y: Any, end: float,
     done = Stretch(t, y, [], None)
     while solver.status == "running":
         step = _advance(todo, equations, solver, end, side, memory)
+        if step is None:
+            done.t, done.y, done.fired = float(solver.t), solver.y.copy(), LOAD
+            return done
         done.steps += 1
         event = step.first_event(guards, fresh)
         if event is not None:
@@ -118,12 +134,16 @@ def _begin(
 ) -> tuple[set[int], int | None]:
     """Guards that begin at zero and rise, and one that begins at zero and falls: an event at once."""
     fresh = {k for k, g in enumerate(guards) if g <= 0.0}
-    for k in sorted(fresh - {SLIP}):
-        moment = 1e-9 * equations.scale_of_time
-        later = equations.guards(t + moment, np.asarray(y) + moment * np.asarray(right(t, y)), side, memory)
-        if later[k] <= guards[k]:
-            return fresh, k
-    return fresh, None
+    if fresh <= {SLIP}:
+        return fresh, None
+    later = equations.guards(t + _MOMENT * equations.scale_of_time, _later(right, t, y, _MOMENT * equations.scale_of_time), side, memory)
+    return fresh, next((k for k in sorted(fresh - {SLIP}) if later[k] < guards[k]), None)
+
+
+def _later(right: Any, t: float, y: Any, moment: float) -> Any:
+    """The state a moment later, to second order: a position moves although its velocity begins at zero."""
+    middle = np.asarray(y) + 0.5 * moment * np.asarray(right(t, y))
+    return np.asarray(y) + moment * np.asarray(right(t + 0.5 * moment, middle))
 
 
 def _solver(todo: Request, equations: Equations, right: Any, t: float, y: Any, end: float, first: float | None = None) -> Any:
@@ -139,11 +159,13 @@ def _solver(todo: Request, equations: Equations, right: Any, t: float, y: Any, e
     return method(right, t, y, end, rtol=max(todo.rtol, 3e-14), atol=atol, max_step=0.1 * T, **options)
 
 
-def _advance(todo: Request, equations: Equations, solver: Any, end: float, side: int, memory: Memory) -> _Step:
-    """One step; `SolveError` if it failed."""
+def _advance(todo: Request, equations: Equations, solver: Any, end: float, side: int, memory: Memory) -> _Step | None:
+    """One step; None where the load is so small that no step is short enough, `SolveError` if it failed otherwise."""
     before = solver.y.copy()
     with np.errstate(all="ignore"):
         message = solver.step()
+    if solver.status == "failed" and equations.load(float(solver.t), float(before[0])) <= _LITTLE * equations.first_load:
+        return None
     if solver.status == "failed" or not np.all(np.isfinite(solver.y)):
         why = message if np.all(np.isfinite(solver.y)) else STATUS[_NOT_A_NUMBER]
         raise SolveError(
@@ -187,9 +209,9 @@ def _again(todo: Request, equations: Equations, step: _Step, end: float) -> list
     right = equations.right(step.side, step.memory)
     solver = _solver(todo, equations, right, step.start, step.before, end, end - step.start)
     taken: list[_Step] = []
-    while solver.status == "running":
-        taken.append(_advance(todo, equations, solver, end, step.side, step.memory))
-    return taken
+    while solver.status == "running" and (one := _advance(todo, equations, solver, end, step.side, step.memory)) is not None:
+        taken.append(one)
+    return taken or [step]
 
 
 def _correction(equations: Equations, step: _Step, t: float, y: Any, k: int) -> float:
