@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
-    from stickslip.drives import BangBang as BangBang
     from stickslip.drives import DRIVES as DRIVES
+    from stickslip.drives import BangBang as BangBang
     from stickslip.drives import Harmonic as Harmonic
     from stickslip.drives import MultiHarmonic as MultiHarmonic
     from stickslip.drives import PiezoBeam as PiezoBeam
@@ -34,15 +34,15 @@ if TYPE_CHECKING:
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
     from stickslip.errors import StickslipError as StickslipError
+    from stickslip.friction import GMS as GMS
+    from stickslip.friction import LAWS as LAWS
     from stickslip.friction import Bristle as Bristle
     from stickslip.friction import Coulomb as Coulomb
     from stickslip.friction import CoulombViscous as CoulombViscous
     from stickslip.friction import Dahl as Dahl
     from stickslip.friction import DeadBand as DeadBand
     from stickslip.friction import ElastoPlastic as ElastoPlastic
-    from stickslip.friction import GMS as GMS
     from stickslip.friction import Karnopp as Karnopp
-    from stickslip.friction import LAWS as LAWS
     from stickslip.friction import LuGre as LuGre
     from stickslip.friction import ResetIntegrator as ResetIntegrator
     from stickslip.friction import Stribeck as Stribeck

@@ -148,10 +148,17 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     width, groups = (1, 1) if record else (8, 2)
     source = _source(eq, step, width, groups, f"{label}, {method}", record)
     name = "single" if record else "lanes"
-    module = cache.load(
-        source, f"{name}_{_plain(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})"
+    module = cache.load(source, f"{name}_{_plain(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})")
+    return Kernel(
+        module,
+        width * groups,
+        len(step.fields) + len(_constants(eq, step)),
+        eq.states,
+        step.degree,
+        record,
+        eq.names,
+        len(eq.modes) if eq.dynamic else 0,
     )
-    return Kernel(module, width * groups, len(step.fields) + len(_constants(eq, step)), eq.states, step.degree, record, eq.names, len(eq.modes) if eq.dynamic else 0)
 
 
 def _plain(label: str) -> str:
@@ -177,9 +184,10 @@ def _layout(eq: Equations, step: Step, lanes: int, record: bool) -> dict[str, An
     named = {
         "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(step.fields) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "RECORD": record, "PERIOD": first, "FREE": first + 2, "SCALE_AT": tuple(scale_at),
-        "SET_VALUED": not eq.dynamic, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses),
-        "BREAKS": breaks, "BREAK_AT": constants - len(eq.impulses) - breaks, "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
-        "F_C": len(step.fields) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
+        "SET_VALUED": not eq.dynamic, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "KEPT_MODES": len(eq.modes) if eq.dynamic else 0,
+        "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks, "BREAK_AT": constants - len(eq.impulses) - breaks,
+        "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))), "F_C": len(step.fields) * lanes, "F_Y": offsets["y0"],
+        "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
     firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
@@ -256,7 +264,11 @@ def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], con
     reads = [f"_{name} = S[{offset} + l@]" for name, offset in offsets.items() if whole or name not in made]
     reads += [f"_c{i} = S[{constants_at + i * lanes} + l@]" for i in range(len(step.case_nodes))]
     given, name = ("S, rtol, budget", "step") if whole else ("S", "series")
-    text = [f'@njit("void(float64[::1]{", float64, float64" if whole else ""})", **OPTIONS)', f"def {name}({given}):", f"    for l in range({width}):"]
+    text = [
+        f'@njit("void(float64[::1]{", float64, float64" if whole else ""})", **OPTIONS)',
+        f"def {name}({given}):",
+        f"    for l in range({width}):",
+    ]
     for line in [*reads, *step.lines, *writes]:
         for g in range(groups):
             renamed = re.sub(r"(?<![\w.])_(?=[A-Za-z])", f"_{'abcd'[g]}_", line)

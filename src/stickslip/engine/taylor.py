@@ -33,7 +33,9 @@ def switches(eq: Equations, step: Step) -> str:
     """Text of what each guard's zero does to the modes and states of a lane; it returns the status of a run that ends there."""
     lines = ['@njit("int64(int64, int64, float64[::1])", **OPTIONS)', "def switched(which, lane, S):", "    t = S[F_T + lane]"]
     lines += [f"    y{i} = S[F_Y + {i} * L + lane]" for i in range(eq.states)]
-    bind = {s.name: f"y{i}" for i, s in enumerate(eq.y)} | {"t": "t"} | {s.name: f"S[F_MODE + {i} * L + lane]" for i, s in enumerate(eq.modes)}
+    bind = (
+        {s.name: f"y{i}" for i, s in enumerate(eq.y)} | {"t": "t"} | {s.name: f"S[F_MODE + {i} * L + lane]" for i, s in enumerate(eq.modes)}
+    )
     bind |= {f"b{k}": f"S[F_B + {k} * L + lane]" for k in range(eq.signs)}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
     for k, switch in eq.switches.items():

@@ -88,7 +88,9 @@ def numbers_of(model: Any) -> tuple[str, ...]:
 
     An exponent that is 1 or 2 for all cases belongs to the kind: its power is written out.
     """
-    return tuple(name for name, value in leaves(model) if not (name.endswith(".exponent") and isinstance(value, float) and value in (1.0, 2.0)))
+    return tuple(
+        name for name, value in leaves(model) if not (name.endswith(".exponent") and isinstance(value, float) and value in (1.0, 2.0))
+    )
 
 
 def _as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:

@@ -18,8 +18,5 @@ SAFETY = 0.5
 
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
-    if todo.method == "auto":
-        tableau = tableaux.RODAS4 if todo.rtol >= LOOSE else tableaux.RODAS5P
-    else:
-        tableau = tableaux.TABLEAUX[todo.method]
-    return stepping.run(todo, tableau, SAFETY * todo.rtol)
+    by_tolerance = tableaux.RODAS4 if todo.rtol >= LOOSE else tableaux.RODAS5P
+    return stepping.run(todo, tableaux.TABLEAUX.get(todo.method, by_tolerance), SAFETY * todo.rtol)
