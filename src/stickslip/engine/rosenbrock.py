@@ -279,6 +279,7 @@ class _StepWriter:
         w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
         w.line("_wrong", f"_late or {self.f[0]} * _b0 < 0.0")
         w.line("_which", "0.0")
+        w.line("_size", "0.0")
         end = self._bind("_t + _hh", [f"_n{i}" for i in range(self.n)])
         for k in range(1, self.g):
             self._other_crossing(k, end)
@@ -288,10 +289,8 @@ class _StepWriter:
         w, guard = self.w, self.eq.guards[k]
         w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
         w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
-        w.line(
-            "_noise",
-            f"-1e-13 * ({' + '.join(f'abs({w.value(a, end)})' for a in guard.args)})" if guard.op in ("add", "subtract") else "0.0",
-        )
+        w.line(f"_size{k}", self._size(guard, end))
+        w.line("_noise", f"-1e-13 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
         w.line("_late", f"_g{k}s < _noise and _on{k} < 0.5")
         w.line(f"_out{k}", f"_g{k}e < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")
@@ -300,9 +299,18 @@ class _StepWriter:
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
         w.line("_wrong", f"(_late or {self.guard_rate[k]} * _b{k} < 0.0) if _first else _wrong")
-        for name, value in (("_gs", f"_gp{k}"), ("_ge", f"_g{k}e"), ("_th", f"_th{k}"), ("_te", "1.0"), ("_which", f"{k}.0")):
+        for name, value in (("_gs", f"_gp{k}"), ("_ge", f"_g{k}e"), ("_th", f"_th{k}"), ("_te", "1.0"), ("_which", f"{k}.0"), ("_size", f"_size{k}")):
             w.line(name, f"{value} if _first else {name}")
         w.line("_cr", f"_cr or _cr{k}")
+
+    def _size(self, guard: Sym, bind: dict[str, str]) -> str:
+        """Size of the terms of which a guard is the difference: its rounding is a part of that."""
+        if guard.op in ("add", "subtract"):
+            return "(" + " + ".join(f"abs({self.w.value(a, bind)})" for a in guard.args) + ")"
+        if guard.op == "select":
+            held, yes, no = guard.args
+            return f"({self._size(yes, bind)} if {self.w.value(held, bind)} > 0.0 else {self._size(no, bind)})"
+        return f"abs({self.w.value(guard, bind)})"
 
     def _locate(self) -> None:
         """theta of the event on the dense output: safeguarded Newton for v, a bracketing secant where other guards exist."""
@@ -339,7 +347,7 @@ class _StepWriter:
                 w.line("_tn", "_lo + (_hi - _lo) * _glo / (_gap if _gap > 0.0 else 1.0)")
                 w.line("_th", "_tn if _gap > 0.0 else 0.5 * (_lo + _hi)")
             w.line("_pv", f"abs({self._guard_at('_th')})")
-            w.line("_conv", "_pv <= 1e-9 * _span")
+            w.line("_conv", "_pv <= fma(1e-9, _span, 1e-15 * _size)")
         for i in range(self.n):
             w.line(f"_v{i}", self._at(i, "_th"))
         w.end_if()
