@@ -53,7 +53,9 @@ def slopes(model: Any) -> Slopes:
     if not eq.cyclic:
         lacking.append("a mechanism with springs")
     if lacking:
-        raise InputError("solve", [f'method = "rk4" knows robots without impulses or memory; here is {" and ".join(lacking)}; type method="auto"'])
+        raise InputError(
+            "solve", [f'method = "rk4" knows robots without impulses or memory; here is {" and ".join(lacking)}; type method="auto"']
+        )
     return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
 
 

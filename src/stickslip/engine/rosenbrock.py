@@ -299,7 +299,14 @@ class _StepWriter:
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
         w.line("_wrong", f"(_late or {self.guard_rate[k]} * _b{k} < 0.0) if _first else _wrong")
-        for name, value in (("_gs", f"_gp{k}"), ("_ge", f"_g{k}e"), ("_th", f"_th{k}"), ("_te", "1.0"), ("_which", f"{k}.0"), ("_size", f"_size{k}")):
+        for name, value in (
+            ("_gs", f"_gp{k}"),
+            ("_ge", f"_g{k}e"),
+            ("_th", f"_th{k}"),
+            ("_te", "1.0"),
+            ("_which", f"{k}.0"),
+            ("_size", f"_size{k}"),
+        ):
             w.line(name, f"{value} if _first else {name}")
         w.line("_cr", f"_cr or _cr{k}")
 
