@@ -17,8 +17,17 @@ if TYPE_CHECKING:
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
+    from stickslip.drives import DRIVES as DRIVES
+    from stickslip.drives import BangBang as BangBang
     from stickslip.drives import Harmonic as Harmonic
+    from stickslip.drives import MultiHarmonic as MultiHarmonic
     from stickslip.drives import PiezoBeam as PiezoBeam
+    from stickslip.drives import Recorded as Recorded
+    from stickslip.drives import Reversed as Reversed
+    from stickslip.drives import ThreePhase as ThreePhase
+    from stickslip.drives import Trapezoid as Trapezoid
+    from stickslip.drives import TwoPhase as TwoPhase
+    from stickslip.drives import VerticalVibration as VerticalVibration
     from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
@@ -33,15 +42,19 @@ if TYPE_CHECKING:
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
+    from stickslip.robot import mirrored as mirrored
     from stickslip.solvers import solve as solve
     from stickslip.sweeping import sweep as sweep
     from stickslip.tracks import Incline as Incline
     from stickslip.tracks import Level as Level
+    from stickslip.tracks import VaryingFriction as VaryingFriction
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
     "BlockOnBelt": "mechanisms",
+    "BangBang": "drives",
     "Coulomb": "friction",
+    "DRIVES": "drives",
     "DimensionlessRobot": "nondimensional",
     "ForcedOscillator": "mechanisms",
     "Harmonic": "drives",
@@ -50,12 +63,20 @@ _HOMES = {
     "Level": "tracks",
     "LuGre": "friction",
     "Motion": "analysis.motion",
+    "MultiHarmonic": "drives",
     "PiezoBeam": "drives",
     "PulledMass": "mechanisms",
+    "Recorded": "drives",
+    "Reversed": "drives",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
+    "ThreePhase": "drives",
     "Trajectory": "trajectory",
+    "Trapezoid": "drives",
+    "TwoPhase": "drives",
+    "VaryingFriction": "tracks",
+    "VerticalVibration": "drives",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
     "dimensionless": "nondimensional",
@@ -63,6 +84,7 @@ _HOMES = {
     "latex": "engine.latex",
     "load": "io",
     "mean_velocity": "analysis.steady",
+    "mirrored": "robot",
     "motion": "analysis.motion",
     "periodic_mean_velocity": "analysis.steady",
     "solve": "solvers",

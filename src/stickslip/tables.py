@@ -43,8 +43,17 @@ def to_table(record: Any) -> dict[str, Any]:
 
             table[field.name] = np.asarray(value).tolist()
         elif value is not None:
-            table[field.name] = value
+            table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
     return table
+
+
+def _plain(value: Any) -> Any:
+    """A value of a tuple as a file keeps it."""
+    if not is_array(value):
+        return value
+    import numpy as np
+
+    return np.asarray(value).tolist()
 
 
 def to_toml(record: Any, name: str = "robot") -> str:
@@ -75,7 +84,7 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
         problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
     for part in _parts_of(cls):
         if isinstance(arguments.get(part), dict):
-            arguments[part] = _part(part, dict(arguments[part]), problems, f"{name}.{part}")
+            arguments[part] = _part(part, dict(arguments[part]), problems, name)
         elif part in arguments or part != "track":
             problems.add(f'[{name}.{part}] is missing or no table; type [{name}.{part}] and then kind = "{next(iter(PARTS[part]))}"')
             arguments.pop(part, None)
@@ -90,6 +99,7 @@ def _parts_of(cls: type) -> list[str]:
 
 
 def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> Any:
+    where = f"{where}.{part}"
     if "kind" not in table:
         kinds = " or ".join(f'kind = "{name}"' for name in PARTS[part])
         problems.add(f"{where}.kind is missing; type {kinds} under [{where}]")
@@ -98,6 +108,8 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> A
     if kind not in PARTS[part]:
         problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
+    for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive
+        table[inner] = _part(inner, dict(table[inner]), problems, where)
     return _build(PARTS[part][kind], table, where, problems)
 
 

@@ -43,7 +43,7 @@ class Energy:
     actuator : array (periods,)
         Work of the actuator, which also moves the inner mass against the body [J]; 0 for a mechanism.
     residual : array (periods,)
-        What is missing in the balance, over W_d for a robot and over the largest work of the run for a mechanism [-]; 0 where nothing was done.
+        What is missing in the balance, over W_d for a robot and over the largest work of the run for a mechanism [-]; 0 if nothing is.
     settle : int
         How many periods belong to settling.
     """

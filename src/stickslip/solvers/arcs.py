@@ -107,6 +107,8 @@ def handles(model: Any) -> str | None:
         return f"the drive is {type(model.drive).__name__}; exact arcs are closed formulas for Harmonic drives only"
     if not getattr(model, "cyclic", False):
         return f"position appears in the equations of {type(model).__name__}; exact arcs are for robots"
+    if hasattr(model.track, "grip"):
+        return f"the friction of {type(model.track).__name__} varies in time; exact arcs are closed formulas for a constant one only"
     return _unfit(_flat(model), name)
 
 
