@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
+    from stickslip import testing as testing
     from stickslip.analysis.energy import energy as energy
     from stickslip.analysis.motion import Motion as Motion
     from stickslip.analysis.motion import motion as motion
@@ -33,8 +34,22 @@ if TYPE_CHECKING:
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
     from stickslip.errors import StickslipError as StickslipError
+    from stickslip.friction import GMS as GMS
+    from stickslip.friction import LAWS as LAWS
+    from stickslip.friction import Bristle as Bristle
     from stickslip.friction import Coulomb as Coulomb
+    from stickslip.friction import CoulombViscous as CoulombViscous
+    from stickslip.friction import Dahl as Dahl
+    from stickslip.friction import DeadBand as DeadBand
+    from stickslip.friction import ElastoPlastic as ElastoPlastic
+    from stickslip.friction import Karnopp as Karnopp
     from stickslip.friction import LuGre as LuGre
+    from stickslip.friction import ResetIntegrator as ResetIntegrator
+    from stickslip.friction import Stribeck as Stribeck
+    from stickslip.friction import Sum as Sum
+    from stickslip.friction import Tabulated as Tabulated
+    from stickslip.friction import TanhCoulomb as TanhCoulomb
+    from stickslip.friction import Viscous as Viscous
     from stickslip.io import load as load
     from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
     from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
@@ -51,15 +66,23 @@ if TYPE_CHECKING:
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
-    "BlockOnBelt": "mechanisms",
     "BangBang": "drives",
+    "BlockOnBelt": "mechanisms",
+    "Bristle": "friction",
     "Coulomb": "friction",
+    "CoulombViscous": "friction",
     "DRIVES": "drives",
+    "Dahl": "friction",
+    "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
+    "ElastoPlastic": "friction",
     "ForcedOscillator": "mechanisms",
+    "GMS": "friction",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
+    "Karnopp": "friction",
+    "LAWS": "friction",
     "Level": "tracks",
     "LuGre": "friction",
     "Motion": "analysis.motion",
@@ -67,16 +90,22 @@ _HOMES = {
     "PiezoBeam": "drives",
     "PulledMass": "mechanisms",
     "Recorded": "drives",
+    "ResetIntegrator": "friction",
     "Reversed": "drives",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
+    "Stribeck": "friction",
+    "Sum": "friction",
+    "Tabulated": "friction",
+    "TanhCoulomb": "friction",
     "ThreePhase": "drives",
     "Trajectory": "trajectory",
     "Trapezoid": "drives",
     "TwoPhase": "drives",
     "VaryingFriction": "tracks",
     "VerticalVibration": "drives",
+    "Viscous": "friction",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
     "dimensionless": "nondimensional",
@@ -90,7 +119,7 @@ _HOMES = {
     "solve": "solvers",
     "sweep": "sweeping",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
+_MODULES = ("friction", "maths", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
 
