@@ -119,7 +119,7 @@ _HOMES = {
     "solve": "solvers",
     "sweep": "sweeping",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "testing", "tracks", "variables")
+_MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
 

@@ -84,7 +84,7 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
         problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
     for part in _parts_of(cls):
         if isinstance(arguments.get(part), dict):
-            arguments[part] = _part(part, dict(arguments[part]), problems, name)
+            arguments[part] = _part(part, dict(arguments[part]), problems, f"{name}.{part}")
         elif part in arguments or part != "track":
             problems.add(f'[{name}.{part}] is missing or no table; type [{name}.{part}] and then kind = "{next(iter(PARTS[part]))}"')
             arguments.pop(part, None)
@@ -99,7 +99,6 @@ def _parts_of(cls: type) -> list[str]:
 
 
 def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> Any:
-    where = f"{where}.{part}"
     if "kind" not in table:
         kinds = " or ".join(f'kind = "{name}"' for name in PARTS[part])
         problems.add(f"{where}.kind is missing; type {kinds} under [{where}]")
@@ -109,7 +108,7 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> A
         problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
     for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive
-        table[inner] = _part(inner, dict(table[inner]), problems, where)
+        table[inner] = _part(inner, dict(table[inner]), problems, f"{where}.{inner}")
     return _build(PARTS[part][kind], table, where, problems)
 
 
