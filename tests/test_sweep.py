@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
-from stickslip.sweeping import sweep
+from stickslip.sweeps import sweep
 
 RIG = ss.presets.piezo_rig
 AMPLITUDES = np.array([3e-4, 4e-4, 5e-4, 6e-4, 8e-4])

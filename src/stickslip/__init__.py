@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0.dev0"
 
 if TYPE_CHECKING:
+    from stickslip import designs as designs
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
     from stickslip.solvers import solve as solve
-    from stickslip.sweeping import sweep as sweep
+    from stickslip.sweeps import sweep as sweep
     from stickslip.tracks import Incline as Incline
     from stickslip.tracks import Level as Level
     from stickslip.trajectory import Trajectory as Trajectory
@@ -60,11 +61,11 @@ _HOMES = {
     "motion": "analysis.motion",
     "periodic_mean_velocity": "analysis.steady",
     "solve": "solvers",
-    "sweep": "sweeping",
+    "sweep": "sweeps",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
+_MODULES = ("designs", "friction", "maths", "paper", "plot", "presets", "tracks", "variables")
 
-__all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
+__all__ = [*sorted(_HOMES), "__version__", "designs", "paper", "plot", "presets"]
 
 
 def __getattr__(name: str) -> Any:

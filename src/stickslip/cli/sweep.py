@@ -24,7 +24,7 @@ def act(command: str, words: list[str]) -> int:
     out = show.writable("--out", asked.out, (".nc", ".csv"))
     study = subject(asked.robot, asked.settings, many=True, solver=tuple(name for name in SOLVER if name not in ("samples", "steps")))
 
-    from stickslip.sweeping import sweep
+    from stickslip.sweeps import sweep
 
     grid = sweep(study.make, progress=show.progress("cases begun"), **study.options, **study.arguments)
     _write(grid, out)
@@ -106,7 +106,7 @@ def _unperiodic(grid: Any, study: Any) -> list[str]:
     """A sentence on the cases that ran to their end and did not repeat."""
     import inspect
 
-    from stickslip.sweeping import sweep
+    from stickslip.sweeps import sweep
 
     number = int(((grid["period"] == 0) & (grid["status"] <= _SETTLED)).sum())
     periods = study.options.get("periods", inspect.signature(sweep).parameters["periods"].default)
