@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
     from stickslip.solvers import solve as solve
+    from stickslip.sweeps import Progress as Progress
+    from stickslip.sweeps import open_study as open_study
     from stickslip.sweeps import sweep as sweep
     from stickslip.tracks import Incline as Incline
     from stickslip.tracks import Level as Level
@@ -47,6 +49,7 @@ _HOMES = {
     "LuGre": "friction",
     "Motion": "analysis.motion",
     "PiezoBeam": "drives",
+    "Progress": "sweeps",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
@@ -59,6 +62,7 @@ _HOMES = {
     "load": "io",
     "mean_velocity": "analysis.steady",
     "motion": "analysis.motion",
+    "open_study": "sweeps",
     "periodic_mean_velocity": "analysis.steady",
     "solve": "solvers",
     "sweep": "sweeps",

@@ -66,16 +66,13 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
 
 def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: dict[str, int]) -> Any:
     """The columns, flat in the order of the results, as an `xarray.Dataset`."""
-    kept = {name: values.reshape(plan.shape) for name, values in columns.items() if not _unknown(name, values)}
+    from stickslip.sweeps.solving import kept_columns
+
+    kept = {name: columns[name].reshape(plan.shape) for name in kept_columns(plan)}
     attributes = {**attributes_of(plan), **{k: json.dumps(jsonable(v)) for k, v in more.items()}}
     if notes:
         attributes["notes"] = json.dumps(notes, ensure_ascii=False)
     return assembled(plan.dims, kept, labels_of(plan), attributes)
-
-
-def _unknown(name: str, values: Array) -> bool:
-    """Whether a column is about something that these robots do not have."""
-    return name in ("alpha_plus", "alpha_minus") and bool(np.isnan(values).all())
 
 
 def assembled(dims: tuple[str, ...], columns: dict[str, Any], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:

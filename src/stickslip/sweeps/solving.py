@@ -18,7 +18,7 @@ from stickslip.sweeps.columns import BAD, COLUMNS, FAILED, empty
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.robots import Group, groups_of
 
-__all__ = ["Cancelled", "solved"]
+__all__ = ["Cancelled", "columns_of", "kept_columns", "solved", "solved_points"]
 
 Array = Any
 Tell = Callable[[int], None]  # cases begun
@@ -57,6 +57,12 @@ def solved_points(
             result[name][group.at] = values
         before += len(group.at)
     return result, notes
+
+
+def kept_columns(plan: Plan) -> tuple[str, ...]:
+    """Columns that say something about the robots of a plan."""
+    known = plan.sample is not None and bool(_alphas(plan.sample[0]))
+    return tuple(name for name in COLUMNS if known or name not in ("alpha_plus", "alpha_minus"))
 
 
 def _counted(sentences: Any) -> dict[str, int]:
