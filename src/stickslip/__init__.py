@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from stickslip.robot import Robot as Robot
     from stickslip.solvers import solve as solve
     from stickslip.sweeps import Progress as Progress
+    from stickslip.sweeps import export as export
+    from stickslip.sweeps import merge as merge
     from stickslip.sweeps import open_study as open_study
     from stickslip.sweeps import sweep as sweep
     from stickslip.tracks import Incline as Incline
@@ -58,9 +60,11 @@ _HOMES = {
     "check": "checking",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
+    "export": "sweeps",
     "latex": "engine.latex",
     "load": "io",
     "mean_velocity": "analysis.steady",
+    "merge": "sweeps",
     "motion": "analysis.motion",
     "open_study": "sweeps",
     "periodic_mean_velocity": "analysis.steady",

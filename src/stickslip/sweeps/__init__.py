@@ -1,7 +1,9 @@
 """Many solves: grids and designs, in memory, in a study folder, on several machines, refined where the motion changes."""
 
+from stickslip.sweeps.merging import merge
 from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.progress import Progress
 from stickslip.sweeps.running import sweep
+from stickslip.sweeps.writing import export
 
-__all__ = ["Progress", "open_study", "sweep"]
+__all__ = ["Progress", "export", "merge", "open_study", "sweep"]

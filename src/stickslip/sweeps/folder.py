@@ -25,7 +25,7 @@ from stickslip.sweeps.datasets import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, manifest
 from stickslip.sweeps.planning import Plan
 
-__all__ = ["StorageError", "Study", "file_of", "put", "read_manifest", "shard_of", "tile_is_good", "written"]
+__all__ = ["StorageError", "Study", "file_of", "put", "read_manifest", "shard_of", "tile_is_good", "unwritable", "written"]
 
 Array = Any
 MANIFEST, AXES, TILES = "manifest.json", "axes.nc", "tiles"
@@ -58,12 +58,12 @@ def put(path: Path, content: bytes, new: bool = False) -> bool:
             os.replace(beside, path)
             return True
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise unwritable(path, error) from None
     finally:
         beside.unlink(missing_ok=True) if beside.exists() else None
 
 
-def _unwritable(path: Path, error: OSError) -> StickslipError:
+def unwritable(path: Path, error: OSError) -> StickslipError:
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         what = "the disk is full" if error.errno == errno.ENOSPC else "the quota is used up"
         return StorageError(f"sweep: {what}, {str(path)!r} could not be written; free some space and type resume=True (--resume) to go on")
@@ -189,7 +189,7 @@ class Study:
         try:
             (self.folder / TILES).mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise _unwritable(self.folder, error) from None
+            raise unwritable(self.folder, error) from None
         put(self.folder / AXES, axes_file(labels_of(self.plan)))
         if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
             self._check_same(read_manifest(self.folder))  # another shard was first
@@ -207,7 +207,7 @@ class Study:
                 if path.name.split(".nc.")[0] + ".nc" in ours:
                     path.unlink(missing_ok=True)
         except OSError as error:
-            raise _unwritable(self.folder / TILES / "x", error) from None
+            raise unwritable(self.folder / TILES / "x", error) from None
 
     @property
     def _ours(self) -> range:

@@ -84,8 +84,7 @@ class Plan:
 
     def points(self, k: int) -> Array:
         """Numbers, within the space, of the points of tile k: (cases,), or with `along` (lines, points of a line)."""
-        first, last = k * self.tile, min((k + 1) * self.tile, self._units)
-        units = np.arange(first, last)
+        units = np.arange(k * self.tile, min((k + 1) * self.tile, self._units))
         if self.along is None:
             return units
         sizes = self.space.sizes
