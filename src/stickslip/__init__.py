@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from stickslip.solvers import solve as solve
     from stickslip.sweeps import Progress as Progress
     from stickslip.sweeps import export as export
+    from stickslip.sweeps import map as map
     from stickslip.sweeps import merge as merge
     from stickslip.sweeps import open_study as open_study
     from stickslip.sweeps import sweep as sweep
@@ -63,6 +64,7 @@ _HOMES = {
     "export": "sweeps",
     "latex": "engine.latex",
     "load": "io",
+    "map": "sweeps",
     "mean_velocity": "analysis.steady",
     "merge": "sweeps",
     "motion": "analysis.motion",

@@ -9,15 +9,16 @@ import numpy as np
 from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
-__all__ = ["BAD", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "flags", "words"]
+__all__ = ["BAD", "BETWEEN", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "flags", "words"]
 
 Array = Any
-BAD, FAILED, UNDONE = 5, 100, 101
+BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
 #: What a status code says; those from 100 on are a sweep's own.
 STATUSES: dict[int, str] = {
     **STATUS,
     FAILED: "error in the law or the solver for this case",
     UNDONE: "not computed",
+    BETWEEN: "not computed: filled from computed neighbours of one motion type",
 }
 #: Motion types in the order of their codes in files.
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
