@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
+    from stickslip.analysis.coulomb_borders import coulomb_borders as coulomb_borders
     from stickslip.analysis.energy import energy as energy
     from stickslip.analysis.motion import Motion as Motion
     from stickslip.analysis.motion import motion as motion
@@ -59,6 +60,7 @@ _HOMES = {
     "Trajectory": "trajectory",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
+    "coulomb_borders": "analysis.coulomb_borders",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
     "export": "sweeps",

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.datasets import jsonable
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import described
+from stickslip.sweeps.columns import COLUMNS, described
 from stickslip.sweeps.naming import AXES
 from stickslip.sweeps.planning import Plan
 
@@ -52,7 +52,7 @@ def labels_of(plan: Plan) -> dict[str, Column]:
     if plan.along:
         found["way"] = Column(("way",), WAYS)
     for name, value in plan.space.fixed.items():
-        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in found:
+        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*found, *COLUMNS):
             found[name] = Column((), np.asarray(float(value)))
     return found
 

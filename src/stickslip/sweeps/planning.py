@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.batch import Labels, spread
 from stickslip.errors import InputError, Problems
 from stickslip.sweeps.axes import Space, space_of
+from stickslip.sweeps.columns import COLUMNS
 from stickslip.sweeps.robots import groups_of, refusals
 
 __all__ = ["SOLVER", "Plan", "planned"]
@@ -113,6 +114,8 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     """Check everything that a sweep was asked, and cut it into tiles."""
     space = space_of(make, designs, axes, [*_ARGUMENTS])
     problems = Problems("sweep")
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in COLUMNS and not n.startswith("alpha_")):
+        problems.add(f"{name} is the name of a result, so no axis may have it; give the maker's argument another name")
     for sentence in refusals(make, space):
         problems.add(sentence)
     if along is not None and (along not in space.sizes or along not in space.columns):

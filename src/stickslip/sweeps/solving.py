@@ -21,6 +21,7 @@ from stickslip.sweeps.robots import Group, groups_of
 __all__ = ["Cancelled", "columns_of", "kept_columns", "solved", "solved_points"]
 
 Array = Any
+ALPHAS = ("alpha_plus", "alpha_minus")
 Tell = Callable[[int], None]  # cases begun
 
 
@@ -62,7 +63,7 @@ def solved_points(
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """Columns that say something about the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample[0]))
-    return tuple(name for name in COLUMNS if known or name not in ("alpha_plus", "alpha_minus"))
+    return tuple(name for name in COLUMNS if (known or name not in ALPHAS) and name not in plan.space.columns and name not in plan.space.dims)
 
 
 def _counted(sentences: Any) -> dict[str, int]:
