@@ -118,7 +118,6 @@ def test_all_that_is_wrong_is_reported():
     [
         (3, {"a": 1}, "allowed is a Robot or a function"),
         (RIG, {"amplitude": [1e-4, -1e-4], "tilt_deg": 1.7}, "amplitude[1] = "),
-        (RIG, {"amplitude": [1e-4, float("nan")], "tilt_deg": 1.7}, "amplitude[1] = "),
         (RIG, {"amplitude": [], "tilt_deg": 1.7}, "allowed is a single value"),
         (RIG, {"amplitude": [1e-4], "tilt_deg": 1.7, "law": ["lugre", "colomb"]}, "did you mean 'coulomb'"),
         (RIG(tilt_deg=1.7, amplitude=1e-4), {"drive.amplitud": [1e-4]}, "did you mean 'drive.amplitude'"),
