@@ -74,12 +74,12 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
 
 
 def table(rows: Any, dim: str = "case") -> Design:
-    """Arbitrary rows: a dict of columns, a pandas DataFrame, or the path of a CSV file whose first line names the columns.
+    r"""Arbitrary rows: a dict of columns, a pandas DataFrame, or the path of a CSV file whose first line names the columns.
 
     Examples
     --------
     >>> from pathlib import Path
-    >>> _ = Path("rows.csv").write_text("amplitude,law\\n4e-4,coulomb\\n5e-4,lugre\\n")
+    >>> _ = Path("rows.csv").write_text("amplitude,law\n4e-4,coulomb\n5e-4,lugre\n")
     >>> {name: column.tolist() for name, column in table("rows.csv").columns.items()}
     {'amplitude': [0.0004, 0.0005], 'law': ['coulomb', 'lugre']}
     """
@@ -100,7 +100,9 @@ def _read(path: Any) -> dict[str, list[Any]]:
         with open(path, newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if line]
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError("table", [f"{str(path)!r} cannot be read: {error}; give the path of a CSV file with a line of names first"]) from None
+        raise InputError(
+            "table", [f"{str(path)!r} cannot be read: {error}; give the path of a CSV file with a line of names first"]
+        ) from None
     if len(lines) < 2 or any(len(line) != len(lines[0]) for line in lines):
         raise InputError("table", [f"{str(path)!r} is no table: allowed is a line of names, then lines with as many values"])
     return {name.strip(): _numbers([line[i] for line in lines[1:]]) for i, name in enumerate(lines[0])}

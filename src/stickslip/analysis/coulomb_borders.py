@@ -104,7 +104,7 @@ def coulomb_borders(grid: Any, x: str | None = None, y: str | None = None) -> li
     found = []
     for types, values in border_functions(plus, minus).items():
         lines = contourpy.contour_generator(fine_x, fine_y, np.ma.masked_invalid(values)).lines(0.0)
-        found += [Border(types, line[:, 0], line[:, 1]) for line in lines if len(line) > 1]
+        found += [Border(types, *np.asarray(line).T) for line in lines if len(line) > 1]
     return found
 
 
@@ -115,7 +115,9 @@ def plane_of(grid: Any, x: str | None = None, y: str | None = None) -> tuple[str
     second = y or next((d for d in dims if d != first), "")
     if sorted(dims) != sorted((first, second)) or any(grid[d].dtype.kind not in "iuf" for d in dims):
         told = ", ".join(dims) or "none"
-        raise InputError("map", [f"the dataset has the axes {told}; allowed are two of numbers; choose with grid.sel(...) or grid.isel(...)"])
+        raise InputError(
+            "map", [f"the dataset has the axes {told}; allowed are two of numbers; choose with grid.sel(...) or grid.isel(...)"]
+        )
     return first, second
 
 

@@ -150,7 +150,9 @@ def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, 
     axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
     options = _start({**from_file, **options})
     known_ones = {k: v for k, v in arguments.items() if k in known}
-    for sentence in (probe_axes if many else probe)(_builder(make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}):
+    for sentence in (probe_axes if many else probe)(
+        _builder(make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}
+    ):
         problems.add(sentence)
     problems.check()
     return Subject(name, make, {**arguments, **axes}, options)

@@ -51,7 +51,9 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
 
     if (Path(asked.robot).expanduser() / "manifest.json").exists():
         if asked.settings:
-            raise InputError("map", [f"{asked.robot!r} is a finished study; it takes no {asked.settings[0]!r}; give only --figure or --velocity"])
+            raise InputError(
+                "map", [f"{asked.robot!r} is a finished study; it takes no {asked.settings[0]!r}; give only --figure or --velocity"]
+            )
         return open_study(asked.robot), Path(asked.robot).name
     asked.sobol = asked.latin = asked.table = None
     asked.zip = False
@@ -101,7 +103,9 @@ def _largest(values: Any) -> dict[str, int]:
 
 def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
     lines = [f"{name}: {show.counted(found['cases'], 'case')}"]
-    lines += [show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))]
+    lines += [
+        show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))
+    ]
     if "fastest" in found:
         point = ", ".join(f"{k} = {v:.6g}" for k, v in found["fastest"].items() if k != "mean_velocity")
         lines.append(f"fastest: {show.quantity(found['fastest']['mean_velocity'], 'm/s', 6)} at {point}")

@@ -48,9 +48,10 @@ def probe_axes(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
     """
     axes = {name: value for name, value in arguments.items() if isinstance(value, list) and value}
     rest = {**{name: STAND_INS.get(name, 1.0) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}
-    robot, found = None, []
+    robot: Any = None
+    found: list[str] = []
     for name, values in axes.items() or {"": [None]}.items():
-        said = []
+        said: list[list[str]] = []
         for end in (0, -1):
             others = {n: v[end] for n, v in axes.items() if n != name}
             made, problems = _tried_all(build, {**rest, **others}, name, values)
@@ -70,7 +71,8 @@ def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
         numbers = np.array(values, float)
         finite = numbers[np.isfinite(numbers)]
         return _tried(build, {**arguments, name: finite}) if len(finite) else (None, [])
-    robot, found = None, []
+    robot: Any = None
+    found: list[str] = []
     for value in values:
         made, problems = _tried(build, {**arguments, name: value})
         robot, found = made if robot is None else robot, found + problems

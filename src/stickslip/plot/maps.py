@@ -61,9 +61,7 @@ def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: b
         return _framed(ax, across, up)
 
 
-def velocity_map(
-    grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Any = None
-) -> Any:
+def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Any = None) -> Any:
     """The mean velocity over a plane, with the borders of the motion types and the fastest point marked.
 
     Parameters
@@ -145,7 +143,9 @@ def line_cut(grid: Any, along: str, at: dict[str, Any] | None = None, lines: Seq
         ax.set_ylabel(f"mean velocity $V$ ({unit}m/s)")
         if len(curves) > 1 or "way" in part.dims:
             title = _plain_label(part, rest[0]) if rest else None
-            ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, title=title, title_fontsize=7, columnspacing=1.2, handlelength=2)
+            ax.legend(
+                loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, title=title, title_fontsize=7, columnspacing=1.2, handlelength=2
+            )
         return ax
 
 
@@ -224,7 +224,9 @@ def _legend(ax: Any, names: list[str], line: str | None) -> None:
     handles: list[Any] = [Patch(facecolor=TYPE_COLOURS[n], edgecolor=INK, linewidth=0.4, label=n) for n in names]
     handles += [Line2D([], [], color="black", linewidth=0.8, label=line)] if line else []
     if handles:
-        ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4, columnspacing=1.0)
+        ax.legend(
+            handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4, columnspacing=1.0
+        )
 
 
 def _type_lines(ax: Any, grid: Any, first: str, second: str, x: Any, y: Any, colour: str) -> None:

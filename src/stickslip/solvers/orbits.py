@@ -31,7 +31,9 @@ _WAYS = ("forward_way", "backward_way")
 
 def applies(todo: Request) -> bool:
     """Whether a request is for the periodic motions of a model with constant sliding friction, from rest."""
-    return todo.auto and todo.keep == "summary" and todo.method in ("auto", "exact") and not todo.start.any() and handles(todo.model) is None
+    return (
+        todo.auto and todo.keep == "summary" and todo.method in ("auto", "exact") and not todo.start.any() and handles(todo.model) is None
+    )
 
 
 def _kernel() -> Any:
@@ -94,7 +96,7 @@ def orbit_rows(
 
 
 def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
-    """Solve as asked; beside the summary the ways forwards and backwards over the motion period [m], and gravity along the track [m/s^2]."""
+    """Solve as asked; beside the summary the ways of the motion period [m] and gravity along the track [m/s^2]."""
     arcs = reduced(todo.model)
     rows, driven = exact._rows(arcs, np.zeros(todo.cases))
     easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)

@@ -7,13 +7,14 @@ there is one, is written here, so workers need not see it.
 from __future__ import annotations
 
 import importlib
+import secrets
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from stickslip.datasets import jsonable
-from stickslip.errors import InputError
+from stickslip.errors import InputError, StickslipError
 from stickslip.sweeps.axes import Column, Space
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
@@ -35,18 +36,19 @@ def connected(address: str) -> Any:
         raise InputError("sweep", [f"no Dask scheduler answers at {address!r} ({error}); start one with `dask scheduler`"]) from None
 
 
-def message(plan: Plan) -> dict[str, Any]:
-    """A plan without its classes: names, plain values and arrays."""
-    space = plan.space
+def message(plan: Plan, k: int) -> dict[str, Any]:
+    """A tile without its classes: names, plain values and the rows of its own cases."""
+    points = plan.points(k)
+    dims = ("case",) if plan.along is None else ("line", plan.along)
+    start = plan.start_at(points)
     return {
         "make": _named(plan.make),
-        "sizes": dict(space.sizes),
-        "columns": {name: (c.dims, c.values.tolist() if c.is_words else c.values) for name, c in space.columns.items()},
-        "fixed": {name: _plain(name, value) for name, value in space.fixed.items()},
+        "sizes": dict(zip(dims, points.shape, strict=True)),
+        "columns": {name: (dims, v.tolist() if v.dtype.kind != "f" else v) for name, v in plan.space.at(points).items()},
+        "fixed": {name: _plain(name, value) for name, value in plan.space.fixed.items()},
         "options": dict(plan.options),
-        "start": dict(plan.start),
+        "start": {name: value if np.ndim(value) == 0 else value.ravel() for name, value in start.items()},
         "along": plan.along,
-        "tile": plan.tile,
     }
 
 
@@ -68,20 +70,22 @@ def _named(make: Any) -> dict[str, Any]:
 def _plain(name: str, value: Any) -> Any:
     if isinstance(value, (str, int, float, bool, type(None), np.generic)):
         return jsonable(value)
-    raise InputError("sweep", [f"{name} is a {type(value).__name__}, which a cluster is not sent; let the maker make it from numbers and words"])
+    raise InputError(
+        "sweep", [f"{name} is a {type(value).__name__}, which a cluster is not sent; let the maker make it from numbers and words"]
+    )
 
 
 def from_message(told: dict[str, Any]) -> Plan:
-    """The plan again, on a worker."""
+    """The tile again, on a worker: a plan of its own with one tile."""
     columns = {}
     for name, (dims, values) in told["columns"].items():
         if isinstance(values, list):
-            words = np.empty(len(values), object)
-            words[:] = values
+            words = np.empty(list(told["sizes"].values()), object)
+            words[...] = np.array(values, object).reshape(words.shape)
             values = words
         columns[name] = Column(tuple(dims), values)
     space = Space(dict(told["sizes"]), columns, dict(told["fixed"]), {})
-    return Plan(_found(told["make"]), space, told["options"], told["start"], told["along"], told["tile"])
+    return Plan(_found(told["make"]), space, told["options"], told["start"], told["along"], max(space.cases, 1))
 
 
 def _found(make: dict[str, Any]) -> Any:
@@ -95,39 +99,54 @@ def _found(make: dict[str, Any]) -> Any:
     return found
 
 
-def work(told: dict[str, Any], k: int) -> tuple[dict[str, Array], dict[str, int]]:
+def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:
     """One tile, on a worker."""
     from stickslip.sweeps.solving import solved
 
-    return solved(from_message(told), k, 1)
+    return solved(from_message(told), 0, 1)
 
 
-def tiles_from(plan: Plan, todo: list[int], client: Any, retries: int, watch: Watch) -> Iterator[tuple[int, dict[str, Array], dict[str, int]]]:
-    """The tiles as the cluster finishes them; a few more than its threads are under way at a time."""
+def tiles_from(
+    plan: Plan, todo: list[int], client: Any, retries: int, watch: Watch
+) -> Iterator[tuple[int, dict[str, Array], dict[str, int]]]:
+    """The tiles as the cluster finishes them; a few more than its threads are under way at a time.
+
+    A tile whose result was lost with its worker is sent again, and so is one that failed, up to `retries` times.
+    """
     try:
         from dask.distributed import as_completed
     except ImportError:
         raise InputError("sweep", ['a cluster needs Dask; type pip install "stickslip[dask]"']) from None
-    [told] = client.scatter([message(plan)], broadcast=False, hash=False)
-    rest, numbers, ready = iter(todo), {}, as_completed()
+    rest, running, tries = iter(todo), dict[Any, int](), dict[int, int]()
+    ready = as_completed(with_results=False)
 
     def send(k: int) -> None:
-        future = client.submit(work, told, k, retries=retries, pure=False, key=f"stickslip-{id(watch)}-{k}")
-        numbers[future.key] = k
+        tries[k] = tries.get(k, 0) + 1
+        key = f"stickslip-{secrets.token_hex(4)}-{k}"
+        future = client.submit(work, message(plan, k), retries=retries, pure=False, key=key)
+        running[future] = k
         ready.add(future)
 
-    for k, _ in zip(rest, range(_room(client)), strict=False):
-        send(k)
     try:
-        for future in ready:
-            k = numbers.pop(future.key)
-            yield (k, *future.result())
-            if watch.stopped:
+        while not watch.stopped:
+            for _, k in zip(range(_room(client) - len(running)), rest, strict=False):
+                send(k)
+            if not running:
                 return
-            for next_one, _ in zip(rest, range(max(_room(client) - len(numbers), 0)), strict=False):
-                send(next_one)
+            future = next(ready, None)
+            if future is None:  # what is left was lost with its worker
+                lost, running = list(running.values()), {}
+                for k in lost:
+                    if tries[k] > retries:
+                        raise StickslipError(
+                            f"sweep: tile {k} was lost with its worker {tries[k]} times; look at the workers' logs (memory?)"
+                        )
+                    send(k)
+                continue
+            k = running.pop(future)
+            yield (k, *future.result())
     finally:
-        for future in list(ready.futures) if hasattr(ready, "futures") else []:
+        for future in running:
             future.cancel()
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip.errors import InputError, StickslipError
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import coded, described, flags
+from stickslip.sweeps.columns import coded, described, empty, flags
 from stickslip.sweeps.datasets import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, manifest
 from stickslip.sweeps.planning import Plan
@@ -64,6 +64,7 @@ def put(path: Path, content: bytes, new: bool = False) -> bool:
 
 
 def unwritable(path: Path, error: OSError) -> StickslipError:
+    """What to say, and to type, where a file could not be written."""
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
         what = "the disk is full" if error.errno == errno.ENOSPC else "the quota is used up"
         return StorageError(f"sweep: {what}, {str(path)!r} could not be written; free some space and type resume=True (--resume) to go on")
@@ -117,7 +118,9 @@ def read_manifest(folder: str | Path) -> dict[str, Any]:
         found = json.loads(path.read_text(encoding="utf-8"))
         version = int(found["stickslip_format"])
     except FileNotFoundError:
-        raise InputError("study", [f"{str(folder)!r} is no study folder: it has no {MANIFEST}; give the folder of a sweep with out="]) from None
+        raise InputError(
+            "study", [f"{str(folder)!r} is no study folder: it has no {MANIFEST}; give the folder of a sweep with out="]
+        ) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError("study", [f"{str(path)!r} cannot be read: {error}"]) from None
     if version > FORMAT:
@@ -177,14 +180,18 @@ class Study:
             study._check_same(read_manifest(folder))
             if not resume and any(True for _ in study.done):
                 what = "results of this shard" if part else "results of this study"
-                raise InputError("sweep", [f"{str(folder)!r} holds {what} already; type resume=True (--resume) to go on, or give another folder"])
+                raise InputError(
+                    "sweep", [f"{str(folder)!r} holds {what} already; type resume=True (--resume) to go on, or give another folder"]
+                )
         else:
             study._make()
         study._sweep_up()
         return study
 
     def _make(self) -> None:
-        if self.folder.exists() and (not self.folder.is_dir() or any(p.name != TILES for p in self.folder.iterdir() if p.suffix != ".part")):
+        if self.folder.exists() and (
+            not self.folder.is_dir() or any(p.name != TILES for p in self.folder.iterdir() if p.suffix != ".part")
+        ):
             raise InputError("sweep", [f"{str(self.folder)!r} is there and is no study folder; give a new or an empty folder"])
         try:
             (self.folder / TILES).mkdir(parents=True, exist_ok=True)
@@ -229,17 +236,36 @@ class Study:
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
         """Keep a tile."""
+        import h5py
+
         first, last = self.plan.bounds(k)
-        variables: dict[str, Any] = {"case": (("case",), np.arange(first, last), {"long_name": "number of the case, from 0, in C order"})}
-        for name in self.manifest["columns"]:
-            values = coded(name, columns[name])
-            dims = ("case",) if values.ndim == 1 else ("case", "character")
-            attrs = {n: v for n, v in described(name).items() if n != "flag_meanings"}
-            variables[name] = (dims, values, {**attrs, **flags(name)})
-        attributes = {"stickslip_content": "tile of a study", "study": self.manifest["study"], "tile": k}
-        if notes:
-            attributes["notes"] = json.dumps(notes, ensure_ascii=False, sort_keys=True)
-        put(file_of(self.folder, k), written(variables, attributes))
+        kept = io.BytesIO(self._template(last - first))
+        with h5py.File(kept, "r+") as file:
+            file["case"][...] = np.arange(first, last)
+            for name in self.manifest["columns"]:
+                file[name][...] = coded(name, columns[name])
+            file.attrs["tile"] = k
+            if notes:
+                file.attrs["notes"] = json.dumps(notes, ensure_ascii=False, sort_keys=True)
+        put(file_of(self.folder, k), kept.getvalue())
+
+    @cached_property
+    def _templates(self) -> dict[int, bytes]:
+        return {}
+
+    def _template(self, count: int) -> bytes:
+        """A tile of this many cases without results: all but the numbers is the same in each, and slow to write."""
+        if count not in self._templates:
+            variables: dict[str, Any] = {
+                "case": (("case",), np.zeros(count, "i8"), {"long_name": "number of the case, from 0, in C order"})
+            }
+            blank = empty(count)
+            for name in self.manifest["columns"]:
+                values = coded(name, blank[name])
+                attrs = {n: v for n, v in described(name).items() if n != "flag_meanings"}
+                variables[name] = (("case", "character")[: values.ndim], values, {**attrs, **flags(name)})
+            self._templates[count] = written(variables, {"stickslip_content": "tile of a study", "study": self.manifest["study"]})
+        return self._templates[count]
 
     def finish(self) -> None:
         """Nothing is left to do but to be sure that the names are on the disk."""

@@ -44,7 +44,10 @@ def _dynamic(todo: Request) -> tuple[Summary, dict[str, Array]]:
     job = lanes.Job(todo.periods, todo.settle, todo.auto, rosenbrock.SAFETY * todo.rtol, todo.slip_ratio, rosenbrock.BUDGET * todo.periods)
     results = lanes.run(kernel, rows_of(todo.model, kernel.names), todo.start, job)
     end, z = results.end, results.end[:, 2:]
-    return gather(todo, tableau.name, [((0, todo.cases), rosenbrock._raw(results))]), {"v": end[:, 1], "z": z[:, 0] if z.shape[1] == 1 else z}
+    return gather(todo, tableau.name, [((0, todo.cases), rosenbrock._raw(results))]), {
+        "v": end[:, 1],
+        "z": z[:, 0] if z.shape[1] == 1 else z,
+    }
 
 
 def _exact(todo: Request, start: dict[str, Any]) -> tuple[Summary, dict[str, Array]]:
@@ -70,7 +73,9 @@ def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | Non
     return result, notes
 
 
-def _one_step(plan: Plan, points: Array, ends: dict[str, Any], workers: int, notes: dict[str, int]) -> tuple[dict[str, Array], dict[str, Any]]:
+def _one_step(
+    plan: Plan, points: Array, ends: dict[str, Any], workers: int, notes: dict[str, int]
+) -> tuple[dict[str, Array], dict[str, Any]]:
     """All lines at one value of the axis; where a case fails, the next one starts as the study says."""
     from stickslip.sweeps.columns import BAD
     from stickslip.sweeps.robots import groups_of

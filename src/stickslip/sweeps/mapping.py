@@ -59,7 +59,9 @@ def map(make: Callable[..., Robot] | Robot, refine: bool = False, coarse: int = 
         return grid
     refused = [n for n in ("out", "resume", "shard", "client", "continue_along", "tile") if arguments.pop(n, None)]
     if refused:
-        raise InputError("map", [f"{', '.join(refused)} cannot go with refine=True, which works in memory; leave it out, or type refine=False"])
+        raise InputError(
+            "map", [f"{', '.join(refused)} cannot go with refine=True, which works in memory; leave it out, or type refine=False"]
+        )
     if not isinstance(coarse, int) or coarse < 2:
         raise InputError("map", [f"coarse = {coarse!r}; allowed is a whole number from 2; type for example coarse=33"])
     own = {name: arguments.pop(name, default) for name, default in (("workers", 1), ("progress", None), ("start", None), ("retries", 3))}
@@ -153,19 +155,22 @@ class _Refined:
     def _beside(self, changing: Array, lines: tuple[Array, Array], finer: tuple[Array, Array]) -> Array:
         """The points of the finer grid that lie in or on the border of a changing cell."""
         near = np.zeros((len(finer[0]), len(finer[1])), bool)
-        sides = [[np.clip(np.searchsorted(old, new, side) - 1, 0, len(old) - 2) for side in ("left", "right")] for old, new in zip(lines, finer, strict=True)]
+        sides = [
+            [np.clip(np.searchsorted(old, new, side) - 1, 0, len(old) - 2) for side in ("left", "right")]
+            for old, new in zip(lines, finer, strict=True)
+        ]
         for i in sides[0]:
             for j in sides[1]:
                 near |= changing[np.ix_(i, j)]
         return _crossed(*finer, self.shape).reshape(near.shape)[near]
 
     def _fill(self, lines: tuple[Array, Array], finer: tuple[Array, Array]) -> None:
-        """Columns at the points of the finer grid that are not known, from the corners of their cells: numbers linearly, words as they are."""
+        """Columns at the points of the finer grid that are not known, from the corners of their cells."""
         axes = [self.plan.space.coords[d].values for d in self.plan.dims]
         (i0, i1, u), (j0, j1, w) = (_between(x, old, new) for x, old, new in zip(axes, lines, finer, strict=True))
         place = np.ix_(*finer)
         new = ~self.known[place]
-        for name, values in [*self.columns.items(), ("", self.kind)]:
+        for values in [*self.columns.values(), self.kind]:
             if values.dtype.kind == "f":
                 low = values[np.ix_(i0, j0)] * (1 - u) + values[np.ix_(i1, j0)] * u
                 high = values[np.ix_(i0, j1)] * (1 - u) + values[np.ix_(i1, j1)] * u

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.sweeps.folder import AXES, MANIFEST, TILES, unwritable, file_of, put, read_manifest, tile_is_good
+from stickslip.sweeps.folder import AXES, MANIFEST, TILES, file_of, put, read_manifest, tile_is_good, unwritable
 from stickslip.sweeps.manifest import differences
 from stickslip.sweeps.opening import open_study
 

@@ -48,9 +48,7 @@ def open_study(folder: str | Path) -> Any:
     told = read_manifest(folder)
     import xarray as xr
 
-    columns = {
-        name: xr.Variable(told["dims"], indexing.LazilyIndexedArray(_Tiled(folder, told, name))) for name in told["columns"]
-    }
+    columns = {name: xr.Variable(told["dims"], indexing.LazilyIndexedArray(_Tiled(folder, told, name))) for name in told["columns"]}
     data = {name: variable for name, variable in columns.items()}
     grid = assembled(tuple(told["dims"]), {name: v._data for name, v in data.items()}, read_labels(folder), told["attributes"])
     grid.attrs["provenance"] = json.dumps(told["provenance"])

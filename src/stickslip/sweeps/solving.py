@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
+from stickslip.batch import rows_of, shape_of
 from stickslip.errors import InputError, StickslipError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.batch import rows_of, shape_of
 from stickslip.solvers import orbits
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
@@ -63,7 +63,9 @@ def solved_points(
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """Columns that say something about the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample[0]))
-    return tuple(name for name in COLUMNS if (known or name not in ALPHAS) and name not in plan.space.columns and name not in plan.space.dims)
+    return tuple(
+        name for name in COLUMNS if (known or name not in ALPHAS) and name not in plan.space.columns and name not in plan.space.dims
+    )
 
 
 def _counted(sentences: Any) -> dict[str, int]:

@@ -1,4 +1,4 @@
-# Periodic motions under Coulomb friction without waiting for them: text that follows coulomb_harmonic_runs.py in one kernel, never imported.
+# Periodic motions under Coulomb friction without waiting: text that follows coulomb_harmonic_runs.py in one kernel, never imported.
 # ruff: noqa: F821
 # mypy: ignore-errors
 """The strobe point of the periodic motion by formula, then one motion period from it.
