@@ -30,7 +30,7 @@ def open_study(folder: str | Path) -> Any:
     Parameters
     ----------
     folder : path
-        What `sweep` was given as `out`.
+        What `sweep` was given as `out`; or a .nc file that `export` wrote.
 
     Returns
     -------
@@ -45,6 +45,8 @@ def open_study(folder: str | Path) -> Any:
     ['II', 'III']
     """
     folder = Path(folder).expanduser()
+    if folder.is_file():
+        return _open_file(folder)
     told = read_manifest(folder)
     import xarray as xr
 
@@ -57,6 +59,31 @@ def open_study(folder: str | Path) -> Any:
     if notes:
         grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
     return grid
+
+
+def _open_file(path: Path) -> Any:
+    """A grid that `export` wrote, with its words as text."""
+    import xarray as xr
+
+    try:
+        grid = xr.load_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a .nc file that export wrote"]
+        ) from None
+    if grid.attrs.pop("stickslip_content", None) != "sweep":
+        raise InputError("study", [f"{str(path)!r} was not written by export; open it with xarray.open_dataset"])
+    grid.attrs.pop("Conventions", None)
+    labels = {}
+    for name in [n for n in grid.variables if n not in COLUMNS or n in grid.coords]:
+        values = grid[name].values
+        labels[str(name)] = Column(tuple(map(str, grid[name].dims)), np.char.decode(values) if values.dtype.kind == "S" else values)
+    columns = {str(n): _decoded(str(n), grid[n].values) for n in grid.data_vars if n not in labels}
+    return assembled(tuple(map(str, grid["mean_velocity"].dims)), columns, labels, dict(grid.attrs))
+
+
+def _decoded(name: str, values: Array) -> Array:
+    return np.char.decode(values).astype(COLUMNS[name]) if values.dtype.kind == "S" else words(name, values)
 
 
 def _notes(folder: Path, told: dict[str, Any]) -> dict[str, int]:
@@ -120,7 +147,7 @@ def read_tile(folder: Path, told: dict[str, Any], k: int, names: list[str]) -> d
         count = min((k + 1) * each, int(told["cases"])) - k * each
         return {name: values for name, values in empty(count).items() if name in names}
     except (OSError, KeyError) as error:
-        raise InputError("study", [f"{str(path)!r} is damaged ({error}); remove it and resume the sweep"]) from None
+        raise InputError("study", [f"{str(path)!r} is damaged ({error}); resume the sweep, which writes it again"]) from None
 
 
 class _Tiled(BackendArray):
