@@ -15,7 +15,7 @@ __all__ = ["TYPE_COLOURS", "line_cut", "motion_map", "velocity_map"]
 
 #: Fills of the motion types: greys where nothing slides, then light and dark in turn, so that neighbours differ in grey too.
 TYPE_COLOURS: dict[str, str] = {
-    "rest": "#ECECEC", "presliding": "#CFD3D8", "II": "#9CCDEB", "I": "#2F7FB8", "III": "#F5C15C", "IV": "#D2691E", "other": "#B279A2",
+    "rest": "#F1F1F1", "presliding": "#C6CBD1", "II": "#BCDFF4", "I": "#2F7FB8", "III": "#F0B03C", "IV": "#D2691E", "other": "#B279A2",
     "unsolved": "#FFFFFF",
 }  # fmt: skip
 _DARK = ("I", "IV", "other")
