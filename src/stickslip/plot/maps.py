@@ -84,7 +84,9 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
     first, second = plane_of(grid, x, y)
     across, up = _scaled(grid, first), _scaled(grid, second)
     V = np.asarray(grid["mean_velocity"].transpose(second, first).values, float)
-    factor, unit = prefix(V[np.isfinite(V)])
+    unitless = {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
+    factor, letter = (1.0, "") if unitless else prefix(V[np.isfinite(V)])
+    unit = "" if unitless else f"{letter}m/s"
     V = V * factor
     top, bottom = np.nanmax(V, initial=0.0), np.nanmin(V, initial=0.0)
     both = bottom < -1e-3 * max(top, -bottom)
@@ -93,7 +95,7 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
         ax = _square(ax)
         shown = ax.pcolormesh(across.values, up.values, V, shading="nearest", rasterized=True, **limits)
         bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
-        bar.set_label(f"mean velocity $V$ ({unit}m/s)")
+        bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless else f"mean velocity $V$ ({unit})")
         bar.outline.set_linewidth(0.5)
         if borders:
             _type_lines(ax, grid, first, second, across.values, up.values, INK if both else "white")
@@ -248,7 +250,7 @@ def _mark_best(ax: Any, V: Any, across: _Axis, up: _Axis, unit: str) -> None:
     offset = (-6 if right else 6, -7 if high else 7)
     words = {"ha": "right" if right else "left", "va": "top" if high else "bottom", "fontsize": 7}
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
-    ax.annotate(f"{V[i, j]:.3g} {unit}m/s", (x, y), xytext=offset, textcoords="offset points", bbox=box, zorder=9, **words)
+    ax.annotate(f"{V[i, j]:.3g} {unit}".strip(), (x, y), xytext=offset, textcoords="offset points", bbox=box, zorder=9, **words)
 
 
 def _chosen(grid: Any, along: str, at: dict[str, Any] | None) -> Any:
