@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.batch import rows_of, shape_of
+from stickslip.drives import Harmonic
 from stickslip.errors import InputError, StickslipError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import orbits
@@ -166,8 +167,8 @@ def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dic
 
 def _alphas(robot: Any) -> dict[str, Array]:
     """alpha_plus and alpha_minus of the robot with Coulomb friction at the kinetic coefficients, where it has them."""
-    twin = coulomb_twin(robot)
-    if twin is None or not hasattr(robot.drive, "amplitude") or handles(twin) is not None:
+    twin = coulomb_twin(robot) if isinstance(getattr(robot, "drive", None), Harmonic) else None
+    if twin is None or handles(twin) is not None:
         return {}
     arcs = reduced(twin)
     with np.errstate(invalid="ignore", divide="ignore"):
