@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, StickslipError
 
 __all__ = ["act", "add_options", "axes_of", "run_options", "watcher"]
 
@@ -41,7 +41,12 @@ def act(command: str, words: list[str]) -> int:
     from stickslip.sweeps import export, sweep
 
     options = run_options(asked, file)
-    grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
+    try:
+        grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
+    except KeyboardInterrupt:
+        if "out" in options:
+            raise StickslipError(f"interrupted; what is finished is in {asked.out}: type --resume to go on") from None
+        raise
     if file is not None:
         export(grid, file)
     written = str(file or asked.out) if asked.out else None
