@@ -132,8 +132,7 @@ _HOMES = {
     "solve": "solvers",
     "sweep": "sweeps",
 }
-_MODULES = ("designs", "friction", "maths", "paper", "plot", "presets", "tracks", "variables")
-_MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
+_MODULES = ("designs", "drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "designs", "paper", "plot", "presets"]
 

@@ -44,8 +44,8 @@ def empty(count: int) -> dict[str, Array]:
 def coded(name: str, values: Array) -> Array:
     """A column as it is written to a file."""
     if name == "motion_type":
-        order = np.argsort(TYPES)
-        return order[np.searchsorted(np.array(TYPES)[order], values)].astype(np.int8)
+        found, place = np.unique(values, return_inverse=True)
+        return np.array([TYPES.index(name) for name in found.tolist()], np.int8)[place].reshape(np.shape(values))
     if name == "pattern":
         return np.ascontiguousarray(values.astype("S32")).view("S1").reshape(*values.shape, 32)
     return values.astype(COLUMNS.get(name, values.dtype))

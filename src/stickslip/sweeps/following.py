@@ -7,17 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import rows_of
-from stickslip.engine import lanes
+from stickslip.engine import lanes, tableaux
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
-from stickslip.solvers import exact, rosenbrock
+from stickslip.forces import is_dynamic, states_of
+from stickslip.solvers import exact, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
 from stickslip.solvers.gather import Raw, gather
 from stickslip.solvers.request import Request, request
 from stickslip.summary import Summary
 from stickslip.sweeps.columns import COLUMNS, empty
-from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.planning import Plan, solver_arguments
 
 __all__ = ["followed", "solve_to_end"]
 
@@ -25,35 +24,32 @@ Array = Any
 
 
 def solve_to_end(robot: Any, options: dict[str, Any], start: dict[str, Any], workers: int) -> tuple[Summary, dict[str, Array]]:
-    """A summary, and x, v and z of each case at its end."""
-    todo = request(
-        robot, start=start, workers=workers, keep="summary", samples=400, progress=None, options={},
-        **options,
-    )  # fmt: skip
-    if is_dynamic(robot.friction) and todo.method in ("auto", "rodas4", "rodas5p"):
-        return _dynamic(todo)
-    if handles(robot) is None and todo.method in ("auto", "exact"):
-        return _exact(todo, start)
+    """A summary, and v and z of each case at its end. Discrete memories of a law begin anew in each case."""
+    asked = solver_arguments(options)
+    todo = request(robot, start=start, workers=workers, keep="summary", samples=400, progress=None, options={}, **asked)
+    if is_dynamic(robot.friction) and todo.method in ("auto", "rodas4", "rodas5p") and not getattr(robot.friction, "scalar_only", False):
+        by_tolerance = tableaux.RODAS4 if todo.rtol >= rosenbrock.LOOSE else tableaux.RODAS5P
+        return _stepped(todo, tableaux.TABLEAUX.get(todo.method, by_tolerance), rosenbrock.SAFETY * todo.rtol)
+    if not is_dynamic(robot.friction) and todo.method in ("auto", "exact"):
+        return _exact(todo, start) if handles(robot) is None else _stepped(todo, None, exact.REPEAT / 10)
     what = f"method {todo.method!r} with {type(robot.friction).__name__}"
     raise InputError("sweep", [f"continue_along needs the end states, which {what} does not give; leave it out, or type method='auto'"])
 
 
-def _dynamic(todo: Request) -> tuple[Summary, dict[str, Array]]:
-    tableau = rosenbrock._tableau(todo)
+def _stepped(todo: Request, tableau: Any, rtol: float) -> tuple[Summary, dict[str, Array]]:
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
-    job = lanes.Job(todo.periods, todo.settle, todo.auto, rosenbrock.SAFETY * todo.rtol, todo.slip_ratio, rosenbrock.BUDGET * todo.periods)
-    results = lanes.run(kernel, rows_of(todo.model, kernel.names), todo.start, job)
-    end, z = results.end, results.end[:, 2:]
-    return gather(todo, tableau.name, [((0, todo.cases), rosenbrock._raw(results))]), {
-        "v": end[:, 1],
-        "z": z[:, 0] if z.shape[1] == 1 else z,
-    }
+    job = lanes.Job(todo.periods, todo.settle, todo.auto, rtol, todo.slip_ratio, stepping.BUDGET * todo.periods)
+    table = stepping._Table(todo, kernel)
+    results = lanes.run(kernel, table.rows, table.start, job)
+    inner = states_of(todo.model.friction)
+    v, z = results.end[:, 1] + table.offset, results.end[:, 2 : 2 + inner]
+    summary = gather(todo, "exact" if tableau is None else tableau.name, [((0, todo.cases), stepping._raw(results, table.offset))])
+    return summary, {"v": v, **({"z": z[:, 0] if inner == 1 else z} if inner else {})}
 
 
 def _exact(todo: Request, start: dict[str, Any]) -> tuple[Summary, dict[str, Array]]:
     raw = exact.solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, start, todo.workers)
-    T = np.broadcast_to(todo.model.period, todo.labels.shape).ravel()
-    parts = Raw(**{n: raw["seg_time"] * T[:, None] if n == "seg_time" else raw[n] for n in Raw.__dataclass_fields__})
+    parts = Raw(**{n: raw[n] * np.reshape(todo.span, (-1, 1)) if n == "seg_time" else raw[n] for n in Raw.__dataclass_fields__})
     return gather(todo, "exact", [((0, todo.cases), parts)]), {"v": raw["v_end"]}
 
 

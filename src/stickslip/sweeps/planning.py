@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,12 +15,12 @@ from stickslip.sweeps.axes import Space, space_of
 from stickslip.sweeps.columns import COLUMNS
 from stickslip.sweeps.robots import groups_of, refusals
 
-__all__ = ["SOLVER", "Plan", "planned"]
+__all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
 
 Array = Any
 #: Arguments of `solve` that a sweep passes on, and their defaults here.
 SOLVER: dict[str, Any] = {
-    "periods": 200, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
+    "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
 }  # fmt: skip
 _LARGEST, _SMALLEST = 16384, 1024  # cases of a tile: some tens of milliseconds of work, a file of some megabytes
 _SLOW = 16  # cases of a tile where a case takes seconds
@@ -168,10 +168,12 @@ def _check_options(plan: Plan) -> None:
         if not groups and plan.space.cases <= 64:
             raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
         return
-    arguments = {"start": None, "workers": 1, "keep": "summary", "samples": 400, "progress": None, **plan.options}
-    extra = {name: arguments.pop(name) for name in list(arguments) if name not in _REQUEST}
-    request(plan.sample[0], **arguments, options=extra)
+    arguments = solver_arguments(plan.options)
+    request(plan.sample[0], start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
 
 
-_REQUEST = (*SOLVER, "start", "workers", "keep", "samples", "progress")
-Progress = Callable[[int, int], Any]
+def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of `solve`: with a duration there are no periods to count."""
+    if options["duration"] is None:
+        return {name: value for name, value in options.items() if name != "duration"}
+    return {**options, "periods": None, "settle": None if options["settle"] == "auto" else options["settle"]}

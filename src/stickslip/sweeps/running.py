@@ -27,6 +27,7 @@ def sweep(
     make: Callable[..., Robot] | Robot,
     *designs: Design,
     periods: int = 200,
+    duration: float | None = None,
     settle: int | str | None = "auto",
     rtol: float = 1e-6,
     workers: int = 1,
@@ -57,8 +58,8 @@ def sweep(
         ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
     *designs : Design
         Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
-    periods, settle, rtol, method, slip_ratio, dwell
-        As for `solve`. `settle` is "auto" here: a case ends when its strobe point repeats, at most after `periods`, and its mean
+    periods, duration, settle, rtol, method, slip_ratio, dwell
+        As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when its strobe point repeats, at most after `periods`, and its mean
         velocity is that of the periodic motion. Robots with Coulomb friction and a harmonic drive do not even wait for that: their
         periodic motion is known by formula.
     workers : int
@@ -98,7 +99,15 @@ def sweep(
     >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
     ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
     """
-    options = {"periods": periods, "settle": settle, "rtol": rtol, "method": method, "slip_ratio": slip_ratio, "dwell": dwell}
+    options = {
+        "periods": periods,
+        "duration": duration,
+        "settle": settle,
+        "rtol": rtol,
+        "method": method,
+        "slip_ratio": slip_ratio,
+        "dwell": dwell,
+    }
     plan = planned(make, designs, axes, start, continue_along, tile, **options)
     if not isinstance(workers, int) or workers < 1:
         raise InputError("sweep", [f"workers = {workers!r}; allowed is a whole number from 1; type for example workers=2"])

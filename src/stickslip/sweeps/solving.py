@@ -16,7 +16,7 @@ from stickslip.solvers import orbits
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
 from stickslip.sweeps.columns import BAD, COLUMNS, FAILED, empty
-from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
 
 __all__ = ["Cancelled", "columns_of", "kept_columns", "solved", "solved_points"]
@@ -137,16 +137,12 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
     """A summary; for the steady motions of Coulomb robots with the ways that they go forwards and backwards."""
     from stickslip.solvers import solve
 
-    whole = {**options, "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
-    if options["method"] in ("auto", "exact"):
-        extra = {name: whole[name] for name in whole if name not in _REQUEST}
-        todo = request(robot, samples=400, **{n: whole[n] for n in _REQUEST}, options=extra)
+    asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
+    if options["duration"] is None and options["method"] in ("auto", "exact"):
+        todo = request(robot, samples=400, options={}, **asked)
         if orbits.applies(todo):
             return orbits.solve(todo)
-    return solve(robot, **whole), {}
-
-
-_REQUEST = ("periods", "settle", "rtol", "start", "workers", "keep", "method", "slip_ratio", "dwell", "progress")
+    return solve(robot, **asked), {}
 
 
 def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dict[str, Array]:
