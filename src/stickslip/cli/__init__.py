@@ -20,7 +20,7 @@ COMMANDS = {
     "run": ("run", "simulate one robot and say how it moves"),
     "check": ("check", "let several methods solve one robot: how many digits are certain?"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
-    "map": ("map", "simulate a robot over a plane and draw the map"),
+    "map": ("plane", "simulate a robot over a plane and draw the map"),
     "merge": ("studies", "put the shards of a sweep together"),
     "export": ("studies", "write the results of a sweep as one .nc, .mat, .csv or .parquet file"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),

@@ -59,9 +59,9 @@ def sweep(
     *designs : Design
         Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
     periods, duration, settle, rtol, method, slip_ratio, dwell
-        As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when its strobe point repeats, at most after `periods`, and its mean
-        velocity is that of the periodic motion. Robots with Coulomb friction and a harmonic drive do not even wait for that: their
-        periodic motion is known by formula.
+        As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
+        its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. Robots with Coulomb
+        friction and a harmonic drive do not even wait for that: their periodic motion is known by formula.
     workers : int
         Threads. The results do not depend on it.
     start : dict

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.sweeps.columns import STATUSES, coded, described, flags
+from stickslip.sweeps.columns import COLUMNS, STATUSES, coded, described, empty, flags
 from stickslip.sweeps.folder import unwritable
 from stickslip.sweeps.opening import open_study
 
@@ -119,7 +119,7 @@ def _netcdf(grid: Any, path: Path) -> None:
         for name in grid.coords:
             _coordinate(file, str(name), grid[name])
         for name in map(str, grid.data_vars):
-            kind = coded(name, np.zeros(1, grid[name].dtype))
+            kind = coded(name, empty(1)[name] if name in COLUMNS else np.zeros(1, grid[name].dtype))
             made = file.create_variable(name, (*dims, *(("character",) if kind.ndim > 1 else ())), kind.dtype)
             made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
             for first in range(0, _size(grid), _ROWS):
