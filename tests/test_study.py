@@ -129,6 +129,15 @@ def test_half_written_files_are_swept_up(whole, tmp_path):
     assert files(study) == files(whole)
 
 
+def test_a_study_that_was_killed_before_its_manifest_begins_anew(whole, tmp_path):
+    (tmp_path / "study" / "tiles").mkdir(parents=True)
+    (tmp_path / "study" / "axes.nc").write_bytes(b"")  # or another shard has come this far
+    (tmp_path / "study" / ".manifest.json.0a.part").write_bytes(b"{")
+    ss.sweep(RIG, **AXES, out=tmp_path / "study", resume=True)
+    found = files(tmp_path / "study")
+    assert {name: found[name] for name in files(whole)} == files(whole)
+
+
 def test_shards_together_are_the_study(whole, tmp_path):
     for i in range(1, 8):
         ss.sweep(RIG, **AXES, out=tmp_path / f"part{i}", shard=(i, 7), workers=1 + i % 2)

@@ -1,6 +1,7 @@
 """Pictures of runs and of maps. They take what was solved before; nothing here solves."""
 
-from stickslip.plot.maps import line_cut, motion_map, velocity_map
+from stickslip.plot.cuts import line_cut
+from stickslip.plot.maps import motion_map, velocity_map
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
 

@@ -1,24 +1,24 @@
-"""Pictures of maps: motion types with the exact borders over them, mean velocity with its best point, and cuts along a line."""
+"""Pictures of maps: motion types with the exact borders over them, and mean velocity with its best point."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
 from stickslip.errors import InputError
-from stickslip.plot.style import COLOURS, DASHES, INK, WIDTH, prefix, publication
+from stickslip.plot.style import INK, axes, prefix, publication
 
-__all__ = ["TYPE_COLOURS", "line_cut", "motion_map", "velocity_map"]
+__all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 
 #: Fills of the motion types: greys where nothing slides, then light and dark in turn, so that neighbours differ in grey too.
 TYPE_COLOURS: dict[str, str] = {
     "rest": "#F1F1F1", "presliding": "#C6CBD1", "II": "#BCDFF4", "I": "#2F7FB8", "III": "#F0B03C", "IV": "#D2691E", "other": "#B279A2",
     "unsolved": "#FFFFFF",
 }  # fmt: skip
-_DARK = ("I", "IV", "other")
+#: Types whose names are written in white.
+DARK = ("I", "IV", "other")
 _SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to bear its name inside
 
 
@@ -42,7 +42,7 @@ def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: b
     matplotlib Axes
     """
     first, second = plane_of(grid, x, y)
-    across, up = _scaled(grid, first), _scaled(grid, second)
+    across, up = scaled(grid, first), scaled(grid, second)
     types = np.asarray(grid["motion_type"].transpose(second, first).values)
     present = [name for name in TYPE_COLOURS if (types == name).any()]
     codes = np.zeros(types.shape, int)
@@ -82,7 +82,7 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
     matplotlib Axes
     """
     first, second = plane_of(grid, x, y)
-    across, up = _scaled(grid, first), _scaled(grid, second)
+    across, up = scaled(grid, first), scaled(grid, second)
     V = np.asarray(grid["mean_velocity"].transpose(second, first).values, float)
     unitless = {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
     factor, letter = (1.0, "") if unitless else prefix(V[np.isfinite(V)])
@@ -104,53 +104,6 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
         return _framed(ax, across, up)
 
 
-def line_cut(grid: Any, along: str, at: dict[str, Any] | None = None, lines: Sequence[float] | None = None, ax: Any = None) -> Any:
-    """The mean velocity along one axis, for some values of the other; below them the motion types, a strip for each line.
-
-    Parameters
-    ----------
-    grid : Dataset
-        From `sweep` or `map`. A dimension ``way`` (see ``continue_along``) is drawn as a full and a dashed line.
-    along : str
-        The axis to go along.
-    at : dict, optional
-        Values of other axes to stay at (the nearest ones there are).
-    lines : sequence of float, optional
-        Values of the one axis that is left; by default up to three of it.
-    ax : matplotlib Axes, optional
-        Where to draw; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib Axes
-    """
-    part = _chosen(grid, along, at)
-    rest = [str(d) for d in part["mean_velocity"].dims if d not in (along, "way")]
-    values = _values(part, rest, lines)
-    axis = _scaled(part, along)
-    curves = [part.sel({rest[0]: v}, method="nearest") if rest else part for v in values]
-    factor, unit = prefix(*(c["mean_velocity"].fillna(0.0).values for c in curves))
-    with publication():
-        ax = _axes(ax)
-        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-        for i, curve in enumerate(curves):
-            label = f"{float(curve[rest[0]]):.4g}" if rest else None
-            for j, way in enumerate([curve.isel(way=k) for k in range(2)] if "way" in curve.dims else [curve]):
-                dash = {"linestyle": DASHES[i % 7]} if "way" not in curve.dims else {"linestyle": ("-", (0, (3, 2)))[j]}
-                name = " ".join(w for w in (label, str(way["way"].item()) if "way" in curve.dims else None) if w)
-                ax.plot(axis.values, way["mean_velocity"].values * factor, color=COLOURS[i % 7], label=name or None, zorder=3 + i, **dash)
-        _strips(ax, curves, axis.values)
-        ax.set_xlim(axis.values.min(), axis.values.max())
-        ax.set_xlabel(axis.label)
-        ax.set_ylabel(f"mean velocity $V$ ({unit}m/s)")
-        if len(curves) > 1 or "way" in part.dims:
-            title = _plain_label(part, rest[0]) if rest else None
-            ax.legend(
-                loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, title=title, title_fontsize=7, columnspacing=1.2, handlelength=2
-            )
-        return ax
-
-
 # ---- parts ----
 class _Axis:
     """An axis as it is drawn: values over an SI prefix, and what stands beside it."""
@@ -159,7 +112,8 @@ class _Axis:
         self.values, self.factor, self.label = values, factor, label
 
 
-def _scaled(grid: Any, name: str) -> _Axis:
+def scaled(grid: Any, name: str) -> _Axis:
+    """An axis of a dataset as it is drawn."""
     values, attrs = np.asarray(grid[name].values, float), grid[name].attrs
     unit = attrs.get("units", "1")
     factor, letter = prefix(values) if unit in ("m", "V", "N", "kg", "s", "m/s", "N/m") and unit != "kg" else (1.0, "")
@@ -167,22 +121,15 @@ def _scaled(grid: Any, name: str) -> _Axis:
     return _Axis(values * factor, factor, attrs.get("long_name", name) + shown)
 
 
-def _plain_label(grid: Any, name: str) -> str:
+def plain_label(grid: Any, name: str) -> str:
+    """Name and unit of an axis, without a prefix."""
     unit = grid[name].attrs.get("units", "1")
     shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({unit})"
     return grid[name].attrs.get("long_name", name) + shown
 
 
 def _square(ax: Any) -> Any:
-    return _axes(ax, 2.9)
-
-
-def _axes(ax: Any, height: float = 2.2) -> Any:
-    if ax is not None:
-        return ax
-    import matplotlib.pyplot as plt
-
-    return plt.subplots(figsize=(WIDTH, height))[1]
+    return axes(ax, 2.9)
 
 
 def _framed(ax: Any, across: _Axis, up: _Axis) -> Any:
@@ -202,7 +149,7 @@ def _name_region(ax: Any, x: Any, y: Any, mask: Any, name: str) -> bool:
     i, j = np.unravel_index(np.argmax(depth), depth.shape)
     if depth[i, j] < _SMALLEST * (1 + 0.25 * max(len(name) - 3, 0)):
         return False
-    ax.text(x[j], y[i], name, ha="center", va="center", fontsize=8, color="white" if name in _DARK else INK, zorder=6)
+    ax.text(x[j], y[i], name, ha="center", va="center", fontsize=8, color="white" if name in DARK else INK, zorder=6)
     return True
 
 
@@ -251,59 +198,3 @@ def _mark_best(ax: Any, V: Any, across: _Axis, up: _Axis, unit: str) -> None:
     words = {"ha": "right" if right else "left", "va": "top" if high else "bottom", "fontsize": 7}
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
     ax.annotate(f"{V[i, j]:.3g} {unit}".strip(), (x, y), xytext=offset, textcoords="offset points", bbox=box, zorder=9, **words)
-
-
-def _chosen(grid: Any, along: str, at: dict[str, Any] | None) -> Any:
-    dims = [str(d) for d in grid["mean_velocity"].dims]
-    if along not in dims:
-        raise InputError("line_cut", [f"along = {along!r} is no axis of the dataset; it has {', '.join(dims)}"])
-    unknown = [name for name in at or {} if name not in dims]
-    if unknown:
-        raise InputError("line_cut", [f"at has {', '.join(unknown)}; allowed are {', '.join(d for d in dims if d != along)}"])
-    for name, value in (at or {}).items():
-        grid = grid.sel({name: value}, method=None if isinstance(value, str) else "nearest")
-    left = [d for d in grid["mean_velocity"].dims if d not in (along, "way")]
-    if len(left) > 1:
-        raise InputError("line_cut", [f"the axes {', '.join(map(str, left))} are left; allowed is one; choose the others with at={{...}}"])
-    return grid
-
-
-def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[Any]:
-    if not rest:
-        return [None]
-    if lines is not None:
-        return list(lines)
-    known = part[rest[0]].values
-    return [known[i] for i in np.unique(np.linspace(0, len(known) - 1, min(3, len(known))).round().astype(int))]
-
-
-def _strips(ax: Any, curves: list[Any], x: Any) -> None:
-    """The motion types along the axis, a strip for each curve under all of them, with the curve's line at its left end."""
-    height = 0.06
-    for i, curve in enumerate(curves):
-        top = height * (len(curves) - i) - 0.01
-        types = np.asarray((curve.isel(way=0) if "way" in curve.dims else curve)["motion_type"].values)
-        _strip(ax, types, x, top - height + 0.015, top)
-        if len(curves) > 1:
-            style = {"color": COLOURS[i % 7], "linestyle": DASHES[i % 7] if "way" not in curve.dims else "-", "linewidth": 1.1}
-            ax.plot([-0.05, -0.01], [top - 0.5 * height] * 2, transform=ax.transAxes, clip_on=False, **style)
-    low, high = ax.get_ylim()
-    share = height * len(curves) + 0.01
-    ax.set_ylim(low - share / (1 - share) * (high - low), high)
-    if len(curves) > 1:
-        ax.tick_params(axis="y", pad=2)
-        ax.set_yticks([t for t in ax.get_yticks() if low <= t <= high])
-
-
-def _strip(ax: Any, types: Any, x: Any, bottom: float, top: float) -> None:
-    order = np.argsort(x)
-    x, types = np.asarray(x)[order], types[order]
-    edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
-    starts = np.flatnonzero(np.concatenate([[True], types[1:] != types[:-1]]))
-    span = edges[-1] - edges[0]
-    for begin, end in zip(starts, [*starts[1:], len(types)], strict=True):
-        name = str(types[begin])
-        ax.axvspan(edges[begin], edges[end], bottom, top, facecolor=TYPE_COLOURS.get(name, "white"), edgecolor="none", zorder=2)
-        if edges[end] - edges[begin] > 0.02 * span * max(len(name), 2):
-            words = {"fontsize": 5.5, "color": "white" if name in _DARK else INK, "transform": ax.get_xaxis_transform()}
-            ax.text(0.5 * (edges[begin] + edges[end]), 0.5 * (bottom + top), name, ha="center", va="center_baseline", **words)

@@ -190,7 +190,7 @@ class Study:
 
     def _make(self) -> None:
         if self.folder.exists() and (
-            not self.folder.is_dir() or any(p.name != TILES for p in self.folder.iterdir() if p.suffix != ".part")
+            not self.folder.is_dir() or any(p.name not in (TILES, AXES) for p in self.folder.iterdir() if p.suffix != ".part")
         ):
             raise InputError("sweep", [f"{str(self.folder)!r} is there and is no study folder; give a new or an empty folder"])
         try:
