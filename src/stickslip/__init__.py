@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0.dev0"
 
 if TYPE_CHECKING:
+    from stickslip import designs as designs
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
     from stickslip import testing as testing
+    from stickslip.analysis.coulomb_borders import coulomb_borders as coulomb_borders
     from stickslip.analysis.energy import energy as energy
     from stickslip.analysis.motion import Motion as Motion
     from stickslip.analysis.motion import motion as motion
@@ -59,7 +61,12 @@ if TYPE_CHECKING:
     from stickslip.robot import Robot as Robot
     from stickslip.robot import mirrored as mirrored
     from stickslip.solvers import solve as solve
-    from stickslip.sweeping import sweep as sweep
+    from stickslip.sweeps import Progress as Progress
+    from stickslip.sweeps import export as export
+    from stickslip.sweeps import map as map
+    from stickslip.sweeps import merge as merge
+    from stickslip.sweeps import open_study as open_study
+    from stickslip.sweeps import sweep as sweep
     from stickslip.tracks import Incline as Incline
     from stickslip.tracks import Level as Level
     from stickslip.tracks import VaryingFriction as VaryingFriction
@@ -88,6 +95,7 @@ _HOMES = {
     "Motion": "analysis.motion",
     "MultiHarmonic": "drives",
     "PiezoBeam": "drives",
+    "Progress": "sweeps",
     "PulledMass": "mechanisms",
     "Recorded": "drives",
     "ResetIntegrator": "friction",
@@ -108,20 +116,25 @@ _HOMES = {
     "Viscous": "friction",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
+    "coulomb_borders": "analysis.coulomb_borders",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
+    "export": "sweeps",
     "latex": "engine.latex",
     "load": "io",
+    "map": "sweeps",
     "mean_velocity": "analysis.steady",
+    "merge": "sweeps",
     "mirrored": "robot",
     "motion": "analysis.motion",
+    "open_study": "sweeps",
     "periodic_mean_velocity": "analysis.steady",
     "solve": "solvers",
-    "sweep": "sweeping",
+    "sweep": "sweeps",
 }
-_MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
+_MODULES = ("designs", "drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 
-__all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
+__all__ = [*sorted(_HOMES), "__version__", "designs", "paper", "plot", "presets"]
 
 
 def __getattr__(name: str) -> Any:
