@@ -113,8 +113,8 @@ class Branch:
     def __repr__(self) -> str:
         told = "; ".join(f"{s.kind} at {s.value:.9g}" for s in self.special) or "no special point"
         return (
-            f"<Branch: period {self.period}, {len(self.orbits)} points, {self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; "
-            f"{told}; {self.ended}>"
+            f"<Branch: period {self.period}, {len(self.orbits)} points, "
+            f"{self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; {told}; {self.ended}>"
         )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.duals import Dual, slopes_of, variables
+from stickslip.dynamics.duals import Dual, Truth, slopes_of, variables
 from stickslip.forces import held_velocity, is_dynamic, offered_force
 
 __all__ = ["offer_slopes", "rates"]
@@ -53,11 +53,11 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
         found = law.rate(contact, inner, load)
         zdot = tuple(found) if isinstance(found, (tuple, list)) else (found,)
         R = law.force(contact, inner, zdot[0] if len(z) == 1 else zdot, load)
-        f = [model.acceleration(t, x, v, R), *zdot]
+        f: list[Any] = [model.acceleration(t, x, v, R), *zdot]
     else:
         slide = model.acceleration(t, x, v, law.sliding(_held(model, v, np.where(mode == 0, 1, mode)), load))
-        f = [_where(mode == 0, 0.0, slide)]
-    f = ([] if cyclic else [v]) + f
+        f = [Truth(mode == 0).__ss_where__(0.0, slide)]
+    f = [*([] if cyclic else [v]), *f]
     n, d = len(t), len(f)
     value = np.array([np.broadcast_to(getattr(fi, "value", fi), n) for fi in f], float)
     jacobian = np.empty((n, d, d))
@@ -71,12 +71,6 @@ def _held(model: Any, v: Any, mode: Array) -> Any:
     """The contact's velocity, its value held on the side of the mode."""
     contact = model.contact_velocity(v)
     return Dual(held_velocity(contact.value, mode), contact.slopes)
-
-
-def _where(condition: Array, yes: float, no: Any) -> Any:
-    if not isinstance(no, Dual):
-        return np.where(condition, yes, no)
-    return Dual(np.where(condition, yes, no.value), [np.where(condition, 0.0, s) for s in no.slopes])
 
 
 def offer_slopes(model: Any, t: float, x: float, side: int) -> tuple[float, float]:

@@ -9,12 +9,21 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import Motion, motion
-from stickslip.dynamics.mapping import coordinates, difference_jacobian, flight, needs_model, strobe_map, strobe_orbit, strobe_states
+from stickslip.dynamics.mapping import (
+    Coordinates,
+    coordinates,
+    difference_jacobian,
+    flight,
+    needs_model,
+    strobe_map,
+    strobe_orbit,
+    strobe_states,
+)  # fmt: skip
 from stickslip.dynamics.newton import Found, newton
 from stickslip.dynamics.variational import monodromy
 from stickslip.errors import InputError, SolveError
 
-__all__ = ["PeriodicOrbit", "periodic_orbit"]
+__all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 
 Array = Any
 RTOL = 1e-12
@@ -191,7 +200,7 @@ def _failure(period: int, tried: list[Found], guess: Any) -> str:
     repeated = sum(f.good for f in tried)
     if repeated:
         return (
-            f"no motion of period {period} was found: Newton's method went from all {repeated} guesses to one that repeats earlier already; "
+            f"no motion of period {period} was found: Newton's method went from all {repeated} guesses to one that repeats earlier; "
             f"type a smaller period, or a guess on the motion of period {period} (such as guess=run of a robot that has settled on it)"
         )
     best = min(tried, key=lambda f: f.residual)
@@ -219,27 +228,38 @@ def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
     return any(period % k == 0 and at.distance(points[k - 1], state) < _SAME for k in range(1, period))
 
 
-def _guesses(model: Any, period: int, guess: Any, at: Any) -> list[Array]:
-    if guess is None:
-        return _from_rest(model, period, at)
-    if isinstance(guess, PeriodicOrbit):
-        return [guess.state]
-    if hasattr(guess, "strobe_v"):
-        return [strobe_states(guess)[-1]]
-    if isinstance(guess, dict):
-        state = []
-        for name in at.names:
-            place = name[1:] if name.startswith("z") else ""
-            value = guess.get(name, guess.get("z", 0.0) if name.startswith("z") else 0.0)
-            state.append(float(np.ravel(value)[int(place)] if place and np.ndim(value) else value))
-        return [np.array(state)]
-    state = np.asarray(guess, float).ravel()
+def _guesses(model: Any, period: int, guess: Any, at: Coordinates) -> list[Array]:
+    return _from_rest(model, period, at) if guess is None else [states_of(guess, at)]
+
+
+def states_of(start: Any, at: Coordinates) -> Array:
+    """A strobe state from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None."""
+    if start is None:
+        return np.zeros(len(at.names))
+    if isinstance(start, PeriodicOrbit):
+        return start.state
+    if hasattr(start, "strobe_v"):
+        return strobe_states(start)[-1]
+    if isinstance(start, dict):
+        return np.array([_named(start, name) for name in at.names])
+    try:
+        state = np.asarray(start, float).ravel()
+    except (TypeError, ValueError):
+        state = np.empty(0)
     if state.shape != (len(at.names),):
-        raise InputError("periodic_orbit", [f"guess = {guess!r}; allowed is a state {', '.join(at.names)}; type guess=dict(v=0.0)"])
-    return [state]
+        raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type dict(v=0.0)"])
+    return state
 
 
-def _from_rest(model: Any, period: int, at: Any) -> list[Array]:
+def _named(start: dict[str, Any], name: str) -> float:
+    """One number of a start; z0, z1, ... are entries of z."""
+    if name in start or not name.startswith("z"):
+        return float(start.get(name, 0.0))
+    z = np.ravel(np.asarray(start.get("z", 0.0), float))
+    return float(z[int(name[1:]) if len(z) > 1 else 0])
+
+
+def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
     """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
     settled = strobe_map(model, np.zeros((1, len(at.names))), _SETTLING, 1e-8).state
     points = strobe_orbit(model, settled, _CANDIDATES + period, 1e-8)[0][:, 0]

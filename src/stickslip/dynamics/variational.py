@@ -68,7 +68,7 @@ def transfers(run: Any, parts: int = 1) -> Array:
     h, index = np.repeat(np.diff(t) / parts, parts), np.repeat(np.arange(len(mode)), parts)
     found = _steps(run, grid, h, index)
     for i in np.flatnonzero(np.diff(mode)):
-        found[(i + 1) * parts - 1] = saltation(run, i + 1) @ found[(i + 1) * parts - 1]
+        found[(i + 1) * parts - 1] = saltation(run, int(i) + 1) @ found[(i + 1) * parts - 1]
     if not is_dynamic(model.friction):
         v = _place_of_v(model)
         found[mode[index] == 0, v, :] = 0.0
