@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -113,44 +114,42 @@ def _told(logs: Array) -> Lyapunov:
 
 
 def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
-    """The logarithms of the growth in every drive period of a run, and the frame at its end."""
-    matrices, T = transfers(run, 1), run.period_time
-    number = np.minimum(((np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]) / T + 1e-9).astype(int), run.periods - 1)
-    logs = np.zeros((run.periods, len(Q)))
-    if len(Q) == 1:
-        with np.errstate(divide="ignore"):
-            np.add.at(logs[:, 0], number, np.log(abs(matrices[:, 0, 0])))
-        return logs, Q
-    if len(Q) == 2:
-        return _growth_in_the_plane(matrices, number, logs, Q)
-    for M, k in zip(matrices, number, strict=True):
-        Q, R = np.linalg.qr(M @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k] += np.log(abs(np.diag(R)))
+    """The logarithms of the growth in every drive period of a run, and the frame at its end.
+
+    All directions but the last are carried along; the last has what the volume leaves over.
+    """
+    matrices, areas = transfers(run)
+    starts = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
+    number = np.minimum((starts / run.period_time + 1e-9).astype(int), run.periods - 1)
+    logs, volume = np.zeros((run.periods, len(Q))), np.zeros(run.periods)
+    np.add.at(volume, number, areas)
+    Q = (_carried if len(Q) > 2 else _carried_in_the_plane)(matrices, number, logs, Q) if len(Q) > 1 else Q
+    with np.errstate(invalid="ignore"):
+        logs[:, -1] = np.where(np.isneginf(volume), -np.inf, volume - logs[:, :-1].sum(axis=1))
     return logs, Q
 
 
-def _growth_in_the_plane(matrices: Array, number: Array, logs: Array, Q: Array) -> tuple[Array, Array]:
-    """Two coordinates: one direction is carried along, the area does the rest."""
-    import math
+def _carried(matrices: Array, number: Array, logs: Array, Q: Array) -> Array:
+    """The frame at the end; what its directions but the last grow by is added to `logs`."""
+    for M, k in zip(matrices, number, strict=True):
+        Q, R = np.linalg.qr(M @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k, :-1] += np.log(abs(np.diag(R)))[:-1]
+    return Q
 
-    x, y = float(Q[0, 0]), float(Q[1, 0])
-    area = np.zeros(len(logs))
-    with np.errstate(divide="ignore"):
-        np.add.at(area, number, np.log(abs(np.linalg.det(matrices))))
-    along = [0.0] * len(logs)
-    for (a, b), (c, d), k in ((*M, k) for M, k in zip(matrices.tolist(), number.tolist(), strict=True)):
+
+def _carried_in_the_plane(matrices: Array, number: Array, logs: Array, Q: Array) -> Array:
+    """The same for one direction in the plane, without the overhead of matrices."""
+    x, y, grown = float(Q[0, 0]), float(Q[1, 0]), [0.0] * len(logs)
+    for ((a, b), (c, d)), k in zip(matrices.tolist(), number.tolist(), strict=True):
         x, y = a * x + b * y, c * x + d * y
         size = math.hypot(x, y)
         if size == 0.0:
-            along[k], x, y = -math.inf, 0.0, 1.0
-            continue
-        along[k] += math.log(size)
-        x, y = x / size, y / size
-    logs[:, 0] = along
-    with np.errstate(invalid="ignore"):
-        logs[:, 1] = np.where(np.isneginf(area), -np.inf, area - logs[:, 0])
-    return logs, np.array([[x, -y], [y, x]])
+            grown[k], x, y = -math.inf, 0.0, 1.0
+        else:
+            grown[k], x, y = grown[k] + math.log(size), x / size, y / size
+    logs[:, 0] += grown
+    return np.array([[x, -y], [y, x]])
 
 
 def largest_exponents(

@@ -57,7 +57,7 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
     else:
         slide = model.acceleration(t, x, v, law.sliding(_held(model, v, np.where(mode == 0, 1, mode)), load))
         f = [Truth(mode == 0).__ss_where__(0.0, slide)]
-    f = [*([] if cyclic else [v]), *f]
+    f = f if cyclic else [v, *f]
     n, d = len(t), len(f)
     value = np.array([np.broadcast_to(getattr(fi, "value", fi), n) for fi in f], float)
     jacobian = np.empty((n, d, d))

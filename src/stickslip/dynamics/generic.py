@@ -174,7 +174,7 @@ def lyapunov_of_flow(
     jacobian: Callable[..., Any] | None = None,
     rtol: float = 1e-9,
 ) -> Lyapunov:
-    """Lyapunov exponents of a smooth flow x' = f(x), per unit of time. (For switching flows of ours see `lyapunov`.)
+    """Lyapunov exponents of a smooth flow x' = f(x), per unit of time.
 
     Parameters
     ----------

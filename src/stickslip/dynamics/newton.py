@@ -33,7 +33,8 @@ def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array
     """The residuals and their Jacobian by central differences, in one batch."""
     n = len(u)
     found = residuals(np.vstack([u, u + step * np.eye(n), u - step * np.eye(n)]))
-    return found[0], ((found[1 : n + 1] - found[n + 1 :]) / (2 * step)).T
+    with np.errstate(invalid="ignore"):
+        return found[0], ((found[1 : n + 1] - found[n + 1 :]) / (2 * step)).T
 
 
 def newton(

@@ -207,7 +207,8 @@ def _failure(period: int, tried: list[Found], guess: Any) -> str:
     hint = "give a guess nearer to it (guess=orbit of a robot nearby), or follow it there with ss.continuation"
     if guess is None:
         hint += "; if the robot still settles, give guess=ss.solve(robot, periods=2000)"
-    return f"Newton's method found no motion of period {period}: {best.why} (residual {best.residual:.1e} after {best.iterations} iterations); {hint}"
+    how = f"{best.why} (residual {best.residual:.1e} after {best.iterations} iterations)"
+    return f"Newton's method found no motion of period {period}: {how}; {hint}"
 
 
 def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float) -> Found:

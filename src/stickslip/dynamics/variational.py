@@ -51,28 +51,38 @@ def monodromy(run: Any, tolerance: float = 1e-9) -> Array:
     >>> round(float(monodromy(last)[0, 0]), 6)  # type IV forgets all but this part in one period
     0.089023
     """
-    before = product(transfers(run, 1))
+    before = product(transfers(run, 1)[0])
     for parts in (2, 4, 8, 16):
-        after = product(transfers(run, parts))
+        after = product(transfers(run, parts)[0])
         if abs(after - before).max() <= tolerance * max(abs(after).max(), 1e-3):
             return after
         before = after
     return before
 
 
-def transfers(run: Any, parts: int = 1) -> Array:
-    """The transfer matrix of every part of every piece, each with the switch that follows it: array (pieces * parts, d, d)."""
+def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
+    """The transfer matrix of every part of every piece, each with the switch that follows it, and what it does to areas.
+
+    Returns
+    -------
+    matrices : array (pieces * parts, d, d)
+    areas : array (pieces * parts,)
+        Logarithms of their determinants, by Liouville's formula: a stiff bristle's e^-1000 is far below rounding in the matrix.
+    """
     pieces, model = run.pieces, run.model
     t, mode = np.asarray(pieces.t), np.asarray(pieces.mode)
     grid = (t[:-1, None] + (np.arange(parts) / parts) * np.diff(t)[:, None]).ravel()
     h, index = np.repeat(np.diff(t) / parts, parts), np.repeat(np.arange(len(mode)), parts)
-    found = _steps(run, grid, h, index)
-    for i in np.flatnonzero(np.diff(mode)):
-        found[(i + 1) * parts - 1] = saltation(run, int(i) + 1) @ found[(i + 1) * parts - 1]
+    matrices, areas = _steps(run, grid, h, index)
     if not is_dynamic(model.friction):
-        v = _place_of_v(model)
-        found[mode[index] == 0, v, :] = 0.0
-    return found
+        stuck = mode[index] == 0
+        matrices[stuck, _place_of_v(model), :], areas[stuck] = 0.0, -np.inf
+    for i in np.flatnonzero(np.diff(mode)):
+        last, S = (int(i) + 1) * parts - 1, saltation(run, int(i) + 1)
+        matrices[last] = S @ matrices[last]
+        with np.errstate(divide="ignore"):
+            areas[last] += np.log(abs(np.linalg.det(S)))
+    return matrices, areas
 
 
 def _place_of_v(model: Any) -> int:
@@ -85,19 +95,20 @@ def _states(run: Any, t: Array, index: Array) -> Array:
     return np.vstack([*([] if getattr(run.model, "cyclic", False) else [x]), v, *z.T])
 
 
-def _steps(run: Any, t: Array, h: Array, index: Array) -> Array:
-    """Radau IIA over every step at once."""
+def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:
+    """Radau IIA over every step at once: transfer matrices, and integrals of the trace."""
     mode, stages = np.asarray(run.pieces.mode)[index], len(NODES)
     J = [rates(run.model, mode, t + c * h, _states(run, t + c * h, index))[1] for c in NODES]
     n, d = len(t), J[0].shape[1]
     if not any(j.any() for j in J):
-        return np.broadcast_to(np.eye(d), (n, d, d)).copy()
+        return np.broadcast_to(np.eye(d), (n, d, d)).copy(), np.zeros(n)
     whole = np.broadcast_to(np.eye(stages * d), (n, stages * d, stages * d)).copy()
     for a in range(stages):
         for b in range(stages):
             whole[:, a * d : (a + 1) * d, b * d : (b + 1) * d] -= (STAGES[a, b] * h)[:, None, None] * J[b]
     ones = np.broadcast_to(np.tile(np.eye(d), (stages, 1)), (n, stages * d, d))
-    return np.linalg.solve(whole, ones)[:, -d:]
+    traces = sum(STAGES[-1, b] * np.trace(J[b], axis1=1, axis2=2) for b in range(stages))
+    return np.linalg.solve(whole, ones)[:, -d:], h * traces
 
 
 def product(matrices: Array) -> Array:
