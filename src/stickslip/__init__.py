@@ -20,6 +20,31 @@ if TYPE_CHECKING:
     from stickslip.drives import Harmonic as Harmonic
     from stickslip.drives import PiezoBeam as PiezoBeam
     from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
+    from stickslip.dynamics.attractors import Basins as Basins
+    from stickslip.dynamics.attractors import basins as basins
+    from stickslip.dynamics.branches import Branch as Branch
+    from stickslip.dynamics.branches import continuation as continuation
+    from stickslip.dynamics.curves import Curve as Curve
+    from stickslip.dynamics.curves import special_curve as special_curve
+    from stickslip.dynamics.diagrams import bifurcation as bifurcation
+    from stickslip.dynamics.exponents import Verdict as Verdict
+    from stickslip.dynamics.exponents import largest_exponents as largest_exponents
+    from stickslip.dynamics.exponents import lyapunov as lyapunov
+    from stickslip.dynamics.exponents import verdict as verdict
+    from stickslip.dynamics.generic import Lyapunov as Lyapunov
+    from stickslip.dynamics.generic import lyapunov_of_flow as lyapunov_of_flow
+    from stickslip.dynamics.generic import lyapunov_of_map as lyapunov_of_map
+    from stickslip.dynamics.orbits import PeriodicOrbit as PeriodicOrbit
+    from stickslip.dynamics.orbits import periodic_orbit as periodic_orbit
+    from stickslip.dynamics.sections import poincare as poincare
+    from stickslip.dynamics.sections import spectrum as spectrum
+    from stickslip.dynamics.sections import strobe as strobe
+    from stickslip.dynamics.switched import FlowOrbit as FlowOrbit
+    from stickslip.dynamics.switched import Switch as Switch
+    from stickslip.dynamics.switched import SwitchingFlow as SwitchingFlow
+    from stickslip.dynamics.switched import flow_orbit as flow_orbit
+    from stickslip.dynamics.switched import passage as passage
+    from stickslip.dynamics.switched import switching_flow as switching_flow
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
@@ -37,30 +62,55 @@ if TYPE_CHECKING:
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
+    "Basins": "dynamics.attractors",
+    "Branch": "dynamics.branches",
     "Coulomb": "friction",
+    "Curve": "dynamics.curves",
     "DimensionlessRobot": "nondimensional",
+    "FlowOrbit": "dynamics.switched",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
     "Level": "tracks",
     "LuGre": "friction",
+    "Lyapunov": "dynamics.generic",
     "Motion": "analysis.motion",
+    "PeriodicOrbit": "dynamics.orbits",
     "PiezoBeam": "drives",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
+    "Switch": "dynamics.switched",
+    "SwitchingFlow": "dynamics.switched",
     "Trajectory": "trajectory",
+    "Verdict": "dynamics.exponents",
+    "basins": "dynamics.attractors",
+    "bifurcation": "dynamics.diagrams",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
+    "continuation": "dynamics.branches",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
+    "flow_orbit": "dynamics.switched",
+    "largest_exponents": "dynamics.exponents",
     "latex": "engine.latex",
     "load": "io",
+    "lyapunov": "dynamics.exponents",
+    "lyapunov_of_flow": "dynamics.generic",
+    "lyapunov_of_map": "dynamics.generic",
     "mean_velocity": "analysis.steady",
     "motion": "analysis.motion",
+    "passage": "dynamics.switched",
     "periodic_mean_velocity": "analysis.steady",
+    "periodic_orbit": "dynamics.orbits",
+    "poincare": "dynamics.sections",
     "solve": "solvers",
+    "special_curve": "dynamics.curves",
+    "spectrum": "dynamics.sections",
+    "strobe": "dynamics.sections",
     "sweep": "sweeping",
+    "switching_flow": "dynamics.switched",
+    "verdict": "dynamics.exponents",
 }
 _MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
 

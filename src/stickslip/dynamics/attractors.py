@@ -199,7 +199,8 @@ def _fingerprints(points: Array, ways: Array, period: Array, V: Array, at: Any, 
 
 def _numbers(prints: Array, period: Array, V: Array, scales: Array, good: Array) -> Array:
     """A number for each motion; all motions without a period whose means lie near each other are one."""
-    number, kept = np.full(len(prints), -1), []
+    number: Array = np.full(len(prints), -1)
+    kept: list[tuple[Array, int]] = []
     for i in np.flatnonzero(good & np.isfinite(prints).all(axis=1)):
         for k, (like, count) in enumerate(kept):
             near = _SAME if count else 0.2

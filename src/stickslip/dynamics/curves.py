@@ -66,7 +66,7 @@ class Curve:
         """The curve as an `xarray.Dataset` over ``point``."""
         import xarray as xr
 
-        columns = {name: ("point", self.values[:, i], self.family.describe(name)) for i, name in enumerate(self.parameters)}
+        columns: dict[str, Any] = {name: ("point", self.values[:, i], self.family.describe(name)) for i, name in enumerate(self.parameters)}
         columns |= {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
         return xr.Dataset(columns, attrs={"kind": self.kind, "ended": self.ended})
 
@@ -139,8 +139,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     else:
         raise InputError(
             "special_curve",
-            [f"the special point is a {special.kind} under {type(special.orbit.model.friction).__name__}; allowed are flips and folds of any "
-             "law, and type borders of set-valued laws, where they are sharp; for others take ss.continuation at each value"],
+            [f"it is a {special.kind} under {type(special.orbit.model.friction).__name__}; allowed are flips and folds of any law, "
+             "and type borders of set-valued laws, where they are sharp; for others take ss.continuation at each value"],
         )  # fmt: skip
     return _followed(problem, u, special.kind, float(np.sign(stop - begin)), step, points)
 

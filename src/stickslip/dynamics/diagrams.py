@@ -24,11 +24,11 @@ def bifurcation(
     *,
     parameter: str,
     values: Any,
-    settle: int = 300,
+    settle: int = 200,
     points: int = 64,
     follow: bool = True,
     start: Any = None,
-    rtol: float = 1e-8,
+    rtol: float = 1e-7,
     progress: Callable[[int, int], None] | None = None,
     **fixed: Any,
 ) -> Any:
@@ -140,7 +140,7 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     count = points.shape[2]
     lengths = np.where(period > 0, count - count % np.maximum(period, 1), count)
     steady = np.where(np.arange(count) < lengths[..., None], ways, 0.0).sum(axis=-1) / (lengths * T)
-    columns = {name: (whole, points[..., i], _UNITS.get(name, {"units": "m"})) for i, name in enumerate(at.names)}
+    columns: dict[str, Any] = {name: (whole, points[..., i], _UNITS.get(name, {"units": "m"})) for i, name in enumerate(at.names)}
     columns |= {
         "displacement": (whole, ways, {"units": "m", "long_name": "displacement in a drive period"}),
         "mean_velocity": (flat, steady, {"units": "m/s", "long_name": "mean velocity"}),

@@ -44,8 +44,8 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
     ((1, 2, 2), 1.0)
     """
     cyclic = bool(getattr(model, "cyclic", False))
-    names = variables(*y)
-    x, v, *z = ([np.zeros_like(t)] if cyclic else []) + list(names)
+    whole: list[Any] = [*([np.zeros_like(t)] if cyclic else []), *variables(*y)]
+    x, v, z = whole[0], whole[1], whole[2:]
     law, load = model.friction, model.load(t, x)
     if is_dynamic(law):
         contact = _held(model, v, mode)
@@ -75,9 +75,8 @@ def _held(model: Any, v: Any, mode: Array) -> Any:
 
 def offer_slopes(model: Any, t: float, x: float, side: int) -> tuple[float, float]:
     """How the distance of the offered force to the break-away force of one side changes: by t and by x."""
-    at, where = variables(np.array([t]), np.array([x]))
-    if getattr(model, "cyclic", False):
-        where = np.array([x])
+    at, moved = variables(np.array([t]), np.array([x]))
+    where: Any = np.array([x]) if getattr(model, "cyclic", False) else moved
     offered, limits = offered_force(model, at, where), model.friction.breakaway(model.load(at, where))
     gap = offered - limits[1 if side > 0 else 0]
     by_t, by_x = (float(np.ravel(s)[0]) for s in slopes_of(gap, 2))

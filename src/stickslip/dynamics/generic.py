@@ -173,13 +173,14 @@ def lyapunov_of_flow(
     every: float = 0.5,
     jacobian: Callable[..., Any] | None = None,
     rtol: float = 1e-9,
+    mode: int = 0,
 ) -> Lyapunov:
-    """Lyapunov exponents of a smooth flow x' = f(x), per unit of time.
+    """Lyapunov exponents of a flow x' = f(x), smooth or switching, per unit of time.
 
     Parameters
     ----------
-    f : callable
-        Takes a list of numbers, returns their rates.
+    f : callable or SwitchingFlow
+        Takes a list of numbers, returns their rates. Of a `SwitchingFlow` a saltation matrix is taken at every switch.
     x0 : sequence of float
         Where to begin.
     duration, settle : float
@@ -190,6 +191,8 @@ def lyapunov_of_flow(
         The matrix of f's derivatives at x; if not given it comes from f's own lines.
     rtol : float
         Tolerance of the integrator (DOP853).
+    mode : int
+        In which mode a `SwitchingFlow` begins.
 
     Returns
     -------
@@ -204,6 +207,11 @@ def lyapunov_of_flow(
     from scipy.integrate import solve_ivp
 
     x = _checked("lyapunov_of_flow", x0, duration=duration, every=every)
+    if hasattr(f, "switches"):
+        from stickslip.dynamics.switched import exponents_of
+
+        logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)  # type: ignore[arg-type]
+        return gathered(logs, every, "unit of time")
     n, slope = len(x), jacobian or _jacobian(f)
 
     def rates(t: float, y: Array) -> Array:

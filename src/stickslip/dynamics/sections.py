@@ -100,7 +100,7 @@ def _dataset(run: Any, t: Array) -> Any:
     import xarray as xr
 
     found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
-    columns = {"time": ("point", t, {"units": "s"}), "v": ("point", found["v"], {"units": "m/s", "long_name": "velocity"})}
+    columns: dict[str, Any] = {"time": ("point", t, {"units": "s"}), "v": ("point", found["v"], {"units": "m/s", "long_name": "velocity"})}
     if found["z"] is not None:
         dims = ("point",) if np.ndim(found["z"]) == 1 else ("point", "inner_state")
         columns["z"] = (dims, found["z"], {"long_name": "inner state"})
@@ -110,7 +110,7 @@ def _dataset(run: Any, t: Array) -> Any:
 
 
 def spectrum(run: Any, column: str = "v", harmonics: int = 40, periods: int | None = None) -> Any:
-    """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and of its parts where a motion repeats later.
+    """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and between where it repeats later.
 
     The window holds whole motion periods and no taper, so a periodic motion gives exact lines and no leakage. Where no period is
     found, a Hann window is laid over the last `periods` drive periods.

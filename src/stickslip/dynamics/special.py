@@ -12,7 +12,7 @@ from stickslip.forces import is_dynamic
 __all__ = ["located", "root"]
 
 _HALVINGS = 60  # at most; until the two sides are the same number
-_NEAR = {False: 1e-13, True: 1e-8}  # in the scaled space: where rest is exact, and for laws whose words have thresholds
+_NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, and for laws whose words have thresholds
 
 
 def located(path: Path, a: Point, b: Point) -> list[tuple[str, Point, tuple[str, ...]]]:

@@ -1,6 +1,7 @@
-"""Pictures of runs. They take runs that were solved before; nothing here solves."""
+"""Pictures of runs, and of what becomes of them along a parameter. They take what was computed before; nothing here solves."""
 
+from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
 
-__all__ = ["forces", "phase", "publication", "velocity"]
+__all__ = ["basins", "bifurcation", "continuation", "convergence", "forces", "phase", "publication", "spectrum", "velocity"]
