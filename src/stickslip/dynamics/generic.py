@@ -59,8 +59,8 @@ class Lyapunov:
 
     @property
     def chaotic(self) -> bool:
-        """Whether the largest exponent is positive by more than three of its errors."""
-        return self.largest > 3 * self.error and np.isfinite(self.largest)
+        """Whether the largest exponent is positive by more than three of its errors (and not by rounding)."""
+        return bool(self.largest > max(3 * self.error, 1e-6) and np.isfinite(self.largest))
 
     @property
     def dimension(self) -> float:

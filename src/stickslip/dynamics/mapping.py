@@ -106,7 +106,7 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     >>> import stickslip as ss
     >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
     >>> strobe_map(robot, [[0.0], [1e-3]], periods=3).displacement.round(9).tolist()
-    [0.000183955, 0.000183955]
+    [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
     table = np.zeros((len(states), states.shape[1] + (1 if getattr(model, "cyclic", False) else 0)))

@@ -20,8 +20,9 @@ from stickslip.dynamics.mapping import (
     strobe_states,
 )  # fmt: skip
 from stickslip.dynamics.newton import Found, newton
-from stickslip.dynamics.variational import monodromy
+from stickslip.dynamics.variational import monodromy, multipliers_of
 from stickslip.errors import InputError, SolveError
+from stickslip.forces import is_dynamic
 
 __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 
@@ -93,9 +94,7 @@ class PeriodicOrbit:
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        found = np.linalg.eigvals(self.monodromy)
-        found = found[np.argsort(-abs(found), kind="stable")]
-        return found.real if np.all(found.imag == 0) else found
+        return multipliers_of(self.monodromy, not is_dynamic(self.model.friction) and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
 
     @property
     def stable(self) -> bool:
@@ -182,7 +181,7 @@ def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: floa
     >>> import stickslip as ss
     >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), period=1)
     >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
-    (False, -1.4203)
+    (False, -2.625)
     """
     needs_model("periodic_orbit", model)
     if not isinstance(period, (int, np.integer)) or isinstance(period, bool) or period < 1:

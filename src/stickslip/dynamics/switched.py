@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.duals import slopes_of, variables
+from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
 from stickslip.forces import is_dynamic
 
@@ -86,6 +87,7 @@ class Passage:
     mode: int
     events: list[tuple[float, int, int]]
     monodromy: Array
+    forgets: bool  # whether a switch wiped out a direction
     lowest: Array  # of each coordinate
     highest: Array
 
@@ -95,7 +97,8 @@ def _derivative(f: Callable[..., Any], t: float, y: Array) -> tuple[Array, Array
     found = f(*_split(variables(t, *y)))
     rows = found if isinstance(found, (tuple, list, np.ndarray)) else [found]
     slopes = np.array([slopes_of(row, 1 + len(y)) for row in rows], float)
-    return np.array([float(getattr(row, "value", row)) for row in rows]), slopes[:, 0], slopes[:, 1:]
+    values: list[Any] = [getattr(row, "value", row) for row in rows]
+    return np.array(values, float), slopes[:, 0], slopes[:, 1:]
 
 
 def _split(numbers: list[Any]) -> tuple[Any, list[Any]]:
@@ -125,7 +128,7 @@ def passage(
     """
     y = np.array(state, float)
     n, end = len(y), begin + duration
-    t, M, events = float(begin), np.eye(n), []
+    t, M, events, forgets = float(begin), np.eye(n), [], False
     low, high = y.copy(), y.copy()
     while t < end:
         t, y, M, hit, seen = _arc(flow, mode, t, y, M, end, rtol)
@@ -133,7 +136,7 @@ def passage(
         if hit is None:
             break
         after, y, S = _switched(flow, mode, hit, t, y)
-        M = S @ M
+        M, forgets = S @ M, forgets or not S.any(axis=1).all()
         events.append((t, mode, after))
         mode = after
         if len(events) >= switches:
@@ -142,7 +145,7 @@ def passage(
             raise SolveError(
                 f"more than {_MOST} switches until t = {t:.9g}: the flow chatters there; give it a mode that slides along the guard"
             )
-    return Passage(y, mode, events, M, low, high)
+    return Passage(y, mode, events, M, forgets, low, high)
 
 
 def _arc(
@@ -164,25 +167,40 @@ def _arc(
         g.terminal, g.direction = True, -1.0  # type: ignore[attr-defined]
         return g
 
+    def rise(switch: Switch) -> Any:
+        def slope(s: float, u: Array) -> float:
+            _, by_t, by_y = _derivative(switch.guard, s, u[:n])
+            return float(by_t[0] + by_y[0] @ _derivative(f, s, u[:n])[0])
+
+        slope.direction = 1.0  # type: ignore[attr-defined]
+        return slope
+
     scale = rtol * np.concatenate([np.maximum(abs(y), 1e-3 * (1 + abs(y).max())), np.full(n * n, 1.0)])
     limit = flow.period / 16 if flow.period else np.inf
-    done = solve_ivp(
-        rates,
-        (t, end),
-        np.concatenate([y, M.ravel()]),
-        method="DOP853",
-        rtol=rtol,
-        atol=scale,
-        events=[event(s) for s in exits],
-        max_step=limit,
-    )
-    if done.status == -1:
-        raise SolveError(f"the flow could not be followed beyond t = {done.t[-1]:.9g}: {done.message}")
+    watch = [*(event(s) for s in exits), *(rise(s) for s in exits)]
+    begin = np.concatenate([y, M.ravel()])
+    while True:
+        done = solve_ivp(rates, (t, end), begin, method="DOP853", rtol=rtol, atol=scale, events=watch or None, max_step=limit)
+        if done.status == -1:
+            raise SolveError(f"the flow could not be followed beyond t = {done.t[-1]:.9g}: {done.message}")
+        dip = _missed(exits, done, n, t)
+        if dip is None or dip >= end:
+            break
+        end = dip  # a guard went below zero and came back within a step: end there, so that its fall is seen
     u, at = done.y[:, -1], float(done.t[-1])
-    hit = next((s for s, times in zip(exits, done.t_events or (), strict=True) if len(times)), None) if exits else None
+    hit = next((s for s, times in zip(exits, done.t_events or (), strict=False) if len(times)), None)
     if hit is not None:
         at, u = _onto(hit, rates, at, u, n)
     return at, u[:n], u[n:].reshape(n, n), hit, done.y[:n]
+
+
+def _missed(exits: tuple[Switch, ...], done: Any, n: int, begin: float) -> float | None:
+    """The first lowest point of a guard that lies below zero although no switch was seen before it."""
+    found = []
+    for k, switch in enumerate(exits):
+        times, states = done.t_events[len(exits) + k], done.y_events[len(exits) + k]
+        found += [float(at) for at, u in zip(times, states, strict=True) if at > begin and float(switch.guard(at, u[:n])) < 0.0]
+    return min(found, default=None)
 
 
 def _onto(hit: Switch, rates: Callable[[float, Array], Array], t: float, u: Array, n: int) -> tuple[float, Array]:
@@ -294,7 +312,9 @@ def flow_orbit(
     if flow.period is None and duration is None:
         raise InputError("flow_orbit", ["the flow has no period; give duration=, a guess of how long the orbit takes"])
     T = float(duration or 0.0) if flow.period is None else periods * float(flow.period)
-    for _ in range(settle):
+    if flow.period is None:
+        y, mode, T = _returned(flow, y, mode, T, max(settle, 3), rtol)
+    for _ in range(settle if flow.period else 0):
         done = passage(flow, y, mode, T, rtol=rtol)
         y, mode = done.state, done.mode
     for _ in range(most):
@@ -308,11 +328,19 @@ def flow_orbit(
             raise SolveError(
                 f"Newton's method found no periodic orbit of the flow in {most} iterations (miss {size:.1e}); try settle=, or another guess"
             )
-    found: Array = np.linalg.eigvals(done.monodromy)
-    if flow.period is None:
-        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
-    found = found[np.argsort(-abs(found), kind="stable")]
-    return FlowOrbit(y, mode, T, found.real if np.all(found.imag == 0) else found, size, done)
+    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, flow.period is None), size, done)
+
+
+def _returned(flow: SwitchingFlow, y: Array, mode: int, duration: float, turns: int, rtol: float) -> tuple[Array, int, float]:
+    """A better guess for a flow that does not depend on time: the state after its last switch, and the time since the same switch before."""
+    events = passage(flow, y, mode, turns * duration, rtol=1e-9).events
+    same = [k for k, event in enumerate(events) if event[1:] == events[-1][1:]]
+    if len(same) < 2:
+        return y, mode, duration
+    done = passage(flow, y, mode, turns * duration, rtol=rtol, switches=same[-1] + 1)
+    onward = 0.5 * (events[same[-2] + 1][0] - events[same[-2]][0])  # not on a switch, but half way to the next
+    done = passage(flow, done.state, done.mode, onward, rtol=rtol)
+    return done.state, done.mode, events[same[-1]][0] - events[same[-2]][0]
 
 
 def _newton_step(flow: SwitchingFlow, y: Array, mode: int, T: float, done: Passage, miss: Array) -> tuple[Array, float, int]:
@@ -325,7 +353,7 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: int, T: float, done: Passa
     ahead = _derivative(flow.fields[done.mode], T, done.state)[0]
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
     step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
-    return y + step[:n], T + float(step[n]), mode
+    return y + step[:n], T + float(np.clip(step[n], -0.5 * T, 0.5 * T)), mode
 
 
 def switching_flow(model: Any) -> SwitchingFlow:

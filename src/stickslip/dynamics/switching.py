@@ -54,7 +54,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     >>> import stickslip as ss
     >>> found, times = sequence_of(ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")))
     >>> found.pattern, times.round(6).tolist()
-    ('-0+', [0.594046, 0.965989, 1.096651])
+    ('0+-', [0.050631, 0.07294, 0.634425])
     """
     if is_dynamic(orbit.model.friction) or not getattr(orbit.model, "cyclic", False):
         raise InputError("sequence_of", ["an orbit as a sequence of arcs needs a set-valued law, and equations in which x does not appear"])

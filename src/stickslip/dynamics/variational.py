@@ -23,7 +23,7 @@ import numpy as np
 from stickslip.dynamics.flows import offer_slopes, rates
 from stickslip.forces import is_dynamic
 
-__all__ = ["monodromy", "product", "saltation", "transfers"]
+__all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
 
 Array = Any
 _S6 = 6**0.5
@@ -117,6 +117,25 @@ def product(matrices: Array) -> Array:
         odd = matrices[len(matrices) - len(matrices) % 2 :]
         matrices = np.concatenate([matrices[1::2] @ matrices[: len(matrices) - len(matrices) % 2 : 2], odd])
     return matrices[0]
+
+
+def multipliers_of(M: Array, forgets: bool, autonomous: bool = False) -> Array:
+    """The eigenvalues of a monodromy matrix, the largest first; real where all are.
+
+    Parameters
+    ----------
+    forgets : bool
+        Whether a direction is wiped out on the way: the smallest eigenvalue is then 0, and not what rounding makes of it.
+    autonomous : bool
+        Whether the flow does not depend on time: the eigenvalue 1 along the orbit is left out.
+    """
+    found: Array = np.linalg.eigvals(M)
+    if autonomous:
+        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
+    found = found[np.argsort(-abs(found), kind="stable")]
+    if forgets and len(found):
+        found[-1] = 0.0
+    return found.real if np.all(found.imag == 0) else found
 
 
 def saltation(run: Any, node: int) -> Array:
