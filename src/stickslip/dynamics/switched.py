@@ -320,7 +320,7 @@ def flow_orbit(
     for _ in range(most):
         done = passage(flow, y, mode, T, rtol=rtol)
         miss, size = done.state - y, float(abs(done.state - y).max())
-        if size <= 10 * rtol * (1 + abs(y).max()):
+        if size <= 3 * rtol * (1 + abs(y).max()):
             break
         y, T, mode = _newton_step(flow, y, mode, T, done, miss)
     else:
@@ -332,8 +332,8 @@ def flow_orbit(
 
 
 def _returned(flow: SwitchingFlow, y: Array, mode: int, duration: float, turns: int, rtol: float) -> tuple[Array, int, float]:
-    """A better guess for a flow that does not depend on time: the state after its last switch, and the time since the same switch before."""
-    events = passage(flow, y, mode, turns * duration, rtol=1e-9).events
+    """A better guess for a flow that does not depend on time: a state after its last switch, and the time since the same one before."""
+    events = passage(flow, y, mode, turns * duration, rtol=rtol).events
     same = [k for k, event in enumerate(events) if event[1:] == events[-1][1:]]
     if len(same) < 2:
         return y, mode, duration
