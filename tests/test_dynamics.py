@@ -175,7 +175,7 @@ def test_a_branch_is_a_labelled_dataset(branch):
     points = branch.points
     assert points.mu0.dims == ("point",) and points.mu0.attrs["units"] == "1"
     assert float(points.mu0[0]) == 0.05 and float(points.mu0[-1]) == pytest.approx(0.0345, abs=1e-12)
-    assert not bool(points.stable.sel(point=abs(points.mu0 - 0.04).argmin())) and bool(points.stable[0])
+    assert not bool(points.stable[int(np.argmin(abs(points.mu0.values - 0.04)))]) and bool(points.stable[0])
     assert (points.residual < 1e-9).all() and "end of the range" in branch.ended
     orbit = branch.at(0.04)
     assert orbit.mean_velocity == pytest.approx(ss.periodic_orbit(ss.presets.piezo_rig(mu0=0.04, **RIG)).mean_velocity, rel=1e-10)
@@ -201,7 +201,7 @@ def test_period_four_where_the_doubled_branch_is_unstable():
 def test_a_fold_is_passed():
     """Two motions at A = 0.8 mm, f0 = 0.5: one of them ends in a fold when f0 falls, and the branch comes back unstable."""
     start = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, f0=0.5), guess=dict(v=1.5e-4, z=-4.6e-8))
-    b = ss.continuation(ss.presets.piezo_rig, parameter="f0", start=0.5, stop=0.25, guess=start, tilt_deg=1.7, amplitude=8e-4, points=150)
+    b = ss.continuation(ss.presets.piezo_rig, parameter="f0", start=0.5, stop=0.497, guess=start, tilt_deg=1.7, amplitude=8e-4, points=120)
     folds = [s for s in b.special if s.kind == "fold"]
     assert folds
     assert float(abs(folds[0].orbit.multipliers - 1.0).min()) < 1e-5, "a multiplier is 1 at a fold"
@@ -356,7 +356,7 @@ def test_sections_of_a_periodic_motion_are_points():
         assert abs(v[2:] - v[:-2]).max() < 1e-6 * velocity_unit(run.model) and abs(v[1:] - v[:-1]).max() > 1e-4
     section = ss.poincare(run, direction=-1)
     assert abs(section.v).max() < 1e-12
-    assert len(np.unique(section.phase.values.round(6))) == 2 * round(len(section.phase) / 200)
+    assert len(np.unique(section.phase.values.round(6))) == 2, "one fall through v = 0 in each period, two of them different"
 
 
 def test_lines_of_a_spectrum_add_up_to_the_power():

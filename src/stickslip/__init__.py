@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from stickslip.dynamics.generic import Lyapunov as Lyapunov
     from stickslip.dynamics.generic import lyapunov_of_flow as lyapunov_of_flow
     from stickslip.dynamics.generic import lyapunov_of_map as lyapunov_of_map
+    from stickslip.dynamics.maps import motion_map as motion_map
     from stickslip.dynamics.orbits import PeriodicOrbit as PeriodicOrbit
     from stickslip.dynamics.orbits import periodic_orbit as periodic_orbit
     from stickslip.dynamics.sections import poincare as poincare
@@ -100,6 +101,7 @@ _HOMES = {
     "lyapunov_of_map": "dynamics.generic",
     "mean_velocity": "analysis.steady",
     "motion": "analysis.motion",
+    "motion_map": "dynamics.maps",
     "passage": "dynamics.switched",
     "periodic_mean_velocity": "analysis.steady",
     "periodic_orbit": "dynamics.orbits",

@@ -38,6 +38,11 @@ class Point:
         return float(np.prod(1.0 + np.asarray(self.orbit.multipliers, complex)).real)
 
     @cached_property
+    def unity(self) -> float:
+        """Product of (1 - multiplier): changes its sign where one passes 1, at a fold."""
+        return float(np.prod(1.0 - np.asarray(self.orbit.multipliers, complex)).real)
+
+    @cached_property
     def half(self) -> float:
         """How far v moves in half the period: changes its sign where a doubled motion falls together with its two halves."""
         return float(

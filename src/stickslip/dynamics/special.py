@@ -17,13 +17,22 @@ _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, 
 
 def located(path: Path, a: Point, b: Point) -> list[tuple[str, Point, tuple[str, ...]]]:
     """Every special point between a and b, in order: its kind, the point, and what else is to be said."""
-    found = []
-    for kind, test in (("fold", lambda p: p.fold), ("flip", lambda p: p.flip)):
-        if test(a) * test(b) < 0:
-            found.append((kind, root(path, a, b, test), ()))
+    found: list[tuple[str, Point, tuple[str, ...]]] = []
+    if a.fold * b.fold < 0:
+        found.append(("fold", root(path, a, b, _unity if a.unity * b.unity < 0 else _fold), ()))
+    if a.flip * b.flip < 0:
+        found.append(("flip", root(path, a, b, lambda p: p.flip), ()))
     found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if is_dynamic(a.orbit.model.friction) else []
     found += _changes(path, a, b, _word, _kind_of_change, _said_of_words)
     return sorted(found, key=lambda item: (item[1].u - a.u) @ a.tangent)
+
+
+def _unity(p: Point) -> float:
+    return p.unity
+
+
+def _fold(p: Point) -> float:
+    return p.fold
 
 
 def _length(a: Point, b: Point) -> float:

@@ -11,7 +11,7 @@ from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.plot.style import COLOURS, INK, axes, prefix, publication
 
-__all__ = ["basins", "bifurcation", "continuation", "convergence", "spectrum"]
+__all__ = ["basins", "bifurcation", "continuation", "convergence", "motion_map", "spectrum"]
 
 _MARKERS = {"flip": ("s", "flip"), "fold": ("D", "fold"), "grazing": ("v", "grazing"), "type-border": ("|", "border of types")}
 _CLOUD = "#8A94A0"
@@ -226,6 +226,57 @@ def basins(found: Any, ax: Any = None) -> Any:
         handles = [Patch(color=paints[k + 1], label=text) for k, text in enumerate(told)]
         ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, columnspacing=1.2)
         return ax
+
+
+#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided.
+_MOTIONS = {
+    "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#C9A0C0", "8 to 32": "#12456B", "chaotic": "#D55E00",
+    "not decided": "#BBBBBB",
+}  # fmt: skip
+
+
+def motion_map(found: Any, ax: Any = None) -> Any:
+    """A map of motions over two parameters: period numbers, and where the largest exponent is positive.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `stickslip.motion_map`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    if not {"period", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
+        raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.motion_map"])
+    upward, across = map(str, found.period.dims)
+    (right, side), (up, mark) = (_scaled(found[n].values, found[n].attrs["units"]) for n in (across, upward))
+    kinds = _kinds(found)
+    with publication():
+        ax = axes(ax, height=3.0)
+        paints = ListedColormap(list(_MOTIONS.values()))
+        extent = [*_edges(found[across].values * right), *_edges(found[upward].values * up)]
+        norm = BoundaryNorm(np.arange(-0.5, len(_MOTIONS)), len(_MOTIONS))
+        ax.imshow(kinds, origin="lower", extent=extent, aspect="auto", cmap=paints, norm=norm, interpolation="nearest")
+        handles = [Patch(color=c, label=name) for i, (name, c) in enumerate(_MOTIONS.items()) if (kinds == i).any()]
+        ax.set_xlabel(_named(found[across].attrs["long_name"], found[across].attrs["units"], side))
+        ax.set_ylabel(_named(found[upward].attrs["long_name"], found[upward].attrs["units"], mark))
+        ax.legend(
+            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0, handlelength=1.2
+        )
+        return ax
+
+
+def _kinds(found: Any) -> Any:
+    """The number of the motion's kind in `_MOTIONS` at every point."""
+    period, chaotic = found.period.values, found.exponent.values > 3 * found.error.values
+    bins = np.searchsorted([1, 2, 3, 4, 7], period, side="left")
+    return np.where(period > 0, bins, np.where(chaotic, 6, 7))
 
 
 def _pale(colour: str) -> tuple[float, ...]:
