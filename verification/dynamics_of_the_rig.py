@@ -1,7 +1,7 @@
 """The figures of docs/dynamics.md, and its table: section 5 of the paper judged by multipliers and exponents.
 
 Run: python verification/dynamics_of_the_rig.py FOLDER [--table] [--window] [--basins] [--map]. Without options all of it, in
-about 15 minutes on one core; the map takes most of that. With --map the grid is kept in FOLDER/motion_map.nc and taken from there the next time.
+about 15 minutes on one core; the map takes most of that. Its grid is kept in FOLDER/motion_map.nc and taken from there next time.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def window(folder: Path) -> None:
 def basins(folder: Path) -> None:
     """Two motions of one robot, and which start leads to which."""
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, f0=0.5)
-    found = ss.basins(robot, v=np.linspace(-0.1, 0.1, 161), z=np.linspace(-2e-6, 2e-6, 81), settle=100)
+    found = ss.basins(robot, v=np.linspace(-0.1, 0.1, 121), z=np.linspace(-2e-6, 2e-6, 61), settle=100)
     print(found)
     ss.plot.basins(found).figure.savefig(folder / "dynamics_basins.png", dpi=200)
 

@@ -29,8 +29,8 @@ __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 Array = Any
 RTOL = 1e-12
 _RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
-_SETTLING = 200  # drive periods that a guess is run for
-_CANDIDATES = 120  # strobe states of that run that are tried as guesses
+_SETTLING = 100  # drive periods that a guess is run for
+_CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
 _SAME = 1e-7  # strobe states closer than this are one
 
 
@@ -261,8 +261,8 @@ def _named(start: dict[str, Any], name: str) -> float:
 
 def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
     """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
-    settled = strobe_map(model, np.zeros((1, len(at.names))), _SETTLING, 1e-8).state
-    points = strobe_orbit(model, settled, _CANDIDATES + period, 1e-8)[0][:, 0]
+    settled = strobe_map(model, np.zeros((1, len(at.names))), _SETTLING, 1e-6).state
+    points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]
     means = 0.5 * (points[1:] + points[:-1])
     tried = np.vstack([points, means])
     ends = strobe_map(model, tried, period, 1e-8).state
