@@ -11,14 +11,24 @@ if TYPE_CHECKING:
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
+    from stickslip import testing as testing
     from stickslip.analysis.energy import energy as energy
     from stickslip.analysis.motion import Motion as Motion
     from stickslip.analysis.motion import motion as motion
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
+    from stickslip.drives import DRIVES as DRIVES
+    from stickslip.drives import BangBang as BangBang
     from stickslip.drives import Harmonic as Harmonic
+    from stickslip.drives import MultiHarmonic as MultiHarmonic
     from stickslip.drives import PiezoBeam as PiezoBeam
+    from stickslip.drives import Recorded as Recorded
+    from stickslip.drives import Reversed as Reversed
+    from stickslip.drives import ThreePhase as ThreePhase
+    from stickslip.drives import Trapezoid as Trapezoid
+    from stickslip.drives import TwoPhase as TwoPhase
+    from stickslip.drives import VerticalVibration as VerticalVibration
     from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
     from stickslip.dynamics.attractors import Basins as Basins
     from stickslip.dynamics.attractors import basins as basins
@@ -50,41 +60,87 @@ if TYPE_CHECKING:
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
     from stickslip.errors import StickslipError as StickslipError
+    from stickslip.friction import GMS as GMS
+    from stickslip.friction import LAWS as LAWS
+    from stickslip.friction import Bristle as Bristle
     from stickslip.friction import Coulomb as Coulomb
+    from stickslip.friction import CoulombViscous as CoulombViscous
+    from stickslip.friction import Dahl as Dahl
+    from stickslip.friction import DeadBand as DeadBand
+    from stickslip.friction import ElastoPlastic as ElastoPlastic
+    from stickslip.friction import Karnopp as Karnopp
     from stickslip.friction import LuGre as LuGre
+    from stickslip.friction import ResetIntegrator as ResetIntegrator
+    from stickslip.friction import Stribeck as Stribeck
+    from stickslip.friction import Sum as Sum
+    from stickslip.friction import Tabulated as Tabulated
+    from stickslip.friction import TanhCoulomb as TanhCoulomb
+    from stickslip.friction import Viscous as Viscous
     from stickslip.io import load as load
+    from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
+    from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
+    from stickslip.mechanisms import PulledMass as PulledMass
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
+    from stickslip.robot import mirrored as mirrored
     from stickslip.solvers import solve as solve
     from stickslip.sweeping import sweep as sweep
     from stickslip.tracks import Incline as Incline
     from stickslip.tracks import Level as Level
+    from stickslip.tracks import VaryingFriction as VaryingFriction
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
+    "BangBang": "drives",
     "Basins": "dynamics.attractors",
+    "BlockOnBelt": "mechanisms",
     "Branch": "dynamics.branches",
+    "Bristle": "friction",
     "Coulomb": "friction",
+    "CoulombViscous": "friction",
     "Curve": "dynamics.curves",
+    "DRIVES": "drives",
+    "Dahl": "friction",
+    "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
+    "ElastoPlastic": "friction",
     "FlowOrbit": "dynamics.switched",
+    "ForcedOscillator": "mechanisms",
+    "GMS": "friction",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
+    "Karnopp": "friction",
+    "LAWS": "friction",
     "Level": "tracks",
     "LuGre": "friction",
     "Lyapunov": "dynamics.generic",
     "Motion": "analysis.motion",
+    "MultiHarmonic": "drives",
     "PeriodicOrbit": "dynamics.orbits",
     "PiezoBeam": "drives",
+    "PulledMass": "mechanisms",
+    "Recorded": "drives",
+    "ResetIntegrator": "friction",
+    "Reversed": "drives",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
+    "Stribeck": "friction",
+    "Sum": "friction",
     "Switch": "dynamics.switched",
     "SwitchingFlow": "dynamics.switched",
+    "Tabulated": "friction",
+    "TanhCoulomb": "friction",
+    "ThreePhase": "drives",
     "Trajectory": "trajectory",
+    "Trapezoid": "drives",
+    "TwoPhase": "drives",
+    "VaryingFriction": "tracks",
     "Verdict": "dynamics.exponents",
+    "VerticalVibration": "drives",
+    "Viscous": "friction",
     "basins": "dynamics.attractors",
     "bifurcation": "dynamics.diagrams",
     "cantilever_eigenvalues": "drives",
@@ -100,6 +156,7 @@ _HOMES = {
     "lyapunov_of_flow": "dynamics.generic",
     "lyapunov_of_map": "dynamics.generic",
     "mean_velocity": "analysis.steady",
+    "mirrored": "robot",
     "motion": "analysis.motion",
     "motion_map": "dynamics.maps",
     "passage": "dynamics.switched",
@@ -114,7 +171,7 @@ _HOMES = {
     "switching_flow": "dynamics.switched",
     "verdict": "dynamics.exponents",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
+_MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
 
