@@ -7,8 +7,6 @@ CPU seconds of one process on one pinned core, without compilation; compare rati
 
 from __future__ import annotations
 
-import pin  # isort: skip  # before NumPy
-
 import argparse
 from collections.abc import Callable
 from statistics import median

@@ -184,7 +184,7 @@ def test_a_branch_is_a_labelled_dataset(branch):
 def test_the_doubled_branch_closes_the_window_and_loses_stability_inside(branch, doubled):
     first, last = (s.value for s in branch.special if s.kind == "flip")
     assert doubled.period == 2 and doubled.values[0] == pytest.approx(first, abs=2e-5)
-    assert "half the period" in doubled.ended and doubled.values[-1] == pytest.approx(last, abs=1e-7)
+    assert "half the period" in doubled.ended and doubled.values[-1] == pytest.approx(last, abs=1e-10)
     again = [s.value for s in doubled.special if s.kind == "flip"]
     assert [round(v, 5) for v in again] == [0.03841, 0.03606], "where period four takes over, and gives back"
     at = doubled.at(0.04)
@@ -260,6 +260,51 @@ def test_leaving_the_admissible_region_is_said():
     """Folded friction needs mu0 > tan(tilt) = 0.0297."""
     b = ss.continuation(dimensionless_robot, parameter="alpha_plus", start=0.2, stop=-0.1, alpha_minus=0.5)
     assert "admissible" in b.ended and b.values[-1] >= 0
+
+
+# mechanisms --------------------------------------------------------------------------------------------------------
+
+
+def den_hartog(F):
+    """Den Hartog's oscillator at 0.7 of its own frequency; everything else is 1."""
+    return ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=ss.Coulomb(F, F))
+
+
+def test_den_hartogs_orbit_with_the_position_as_a_coordinate():
+    """O1: amplitude, and the product of the multipliers: each reversal shrinks areas by (q - F)/(q + F) with q = X R^2."""
+    orbit = ss.periodic_orbit(den_hartog(0.3), guess=dict(x=1.0, v=-1.0))
+    X = 1.88569985041425
+    assert orbit.names == ("x", "v") and orbit.residual < 1e-10
+    assert np.max(abs(orbit.run.x)) == pytest.approx(X, abs=1e-10)
+    expected = ((X * 0.49 - 0.3) / (X * 0.49 + 0.3)) ** 2
+    assert float(np.prod(orbit.multipliers).real) == pytest.approx(expected, abs=1e-8)
+    np.testing.assert_allclose(orbit.multipliers, orbit.differences, atol=1e-6)
+
+
+def test_an_adding_sliding_border_is_where_den_hartog_says():
+    """Rest begins at F = V / sqrt(1/R^4 + U^2); beyond it one multiplier is exactly 0."""
+    V, U = 1 / (1 - 0.49), math.tan(math.pi / 1.4) / 0.7
+    b = ss.continuation(den_hartog, parameter="F", start=0.7, stop=0.75, step=0.1)
+    assert [s.kind for s in b.special] == ["type-border"]
+    assert b.special[0].value == pytest.approx(V / math.sqrt(1 / 0.49**2 + U**2), abs=1e-10)
+    assert float(b.orbits[-1].multipliers[-1]) == 0.0 and 0.0 not in b.orbits[0].multipliers
+
+
+def test_any_set_valued_law_has_orbits():
+    law = ss.Stribeck(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, v_s=2e-3)
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4).replace(friction=law)
+    orbit = ss.periodic_orbit(robot)
+    assert orbit.multipliers.tolist() == [0.0] and orbit.residual < 1e-10
+    run = ss.solve(robot, periods=40)
+    assert orbit.mean_velocity == pytest.approx(ss.mean_velocity(run), rel=1e-9)
+
+
+def test_a_law_with_memories_is_refused_in_words():
+    law = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
+    robot = ss.presets.piezo_rig(**RIG).replace(friction=law)
+    for act in (ss.periodic_orbit, ss.lyapunov, ss.basins):
+        with pytest.raises(ss.InputError, match="remembers whole numbers"):
+            act(robot)
 
 
 # brute force, exponents, verdicts ----------------------------------------------------------------------------------

@@ -66,6 +66,13 @@ class Basins:
         Over the starts: `attractor` (number in `attractors`, -1: none), mean_velocity [m/s], period.
     attractors : list of Attractor
         The largest share first.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), v=[-0.01, 0.0, 0.01], settle=60)
+    >>> found.map.attractor.values.tolist(), found.attractors[0].period
+    ([0, 0, 0], 1)
     """
 
     model: Any
@@ -150,6 +157,8 @@ def _axes(at: Any, starts: dict[str, Any], settle: Any) -> dict[str, Array]:
 
 def _shifted(model: Any, phase: Array) -> Any:
     """The robots whose drive is at a phase when they start."""
+    if getattr(model.drive, "breaks", ()) or getattr(model.drive, "jumps", ()):
+        raise InputError("basins", [f"phase is for smooth drives; {type(model.drive).__name__} has breaks or jumps; leave phase out"])
     return model.replace(drive=ShiftedDrive(model.drive, phase))
 
 

@@ -13,7 +13,7 @@ from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
-from stickslip.dynamics.special import located, root
+from stickslip.dynamics.special import located
 from stickslip.errors import InputError, Problems, SolveError
 
 __all__ = ["Branch", "Special", "continuation"]
@@ -212,7 +212,8 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             break
         last = found[-1]
         if path.period % 2 == 0 and item.half * last.half < 0:
-            found.append(root(path, last, item, lambda p: p.half))
+            end = _returned(path, last, item)
+            found += [end] if end is not None else []
             ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
             break
         if not low <= item.value <= high:
@@ -221,6 +222,31 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
         found.append(item)
     orbits = tuple(p.orbit for p in found)
     return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
+
+
+def _returned(path: Path, a: Point, b: Point) -> Point | None:
+    """Where a doubled motion falls together with its halves: there the motion of half the period has a multiplier of -1."""
+    from scipy.optimize import brentq
+
+    shorter, part = replace(path, period=path.period // 2), a.half / (a.half - b.half)
+    near = a.u + part * (b.u - a.u)
+    kept: dict[float, Point] = {}
+
+    def flip(value: float) -> float:
+        found = shorter.at_value(near, value)
+        if not found.good:
+            return float("nan")
+        kept[value] = shorter.point(found, a.tangent)
+        return kept[value].flip
+
+    middle = float(path.unscaled(near)[1])
+    for width in (1e-6, 1e-5, 1e-4, 1e-3, 1e-2):
+        low, high = middle - width * path.span, middle + width * path.span
+        if flip(low) * flip(high) < 0:
+            where = brentq(flip, low, high, xtol=1e-14 * path.span, rtol=1e-14)
+            last = kept.get(where) or min(kept.values(), key=lambda p: abs(p.flip))
+            return replace(last, orbit=replace(last.orbit, period=path.period))
+    return None
 
 
 def _clipped(path: Path, last: Point, beyond: Point, end: float) -> Point:

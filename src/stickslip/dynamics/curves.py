@@ -51,6 +51,15 @@ class Curve:
         Points where it meets another border.
     ended : str
         Why it ends where it ends.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rig = dict(tilt_deg=1.7, mu0=0.18, law="coulomb")
+    >>> branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=3.6e-4, stop=3.8e-4, step=0.2, **rig)
+    >>> curve = ss.special_curve(branch, branch.special[0], "mu0", stop=0.19, step=0.2)  # alpha_minus = 1: A grows as mu_minus
+    >>> curve.parameters, round(float(curve.values[-1, 0] / curve.values[0, 0]), 4)
+    (('amplitude', 'mu0'), 1.0...)
     """
 
     kind: str

@@ -227,6 +227,13 @@ class Verdict:
         The periodic orbit that it is, found by Newton's method.
     why : str
         The evidence in a sentence.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> told = ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=20, settle=20)
+    >>> told.kind, told.period, told.orbit.type
+    ('periodic', 1, 'III')
     """
 
     kind: str

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.duals import Dual, Truth, slopes_of, variables
-from stickslip.forces import held_velocity, is_dynamic, offered_force
+from stickslip.forces import held_velocity, is_dynamic, law_force, law_rate, normal_load, offered_force
 
 __all__ = ["offer_slopes", "rates"]
 
@@ -46,13 +46,14 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
     cyclic = bool(getattr(model, "cyclic", False))
     whole: list[Any] = [*([np.zeros_like(t)] if cyclic else []), *variables(*y)]
     x, v, z = whole[0], whole[1], whole[2:]
-    law, load = model.friction, model.load(t, x)
+    law, load = model.friction, normal_load(model, t, x)
     if is_dynamic(law):
         contact = _held(model, v, mode)
         inner = z[0] if len(z) == 1 else tuple(z)
-        found = law.rate(contact, inner, load)
+        found = law_rate(law, contact, inner, load)
         zdot = tuple(found) if isinstance(found, (tuple, list)) else (found,)
-        R = law.force(contact, inner, zdot[0] if len(z) == 1 else zdot, load)
+        applied = model.total_mass * model.acceleration(t, x, v, 0.0)
+        R = law_force(law, contact, inner, zdot[0] if len(z) == 1 else zdot, load, applied=applied)
         f: list[Any] = [model.acceleration(t, x, v, R), *zdot]
     else:
         slide = model.acceleration(t, x, v, law.sliding(_held(model, v, np.where(mode == 0, 1, mode)), load))
@@ -77,7 +78,7 @@ def offer_slopes(model: Any, t: float, x: float, side: int) -> tuple[float, floa
     """How the distance of the offered force to the break-away force of one side changes: by t and by x."""
     at, moved = variables(np.array([t]), np.array([x]))
     where: Any = np.array([x]) if getattr(model, "cyclic", False) else moved
-    offered, limits = offered_force(model, at, where), model.friction.breakaway(model.load(at, where))
+    offered, limits = offered_force(model, at, where), model.friction.breakaway(normal_load(model, at, where))
     gap = offered - limits[1 if side > 0 else 0]
     by_t, by_x = (float(np.ravel(s)[0]) for s in slopes_of(gap, 2))
     return by_t, by_x

@@ -38,6 +38,12 @@ class Lyapunov:
         How many units they were averaged over.
     note : str
         What else is to be said.
+
+    Examples
+    --------
+    >>> l = lyapunov_of_map(lambda x: (0.5 * x[0],), [1.0], iterations=100)
+    >>> round(l.largest, 6), l.chaotic, l.record.shape
+    (-0.693147, False, (100, 2))
     """
 
     spectrum: Array

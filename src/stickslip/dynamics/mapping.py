@@ -13,7 +13,8 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, memories_of, normal_load, rest_velocity
+from stickslip.forces import states_of as inner_states
 
 __all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "strobe_map", "strobe_orbit"]
 
@@ -62,14 +63,14 @@ def coordinates(model: Any) -> Coordinates:
     ('v', 'z')
     """
     law = model.friction
-    count = int(getattr(law, "states", 1)) if is_dynamic(law) else 0
+    count = inner_states(law)
     inner = ("z",) if count == 1 else tuple(f"z{i}" for i in range(count))
     speed = _largest(getattr(model, "free_velocity", model.velocity_scale)) or _largest(model.velocity_scale) or 1.0
     shift = () if getattr(model, "cyclic", False) else ("x",)
     scales = [speed * _largest(model.period) / (2 * np.pi)] * len(shift) + [speed]
     if count:
         scale = getattr(law, "scale", None)
-        typical = speed * _largest(model.period) if scale is None else scale(model.load(0.0, 0.0))
+        typical = speed * _largest(model.period) if scale is None else scale(normal_load(model, 0.0, 0.0))
         scales += [_largest(s) for s in (typical if isinstance(typical, tuple) else (typical,) * count)]
     return Coordinates((*shift, "v", *inner), np.array(scales))
 
@@ -109,35 +110,48 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
-    table = np.zeros((len(states), states.shape[1] + (1 if getattr(model, "cyclic", False) else 0)))
-    table[:, -states.shape[1] :] = states
-    if is_dynamic(model.friction) and not getattr(model.friction, "scalar_only", False):
-        return _in_lanes(model, table, periods, rtol, states.shape[1])
+    if memories_of(model.friction):
+        raise InputError(
+            type(model.friction).__name__,
+            ["the law remembers whole numbers (modes), so that velocity and inner states on the strobe do not say everything; orbits, "
+             "exponents and basins need a law without modes; type ss.solve(robot, periods=...) and look at its strobe points instead"],
+        )  # fmt: skip
+    if getattr(model.friction, "scalar_only", False):
+        return _one_by_one(model, states, periods, rtol)
     from stickslip.solvers.arcs import handles
 
-    if handles(model) is None:
-        return _by_arcs(model, table, periods)
-    return _one_by_one(model, states, periods, rtol)
+    if not is_dynamic(model.friction) and handles(model) is None:
+        return _by_arcs(model, states, periods)
+    return _in_lanes(model, states, periods, rtol)
 
 
-def _in_lanes(model: Any, table: Array, periods: int, rtol: float, kept: int) -> Ends:
+def _in_lanes(model: Any, states: Array, periods: int, rtol: float) -> Ends:
+    """The engine's lanes: their table has x, then v at the contact, the inner states, and x again where the equations know it."""
     from stickslip.batch import rows_of
     from stickslip.engine import lanes, tableaux
-    from stickslip.solvers.rosenbrock import BUDGET, LOOSE, SAFETY
+    from stickslip.solvers.exact import REPEAT
+    from stickslip.solvers.rosenbrock import LOOSE, SAFETY
+    from stickslip.solvers.stepping import BUDGET
 
-    kernel = lanes.kernel_of(model, tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P, record=False)
+    cyclic, dynamic = bool(getattr(model, "cyclic", False)), is_dynamic(model.friction)
+    tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
+    kernel = lanes.kernel_of(model, tableau, record=False)
     rows = rows_of(model, kernel.names)
-    rows = np.array(np.broadcast_to(rows, (len(table), rows.shape[1])), order="C")
-    job = lanes.Job(periods, 0, False, SAFETY * rtol, 0.75, BUDGET * periods)
-    found = lanes.run(kernel, rows, np.ascontiguousarray(table), job)
-    way = found.end[:, 0] - table[:, 0]
-    return Ends(found.end[:, -kept:], way, found.status, found.v_max, found.v_min)
+    rows = np.array(np.broadcast_to(rows, (len(states), rows.shape[1])), order="C")
+    offset = np.broadcast_to(np.asarray(rest_velocity(model), float), len(states))[:, None]
+    x, v, z = (np.zeros((len(states), 1)), states[:, :1], states[:, 1:]) if cyclic else (states[:, :1], states[:, 1:2], states[:, 2:])
+    table = np.ascontiguousarray(np.hstack([x, v - offset, z] if cyclic else [x, v - offset, z, x]))
+    job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)
+    found = lanes.run(kernel, rows, table, job)
+    y = np.where(found.status[:, None] <= 1, found.end[:, 1:], np.nan)
+    end = np.hstack([y[:, :1] + offset, y[:, 1:]] if cyclic else [y[:, -1:], y[:, :1] + offset, y[:, 1:-1]])
+    return Ends(end, found.end[:, 0] - table[:, 0], found.status, found.v_max + offset[:, 0], found.v_min + offset[:, 0])
 
 
-def _by_arcs(model: Any, table: Array, periods: int) -> Ends:
+def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
     from stickslip.solvers.exact import solve_batch
 
-    raw = solve_batch(spread_over(model, len(table)), periods, 0, {"x": 0.0, "v": table[:, 1]})
+    raw = solve_batch(spread_over(model, len(states)), periods, 0, {"x": 0.0, "v": states[:, 0]})
     return Ends(raw["v_end"][:, None], raw["x_end"], raw["status"], raw["v_max"], raw["v_min"])
 
 

@@ -47,6 +47,11 @@ class ShiftedDrive(Record):
         """Amplitude of the relative motion [m]."""
         return self.drive.amplitude
 
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical relative velocity [m/s]."""
+        return self.drive.velocity_scale
+
     def _ahead(self, t: Any) -> Any:
         return t + self.phase * self.drive.period
 

@@ -48,8 +48,8 @@ def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Poin
     def value(s: float) -> float:
         if s not in kept:
             point = path.between(a, s)
-            if point is None:
-                return 0.0
+            if point is None:  # no number here: take the nearest point there is, so that the search goes on
+                return test(kept[min(kept, key=lambda k: abs(k - s))])
             kept[s] = point
         return test(kept[s])
 

@@ -24,7 +24,7 @@ import numpy as np
 from stickslip.dynamics.duals import slopes_of, variables
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, normal_load
 
 __all__ = ["FlowOrbit", "Passage", "Switch", "SwitchingFlow", "flow_orbit", "passage", "switching_flow"]
 
@@ -44,6 +44,12 @@ class Switch:
         The mode after it, or a function of (t, y) that tells.
     reset : callable, optional
         The state after it, from (t, y); unchanged if not given.
+
+    Examples
+    --------
+    >>> floor = Switch(guard=lambda t, y: y[0], to=0, reset=lambda t, y: (0.0, -0.8 * y[1]))
+    >>> floor.reset(0.0, [0.0, -2.0])
+    (0.0, 1.6)
     """
 
     guard: Callable[[Any, Any], Any]
@@ -125,6 +131,12 @@ def passage(
         Tolerance of the integrator (DOP853).
     switches : int
         It ends after so many switches.
+
+    Examples
+    --------
+    >>> half = passage(SwitchingFlow({0: lambda t, y: (-y[0],)}), [1.0], 0, np.log(2.0))
+    >>> round(float(half.state[0]), 12), round(float(half.monodromy[0, 0]), 12)
+    (0.5, 0.5)
     """
     y = np.array(state, float)
     n, end = len(y), begin + duration
@@ -248,6 +260,13 @@ class FlowOrbit:
         How far it is from itself.
     passage : Passage
         Once around.
+
+    Examples
+    --------
+    >>> still = SwitchingFlow({0: lambda t, y: (y[1], -4.0 * y[0] - 0.2 * y[1])}, period=1.0)
+    >>> orbit = flow_orbit(still, [0.1, 0.0], 0)
+    >>> orbit.stable, bool(abs(orbit.state).max() < 1e-9)
+    (True, True)
     """
 
     state: Array
@@ -377,13 +396,13 @@ def switching_flow(model: Any) -> SwitchingFlow:
     def slide(side: int) -> Callable[[Any, Any], Any]:
         def rate(t: Any, y: Any) -> Any:
             held = side * abs(model.contact_velocity(y[1]))
-            return y[1], model.acceleration(t, y[0], y[1], law.sliding(held + side * 1e-300, model.load(t, y[0])))
+            return y[1], model.acceleration(t, y[0], y[1], law.sliding(held + side * 1e-300, normal_load(model, t, y[0])))
 
         return rate
 
     def room(t: Any, y: Any, side: int) -> Any:
         offered = model.total_mass * model.acceleration(t, y[0], still, 0.0)
-        return side * (law.breakaway(model.load(t, y[0]))[1 if side > 0 else 0] - offered)
+        return side * (law.breakaway(normal_load(model, t, y[0]))[1 if side > 0 else 0] - offered)
 
     def after(t: Any, y: Any) -> int:
         return 1 if room(t, y, 1) < 0 else -1 if room(t, y, -1) < 0 else 0

@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip.dynamics.flows import offer_slopes
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, offered_force
+from stickslip.forces import is_dynamic, normal_load, offered_force
 
 __all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]
 
@@ -72,7 +72,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
 def gap(model: Any, t: Array, side: int) -> Array:
     """How far the offered force is beyond the break-away force of one side, in units of the drive's force: positive within."""
     t = np.asarray(t, float)
-    limits = model.friction.breakaway(model.load(t, 0.0 * t))
+    limits = model.friction.breakaway(normal_load(model, t, 0.0 * t))
     return side * (limits[1 if side > 0 else 0] - offered_force(model, t, 0.0 * t)) / _force(model)
 
 
@@ -107,7 +107,7 @@ def _integrated(model: Any, mode: int, begin: float, times: Array) -> Array:
 
     def rate(t: float, y: Array) -> list[float]:
         v = mode * max(mode * y[0], least)
-        return [float(model.acceleration(t, 0.0, y[0], model.friction.sliding(model.contact_velocity(v), model.load(t, 0.0))))]
+        return [float(model.acceleration(t, 0.0, y[0], model.friction.sliding(model.contact_velocity(v), normal_load(model, t, 0.0))))]
 
     last = float(times[-1])
     if last <= begin:
