@@ -299,6 +299,15 @@ def test_any_set_valued_law_has_orbits():
     assert orbit.mean_velocity == pytest.approx(ss.mean_velocity(run), rel=1e-9)
 
 
+def test_an_impulse_at_a_known_instant_is_no_switch():
+    """D1: the two-phase drive, closed V = 0.000470057764 m/s; the strobe state is the state after the impulse."""
+    robot = ss.Robot(1 - 0.1315, 0.1315, ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1), ss.Coulomb(0.15, 0.25))
+    orbit = ss.periodic_orbit(robot)
+    assert orbit.mean_velocity == pytest.approx(0.000470057764, abs=5e-13)
+    assert float(orbit.state[0]) == pytest.approx(-0.1315 * 0.2, rel=1e-12), "the jump J = mu (u1 + u2)"
+    assert orbit.multipliers.tolist() == [0.0] and "impulse" in [e.kind for e in orbit.events]
+
+
 def test_a_law_with_memories_is_refused_in_words():
     law = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
     robot = ss.presets.piezo_rig(**RIG).replace(friction=law)
