@@ -130,7 +130,7 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
             marker, name = _MARKERS[s.kind]
             values = _strobed(s.orbit, observable) if observable in s.orbit.names else [_of_orbit(s.orbit, observable)]
             face = COLOURS[6] if marker == "|" else "white"
-            style = {"markersize": 7 if marker == "|" else 4, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
+            style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
             ax.plot(np.full(len(values), s.value * right), np.asarray(values) * up, marker, label=None if name in used else name, **style)
             used.add(name)
 
