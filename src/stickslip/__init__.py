@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from stickslip.dynamics.exponents import largest_exponents as largest_exponents
     from stickslip.dynamics.exponents import lyapunov as lyapunov
     from stickslip.dynamics.exponents import verdict as verdict
+    from stickslip.dynamics.flow_orbits import FlowOrbit as FlowOrbit
+    from stickslip.dynamics.flow_orbits import flow_orbit as flow_orbit
+    from stickslip.dynamics.flow_orbits import switching_flow as switching_flow
     from stickslip.dynamics.generic import Lyapunov as Lyapunov
     from stickslip.dynamics.generic import lyapunov_of_flow as lyapunov_of_flow
     from stickslip.dynamics.generic import lyapunov_of_map as lyapunov_of_map
@@ -50,12 +53,9 @@ if TYPE_CHECKING:
     from stickslip.dynamics.sections import poincare as poincare
     from stickslip.dynamics.sections import spectrum as spectrum
     from stickslip.dynamics.sections import strobe as strobe
-    from stickslip.dynamics.switched import FlowOrbit as FlowOrbit
     from stickslip.dynamics.switched import Switch as Switch
     from stickslip.dynamics.switched import SwitchingFlow as SwitchingFlow
-    from stickslip.dynamics.switched import flow_orbit as flow_orbit
     from stickslip.dynamics.switched import passage as passage
-    from stickslip.dynamics.switched import switching_flow as switching_flow
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
@@ -105,7 +105,7 @@ _HOMES = {
     "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
     "ElastoPlastic": "friction",
-    "FlowOrbit": "dynamics.switched",
+    "FlowOrbit": "dynamics.flow_orbits",
     "ForcedOscillator": "mechanisms",
     "GMS": "friction",
     "Harmonic": "drives",
@@ -148,7 +148,7 @@ _HOMES = {
     "continuation": "dynamics.branches",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
-    "flow_orbit": "dynamics.switched",
+    "flow_orbit": "dynamics.flow_orbits",
     "largest_exponents": "dynamics.exponents",
     "latex": "engine.latex",
     "load": "io",
@@ -168,7 +168,7 @@ _HOMES = {
     "spectrum": "dynamics.sections",
     "strobe": "dynamics.sections",
     "sweep": "sweeping",
-    "switching_flow": "dynamics.switched",
+    "switching_flow": "dynamics.flow_orbits",
     "verdict": "dynamics.exponents",
 }
 _MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")

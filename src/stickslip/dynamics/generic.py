@@ -214,7 +214,7 @@ def lyapunov_of_flow(
 
     x = _checked("lyapunov_of_flow", x0, duration=duration, every=every)
     if hasattr(f, "switches"):
-        from stickslip.dynamics.switched import exponents_of
+        from stickslip.dynamics.flow_orbits import exponents_of
 
         logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)  # type: ignore[arg-type]
         return gathered(logs, every, "unit of time")
