@@ -32,6 +32,32 @@ if TYPE_CHECKING:
     from stickslip.drives import TwoPhase as TwoPhase
     from stickslip.drives import VerticalVibration as VerticalVibration
     from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
+    from stickslip.dynamics.attractors import Basins as Basins
+    from stickslip.dynamics.attractors import basins as basins
+    from stickslip.dynamics.branches import Branch as Branch
+    from stickslip.dynamics.branches import continuation as continuation
+    from stickslip.dynamics.curves import Curve as Curve
+    from stickslip.dynamics.curves import special_curve as special_curve
+    from stickslip.dynamics.diagrams import bifurcation as bifurcation
+    from stickslip.dynamics.exponents import Verdict as Verdict
+    from stickslip.dynamics.exponents import largest_exponents as largest_exponents
+    from stickslip.dynamics.exponents import lyapunov as lyapunov
+    from stickslip.dynamics.exponents import verdict as verdict
+    from stickslip.dynamics.flow_orbits import FlowOrbit as FlowOrbit
+    from stickslip.dynamics.flow_orbits import flow_orbit as flow_orbit
+    from stickslip.dynamics.flow_orbits import switching_flow as switching_flow
+    from stickslip.dynamics.generic import Lyapunov as Lyapunov
+    from stickslip.dynamics.generic import lyapunov_of_flow as lyapunov_of_flow
+    from stickslip.dynamics.generic import lyapunov_of_map as lyapunov_of_map
+    from stickslip.dynamics.maps import chaos_map as chaos_map
+    from stickslip.dynamics.orbits import PeriodicOrbit as PeriodicOrbit
+    from stickslip.dynamics.orbits import periodic_orbit as periodic_orbit
+    from stickslip.dynamics.sections import poincare as poincare
+    from stickslip.dynamics.sections import spectrum as spectrum
+    from stickslip.dynamics.sections import strobe as strobe
+    from stickslip.dynamics.switched import Switch as Switch
+    from stickslip.dynamics.switched import SwitchingFlow as SwitchingFlow
+    from stickslip.dynamics.switched import passage as passage
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
@@ -74,15 +100,19 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "BangBang": "drives",
+    "Basins": "dynamics.attractors",
     "BlockOnBelt": "mechanisms",
+    "Branch": "dynamics.branches",
     "Bristle": "friction",
     "Coulomb": "friction",
     "CoulombViscous": "friction",
+    "Curve": "dynamics.curves",
     "DRIVES": "drives",
     "Dahl": "friction",
     "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
     "ElastoPlastic": "friction",
+    "FlowOrbit": "dynamics.flow_orbits",
     "ForcedOscillator": "mechanisms",
     "GMS": "friction",
     "Harmonic": "drives",
@@ -92,8 +122,10 @@ _HOMES = {
     "LAWS": "friction",
     "Level": "tracks",
     "LuGre": "friction",
+    "Lyapunov": "dynamics.generic",
     "Motion": "analysis.motion",
     "MultiHarmonic": "drives",
+    "PeriodicOrbit": "dynamics.orbits",
     "PiezoBeam": "drives",
     "Progress": "sweeps",
     "PulledMass": "mechanisms",
@@ -105,6 +137,8 @@ _HOMES = {
     "StickslipError": "errors",
     "Stribeck": "friction",
     "Sum": "friction",
+    "Switch": "dynamics.switched",
+    "SwitchingFlow": "dynamics.switched",
     "Tabulated": "friction",
     "TanhCoulomb": "friction",
     "ThreePhase": "drives",
@@ -112,25 +146,43 @@ _HOMES = {
     "Trapezoid": "drives",
     "TwoPhase": "drives",
     "VaryingFriction": "tracks",
+    "Verdict": "dynamics.exponents",
     "VerticalVibration": "drives",
     "Viscous": "friction",
+    "basins": "dynamics.attractors",
+    "bifurcation": "dynamics.diagrams",
     "cantilever_eigenvalues": "drives",
+    "chaos_map": "dynamics.maps",
     "check": "checking",
+    "continuation": "dynamics.branches",
     "coulomb_borders": "analysis.coulomb_borders",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
     "export": "sweeps",
+    "flow_orbit": "dynamics.flow_orbits",
+    "largest_exponents": "dynamics.exponents",
     "latex": "engine.latex",
     "load": "io",
+    "lyapunov": "dynamics.exponents",
+    "lyapunov_of_flow": "dynamics.generic",
+    "lyapunov_of_map": "dynamics.generic",
     "map": "sweeps",
     "mean_velocity": "analysis.steady",
     "merge": "sweeps",
     "mirrored": "robot",
     "motion": "analysis.motion",
     "open_study": "sweeps",
+    "passage": "dynamics.switched",
     "periodic_mean_velocity": "analysis.steady",
+    "periodic_orbit": "dynamics.orbits",
+    "poincare": "dynamics.sections",
     "solve": "solvers",
+    "special_curve": "dynamics.curves",
+    "spectrum": "dynamics.sections",
+    "strobe": "dynamics.sections",
     "sweep": "sweeps",
+    "switching_flow": "dynamics.flow_orbits",
+    "verdict": "dynamics.exponents",
 }
 _MODULES = ("designs", "drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 

@@ -13,7 +13,7 @@ from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 
-__all__ = ["START", "Column", "Space", "space_of"]
+__all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
 Array = Any
 #: Start values that may be axes too.
@@ -86,7 +86,7 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     problems = Problems("sweep")
     designs = _checked(designs, axes, problems)
     given = [*axes, *(name for design in designs for name in design.columns)]
-    _check_names(make, given, options, problems)
+    check_names(make, given, options, problems)
     space = Space({}, {}, {}, {})
     for design in designs:
         _add_design(space, design)
@@ -171,7 +171,8 @@ def _as_array(array: Array, given: Any = None) -> Array:
     return words
 
 
-def _check_names(make: Any, given: Sequence[str], options: Sequence[str], problems: Problems) -> None:
+def check_names(make: Any, given: Sequence[str], options: Sequence[str], problems: Problems) -> None:
+    """Note the names that a maker does not take, and those that it lacks."""
     known = _known(make, given, problems)
     if known is None:
         return
