@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from stickslip.friction import Coulomb as Coulomb
     from stickslip.friction import LuGre as LuGre
     from stickslip.io import load as load
+    from stickslip.records import Record as Record
+    from stickslip.records import read as read
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.robot import Robot as Robot
@@ -46,6 +48,7 @@ _HOMES = {
     "LuGre": "friction",
     "Motion": "analysis.motion",
     "PiezoBeam": "drives",
+    "Record": "records",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
@@ -59,6 +62,7 @@ _HOMES = {
     "mean_velocity": "analysis.steady",
     "motion": "analysis.motion",
     "periodic_mean_velocity": "analysis.steady",
+    "read": "records",
     "solve": "solvers",
     "sweep": "sweeping",
 }
