@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from stickslip.errors import StickslipError as StickslipError
     from stickslip.friction import Coulomb as Coulomb
     from stickslip.friction import LuGre as LuGre
+    from stickslip.identifying import Fit as Fit
+    from stickslip.identifying import identify as identify
+    from stickslip.identifying import virtual_rig as virtual_rig
     from stickslip.io import load as load
     from stickslip.records import Record as Record
     from stickslip.records import read as read
@@ -41,6 +44,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "Coulomb": "friction",
     "DimensionlessRobot": "nondimensional",
+    "Fit": "identifying",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
@@ -57,6 +61,7 @@ _HOMES = {
     "check": "checking",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
+    "identify": "identifying",
     "latex": "engine.latex",
     "load": "io",
     "mean_velocity": "analysis.steady",
@@ -65,6 +70,7 @@ _HOMES = {
     "read": "records",
     "solve": "solvers",
     "sweep": "sweeping",
+    "virtual_rig": "identifying",
 }
 _MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
 

@@ -259,7 +259,19 @@ def _without_crossings(signs: Any, v: Any, limit: float, least: float) -> Any:
         opposite = signs[start - 1] == -signs[(start + length) % n]
         if length < least or (opposite and length < 1.8 * passing):
             signs[inside] = np.where(v[inside] >= 0, 1, -1) if opposite else signs[start - 1]
-    return signs
+    return _without_flicker(signs, max(int(least), 1))
+
+
+def _without_flicker(signs: Any, least: int) -> Any:
+    """Runs shorter than `least` bins, which noise makes where v passes zero, are given to the run before them."""
+    turn = next((i for i in range(len(signs)) if signs[i] != signs[i - 1]), 0)
+    signs = np.roll(signs, -turn)
+    begins = np.flatnonzero(np.diff(signs, prepend=signs[0] - 5))
+    lengths = np.diff(np.append(begins, len(signs)))
+    for begin, length in zip(begins, lengths, strict=True):
+        if length < least:
+            signs[begin : begin + length] = signs[begin - 1]
+    return np.roll(signs, turn)
 
 
 def _runs(signs: Any, periods: int) -> tuple[Any, Any]:

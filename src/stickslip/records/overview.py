@@ -72,11 +72,12 @@ class Overview:
 
 def overview(rec: Any) -> Overview:
     """The summary of a record."""
-    lines = tuple(_line(c) for c in rec.channels.values())
-    try:
-        found = rec.drive_frequency()
-    except (InputError, np.linalg.LinAlgError):
-        found = None
+    with np.errstate(all="ignore"):  # a damaged record holds any number
+        lines = tuple(_line(c) for c in rec.channels.values())
+        try:
+            found = rec.drive_frequency()
+        except (InputError, np.linalg.LinAlgError):
+            found = None
     value, error = (None, None) if found is None else (found.value, found.error)
     return Overview(lines, value, error, rec.notes, str(rec.source.get("format", "")), rec.synthetic)
 

@@ -76,15 +76,22 @@ def read(
     """
     path = Path(path).expanduser()
     data = _bytes(path)
-    raw = _parsed(data, separator, decimal, byte_order)
+    with np.errstate(all="ignore"):  # a damaged file holds any number
+        return _record(path, data, _parsed(data, separator, decimal, byte_order), units or {}, columns, roles or {}, rate)
+
+
+def _record(
+    path: Path, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
+) -> Record:
+    """The record of what a format's reader found, with what the user says about it."""
     problems = Problems("read")
     _rename(raw, columns, problems)
-    _give_units(raw, units or {}, problems)
-    _check_roles(raw, roles or {}, problems)
+    _give_units(raw, units, problems)
+    _check_roles(raw, roles, problems)
     if rate is not None and not rate > 0:
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
     problems.check()
-    channels = _channels(raw, rate, roles or {})
+    channels = _channels(raw, rate, roles)
     source = {"path": str(path), "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
     return Record({c.name: c for c in channels}, tuple(raw.notes), source)
 

@@ -60,13 +60,14 @@ def _finite(c: Any) -> tuple[Any, Any]:
 
 def harmonics(t: Any, y: Any, frequency: float, count: int = _HARMONICS) -> tuple[Any, Any]:
     """Least-squares mean, drift and harmonics of a frequency, and what they leave over."""
-    phase = 2 * np.pi * frequency * (t - t[0])
-    rows = [np.ones_like(t), (t - t.mean()) / max(np.ptp(t), 1e-300)]
-    for k in range(1, count + 1):
-        rows += [np.cos(k * phase), np.sin(k * phase)]
-    matrix = np.stack(rows, axis=1)
-    found = np.linalg.lstsq(matrix, y, rcond=None)[0]
-    return found, y - matrix @ found
+    turn = np.exp(2j * np.pi * frequency * (t - t[0]))
+    rows, power = [np.ones_like(t), (t - t.mean()) / max(np.ptp(t), 1e-300)], np.ones_like(turn)
+    for _ in range(count):
+        power = power * turn
+        rows += [power.real, power.imag]
+    matrix = np.stack(rows)
+    found = np.linalg.lstsq(matrix @ matrix.T, matrix @ y, rcond=1e-12)[0]
+    return found, y - found @ matrix
 
 
 def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
