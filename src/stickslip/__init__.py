@@ -27,6 +27,13 @@ if TYPE_CHECKING:
     from stickslip.friction import Coulomb as Coulomb
     from stickslip.friction import LuGre as LuGre
     from stickslip.identifying import Fit as Fit
+    from stickslip.identifying import Comparison as Comparison
+    from stickslip.identifying import Design as Design
+    from stickslip.identifying import Ranking as Ranking
+    from stickslip.identifying import compare as compare
+    from stickslip.identifying import design as design
+    from stickslip.identifying import prediction_errors as prediction_errors
+    from stickslip.identifying import rank as rank
     from stickslip.identifying import identify as identify
     from stickslip.identifying import virtual_rig as virtual_rig
     from stickslip.io import load as load
@@ -42,6 +49,13 @@ if TYPE_CHECKING:
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
+    "rank": "identifying",
+    "prediction_errors": "identifying",
+    "design": "identifying",
+    "compare": "identifying",
+    "Ranking": "identifying",
+    "Design": "identifying",
+    "Comparison": "identifying",
     "Coulomb": "friction",
     "DimensionlessRobot": "nondimensional",
     "Fit": "identifying",

@@ -121,8 +121,11 @@ def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
     mode = tuple(np.zeros(cases) for _ in range(modes))
     scale = law.scale(float(motion.load.mean())) if hasattr(law, "scale") else 1e-6
     nudge = _NUDGE * np.abs(np.asarray(scale, float)) * np.ones(cases)
-    steps = np.diff(motion.t, prepend=motion.t[0])
+    steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
     for k, (v, N, h) in enumerate(zip(motion.v.tolist(), motion.load.tolist(), steps.tolist(), strict=True)):
+        if mode and v * side < 0:
+            z, mode = _switched(law, 0.0, N, z, mode, came=side)
+        side = v or side
         z, mode = _stepped(law, v, N, h, z, mode, nudge)
         zdot = _rate(law, v, z, N, mode)
         out[k] = law.force(v, _given(z, states), _given(zdot, states), N, *([mode] if modes else []))
@@ -150,10 +153,14 @@ def _stepped(law: Any, v: float, N: float, h: float, z: Any, mode: Any, nudge: A
     return _switched(law, v, N, z, mode) if mode else (z, mode)
 
 
-def _switched(law: Any, v: float, N: float, z: Any, mode: Any) -> tuple[Any, Any]:
-    """The memory after every switch whose guard has fallen."""
-    for guard, new_mode, new_z in law.switches(v, z if z.ndim == 1 else tuple(z), N, mode):
+def _switched(law: Any, v: float, N: float, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
+    """The memory after every switch whose guard has fallen; where v passes zero, every one that falls only there."""
+    given = z if z.ndim == 1 else tuple(z)
+    before = None if came is None else [guard for guard, _, _ in law.switches(came, given, N, mode)]
+    for i, (guard, new_mode, new_z) in enumerate(law.switches(v, given, N, mode)):
         fallen = np.asarray(guard) <= 0
+        if before is not None:
+            fallen = fallen & (np.asarray(before[i]) > 0)
         mode = tuple(np.where(fallen, new, old) for new, old in zip(new_mode, mode, strict=True))
         if new_z is not None:
             parts = new_z if z.ndim == 1 else np.stack([np.broadcast_to(part, z.shape[1:]) for part in new_z])
