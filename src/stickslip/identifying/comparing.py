@@ -187,7 +187,9 @@ def _robots(record: Any, robot: Any, laws: Any) -> dict[str, Any]:
     if not isinstance(record, Record):
         problems.add(f"record = {record!r}; allowed is a Record; type for example ss.read(path)")
     if not (hasattr(robot, "friction") and hasattr(robot, "replace")):
-        raise InputError("compare", [*problems.found, f"robot = {robot!r}; allowed is a Robot; type ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)"])
+        raise InputError(
+            "compare", [*problems.found, f"robot = {robot!r}; allowed is a Robot; type ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)"]
+        )
     pairs = list(laws.items()) if isinstance(laws, dict) else [(None, law) for law in ([laws] if isinstance(laws, str) else laws)]
     for label, law in pairs:
         model = _with_law(robot, law, problems)
@@ -226,7 +228,9 @@ def _row(label: str, model: Any, curve: SteadyCurve, seen: Target, shift: float)
     phase = np.arange(_PHASES * curve.period) / _PHASES
     value = curve.v(phase) if seen.kind == "velocity" else curve.x(phase)
     m = motion(curve.run)
-    return Row(label, curve.mean_velocity, m.type, m.pattern, float(np.sqrt(square)), 1 - square / spread, _events(curve), phase, value, model)
+    return Row(
+        label, curve.mean_velocity, m.type, m.pattern, float(np.sqrt(square)), 1 - square / spread, _events(curve), phase, value, model
+    )
 
 
 def _events(curve: SteadyCurve) -> tuple[tuple[float, str], ...]:

@@ -75,7 +75,9 @@ class Design:
     def __str__(self) -> str:
         lines = []
         for e in self.experiments[:8]:
-            where = " + ".join(", ".join(f"{k} = {v:.5g}" if isinstance(v, float) else f"{k} = {v}" for k, v in s.items()) for s in e.settings)
+            where = " + ".join(
+                ", ".join(f"{k} = {v:.5g}" if isinstance(v, float) else f"{k} = {v}" for k, v in s.items()) for s in e.settings
+            )
             errors = ", ".join(f"{n} ± {100 * v / abs(self.values[n]) if self.values[n] else np.inf:.2g} %" for n, v in e.errors.items())
             apart = "" if np.isnan(e.separation) else f"; rivals {e.separation:.3g} standard deviations apart"
             lines.append(f"{where}: {errors}{apart}")
@@ -134,9 +136,18 @@ def design(
     """
     settings = _settings(experiments)
     bounds = {name: (0.5 * value, 1.5 * value) if value > 0 else (value - 1.0, value + 1.0) for name, value in free.items()}
-    of = parameters(make, bounds, None, {**arguments, **{k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}}, len(settings), "design")
+    of = parameters(
+        make,
+        bounds,
+        None,
+        {**arguments, **{k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}},
+        len(settings),
+        "design",
+    )
     if not noise > 0 or not 1 <= together <= len(settings):
-        raise InputError("design", [f"noise = {noise!r}, together = {together!r}; allowed are a positive noise and 1 to {len(settings)} experiments"])
+        raise InputError(
+            "design", [f"noise = {noise!r}, together = {together!r}; allowed are a positive noise and 1 to {len(settings)} experiments"]
+        )
     slopes, curves = {}, {}
     for i in range(len(settings)):
         made = _sensitivity(of, free, i, using, samples, rtol)
@@ -156,7 +167,10 @@ def _settings(experiments: Any) -> list[dict[str, Any]]:
     if isinstance(experiments, dict):
         names = list(experiments)
         grids = np.meshgrid(*(np.arange(len(experiments[n])) for n in names), indexing="ij")
-        return [{n: experiments[n][int(k)] for n, k in zip(names, index, strict=True)} for index in zip(*(g.ravel() for g in grids), strict=True)]
+        return [
+            {n: experiments[n][int(k)] for n, k in zip(names, index, strict=True)}
+            for index in zip(*(g.ravel() for g in grids), strict=True)
+        ]
     return [dict(e) for e in experiments]
 
 
@@ -215,7 +229,10 @@ def _expected(chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[st
 def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: str) -> list[str]:
     experiment, _, covariance = best
     untold = [n for n, v in free.items() if not experiment.errors[n] < TOLD * (abs(v) or 1.0)]
-    notes = [f"{using} cannot tell {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it" for n in untold]
+    notes = [
+        f"{using} cannot tell {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it"
+        for n in untold
+    ]
     if not np.isfinite(covariance).all():
         return notes
     names, size = list(free), np.sqrt(np.diag(covariance))
@@ -223,7 +240,9 @@ def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: s
         for j in range(i):
             rho = covariance[i, j] / (size[i] * size[j]) if size[i] * size[j] > 0 else 0.0
             if abs(rho) > 0.95:
-                notes.append(f"{names[j]} and {names[i]} would be correlated {rho:.2f}: fix one or do another experiment with it (together=2)")
+                notes.append(
+                    f"{names[j]} and {names[i]} would be correlated {rho:.2f}: fix one or do another experiment with it (together=2)"
+                )
     return notes
 
 

@@ -48,7 +48,11 @@ class Quality:
     def suspicious(self) -> bool:
         """Whether more is left than noise."""
         white = 3.5 / np.sqrt(max(self.count, 1))
-        too_large = np.isfinite(self.noise) and self.rms > 1.15 * self.noise and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
+        too_large = (
+            np.isfinite(self.noise)
+            and self.rms > 1.15 * self.noise
+            and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
+        )
         return bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) or too_large))
 
 
@@ -151,7 +155,9 @@ class Fit:
         if name not in self.values:
             raise InputError("interval", [f"{name!r} is not a free parameter; {did_you_mean(name, self.values)}"])
         if not 0 < level < 1 or method not in METHODS:
-            raise InputError("interval", [f"level = {level!r}, method = {method!r}; allowed are 0 < level < 1 and one of {', '.join(METHODS)}"])
+            raise InputError(
+                "interval", [f"level = {level!r}, method = {method!r}; allowed are 0 < level < 1 and one of {', '.join(METHODS)}"]
+            )
         from stickslip.identifying import uncertainty
 
         return getattr(uncertainty, f"by_{method}")(self, name, level, **options)
@@ -184,9 +190,7 @@ class Fit:
         for i in range(len(self.names)):
             for j in range(i):
                 if abs(table[i, j]) > CORRELATED:
-                    found.append(
-                        f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self._remedy}"
-                    )
+                    found.append(f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self._remedy}")
         return found
 
     @property

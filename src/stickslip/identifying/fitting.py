@@ -158,8 +158,29 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
     from stickslip import __version__
 
     law = _law_name(problem.parameters.model(values, 0))
-    provenance = {"stickslip": __version__, "seed": seed, "starts": starts, "solves": problem.solves, "arguments": [_plain(f) for f in problem.parameters.fixed]}
-    return Fit(values, errors, covariance, problem, best.place, best.jacobian, best.residuals, scale, starts, agree, best.steps, tuple(notes), law, provenance)
+    provenance = {
+        "stickslip": __version__,
+        "seed": seed,
+        "starts": starts,
+        "solves": problem.solves,
+        "arguments": [_plain(f) for f in problem.parameters.fixed],
+    }
+    return Fit(
+        values,
+        errors,
+        covariance,
+        problem,
+        best.place,
+        best.jacobian,
+        best.residuals,
+        scale,
+        starts,
+        agree,
+        best.steps,
+        tuple(notes),
+        law,
+        provenance,
+    )
 
 
 def _slope(f: Any, place: float) -> float:

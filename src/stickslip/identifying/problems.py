@@ -187,9 +187,7 @@ class SteadyProblem:
     def aligned(self, place: Any) -> Any:
         """The place of the free parameters with the best phase of each curve behind it."""
         motions = self._motions(place)
-        timing = [
-            0.0 if motions is None or what == "slip" else _best_phase(self.targets[i], motions[i]) for i, what in self._timing
-        ]
+        timing = [0.0 if motions is None or what == "slip" else _best_phase(self.targets[i], motions[i]) for i, what in self._timing]
         return np.concatenate([place, timing])
 
     def bounds(self) -> tuple[Any, Any]:

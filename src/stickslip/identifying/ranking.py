@@ -80,7 +80,9 @@ class Ranking:
         lines = [f"{'':<{width}}  numbers  rms        ΔAICc      ΔBIC       weight  held out"]
         for r in self.rows:
             held = "" if np.isnan(r.held_out) else f"{r.held_out:.4g}"
-            lines.append(f"{r.label:<{width}}  {r.parameters:<7}  {r.rms:<9.4g}  {r.aicc:<9.4g}  {r.bic:<9.4g}  {r.weight:<6.3f}  {held}".rstrip())
+            lines.append(
+                f"{r.label:<{width}}  {r.parameters:<7}  {r.rms:<9.4g}  {r.aicc:<9.4g}  {r.bic:<9.4g}  {r.weight:<6.3f}  {held}".rstrip()
+            )
         return "\n".join([*lines, self.verdict])
 
     __repr__ = __str__
@@ -122,10 +124,20 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: Sequence[Sequence[Fit]]
     least = {k: min(p[k] for p in parts.values()) for k in (0, 1)}
     weights = {label: np.exp(-0.5 * min(p[0] - least[0], 1400.0)) for label, p in parts.items()}
     total = sum(weights.values())
-    outside = {label: _mean_square(held_out[label]) if isinstance(held_out, dict) and label in held_out else float("nan") for label in named}
+    outside = {
+        label: _mean_square(held_out[label]) if isinstance(held_out, dict) and label in held_out else float("nan") for label in named
+    }
     rows = sorted(
         (
-            Ranked(label, fit.fitted, float(np.sqrt(fit.cost / count)), parts[label][0] - least[0], parts[label][1] - least[1], float(weights[label] / total), outside[label])
+            Ranked(
+                label,
+                fit.fitted,
+                float(np.sqrt(fit.cost / count)),
+                parts[label][0] - least[0],
+                parts[label][1] - least[1],
+                float(weights[label] / total),
+                outside[label],
+            )
             for label, fit in named.items()
         ),
         key=lambda r: r.aicc,
@@ -160,7 +172,9 @@ def _check(named: dict[str, Fit]) -> None:
     for label, fit in named.items():
         same = fit.count == first.count and np.allclose(fit.problem.y, first.problem.y, rtol=1e-9, atol=0.0)
         if not same:
-            raise InputError("rank", [f"{label} was fitted to other values than the first; fit all laws to the same records in the same way"])
+            raise InputError(
+                "rank", [f"{label} was fitted to other values than the first; fit all laws to the same records in the same way"]
+            )
 
 
 def _given(fit: Fit) -> bool:
@@ -197,4 +211,7 @@ def _held_out_verdict(rows: list[Ranked], held_out: dict[str, Any]) -> tuple[boo
         return False, f"these data cannot tell: {first.label} fits best, but {outside.label} predicts the held-out records better"
     second = rows[1]
     wins = int(np.sum(np.asarray(held_out[first.label]) <= np.asarray(held_out[second.label])))
-    return True, f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}, and it predicts {wins} of {len(held_out[first.label])} held-out records better"
+    return (
+        True,
+        f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}, and it predicts {wins} of {len(held_out[first.label])} held-out records better",
+    )

@@ -185,7 +185,11 @@ def _seen(run: Any, start: float, t: Any, step: float, bandwidth: float | None, 
     fine = start + step * (np.arange((len(t) + before) * _OVER) / _OVER - before)
     columns = _columns(run.at(np.clip(fine, run.pieces.t[0], run.pieces.t[-1])))
     keep = np.exp(-2 * np.pi * bandwidth * step / _OVER)
-    return {name: lfilter([1 - keep], [1, -keep], y, zi=[keep * y[0]])[0][before * _OVER :: _OVER] for name, y in columns.items() if name in (*channels, "velocity")}
+    return {
+        name: lfilter([1 - keep], [1, -keep], y, zi=[keep * y[0]])[0][before * _OVER :: _OVER]
+        for name, y in columns.items()
+        if name in (*channels, "velocity")
+    }
 
 
 def _columns(at: dict[str, Any]) -> dict[str, Any]:
@@ -204,4 +208,3 @@ def _truth(robot: Any, run: Any, noise: float, seed: int, bandwidth: float | Non
 
     kept = {"noise": noise, "seed": seed, "bandwidth": bandwidth, "resolution": resolution, "rtol": run.rtol}
     return {"law": type(robot.friction).__name__, "truth": {name: float(value) for name, value in leaves(robot)}, **kept}
-

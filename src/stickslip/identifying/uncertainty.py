@@ -110,7 +110,9 @@ def bootstrap(fit: Fit, repeats: int, seed: int) -> Any:
     rest = fit._split(fit.residuals * fit.problem.sigma)
     rows = []
     for _ in range(repeats):
-        y = np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in zip(curves, rest, fit.problem.targets, strict=True)])
+        y = np.concatenate(
+            [c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in zip(curves, rest, fit.problem.targets, strict=True)]
+        )
         found = polished(fit.problem.with_values(y), fit.place, rough=True)
         rows.append([float(f.outer(p)) for f, p in zip(fit.problem.parameters.free, found.place, strict=False)])
     return np.array(rows)
@@ -179,7 +181,9 @@ def remarks(fit: Fit) -> list[str]:
     for q in fit.quality:
         if q.suspicious:
             why = f"residuals of {q.rms:.3g}" + (f" where the noise is {q.noise:.3g}" if np.isfinite(q.noise) else "")
-            found.append(f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: the law or the drive is not that of the record; intervals are too narrow")
+            found.append(
+                f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: the law or the drive is not that of the record; intervals are too narrow"
+            )
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1 and not fit.cost < fit.problem.quiet:
         found.append("only one polished start ended here; type starts= with a larger number to look for a better place")
     return found

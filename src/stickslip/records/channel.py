@@ -117,7 +117,9 @@ class Channel:
         """The time of each sample [s]; an error that shows what to type if its unit is not known."""
         if not self.over_time:
             raise InputError(self.name, [f"stands over {self.axis_name} and not over time; take another channel"])
-        return self.t * self._factor(self.axis_unit, f'units={{"{self.axis_name or "time"}": "s"}}', f"the unit of time ({self.axis_name!r})")
+        return self.t * self._factor(
+            self.axis_unit, f'units={{"{self.axis_name or "time"}": "s"}}', f"the unit of time ({self.axis_name!r})"
+        )
 
     def _factor(self, text: str | None, example: str, what: str) -> float:
         unit = unit_of(text)

@@ -142,7 +142,9 @@ def _rename(raw: Raw, columns: Sequence[str] | None, problems: Problems) -> None
     if columns is None:
         return
     if len(columns) != len(raw.columns):
-        problems.add(f"columns names {len(columns)} columns; the file has {len(raw.columns)}; name every one, such as columns=[\"t [ms]\", ...]")
+        problems.add(
+            f'columns names {len(columns)} columns; the file has {len(raw.columns)}; name every one, such as columns=["t [ms]", ...]'
+        )
         return
     raw.columns = [Column(*heading(text), c.values, c.axis) for text, c in zip(columns, raw.columns, strict=True)]
 
@@ -295,6 +297,8 @@ def _remark_values(c: Channel, notes: list[str]) -> None:
     missing, infinite = np.isnan(c.values), np.isinf(c.values)
     if missing.any():
         edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(int)))
-        notes.append(f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {int((edges[1::2] - edges[::2]).max())}")
+        notes.append(
+            f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {int((edges[1::2] - edges[::2]).max())}"
+        )
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")

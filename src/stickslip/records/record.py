@@ -121,7 +121,9 @@ class Record:
     def relative_velocity(self) -> Record:
         """With the drive's velocity: absolute velocity of the inner mass less the (convected) velocity of the body, as the paper does it."""
         inner, body = self["absolute velocity"], self["velocity"]
-        if len(inner) != len(body) or abs(inner.time - body.time).max(initial=0.0) > 1e-6 * inner.interval * abs(inner.time / inner.t).max(initial=0):
+        if len(inner) != len(body) or abs(inner.time - body.time).max(initial=0.0) > 1e-6 * inner.interval * abs(inner.time / inner.t).max(
+            initial=0
+        ):
             raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
         return self.derived("relative velocity [m/s]", inner.si - body.si, like=body.name, role="drive")
 

@@ -16,9 +16,7 @@ from stickslip.records.units import heading, unit_of
 
 __all__ = ["decoded", "parse", "table"]
 
-_NUMBER = {
-    mark: re.compile(rf"[+-]?(?:\d+(?:{re.escape(mark)}\d*)?|{re.escape(mark)}\d+)(?:[eEdD][+-]?\d+)?") for mark in (".", ",")
-}
+_NUMBER = {mark: re.compile(rf"[+-]?(?:\d+(?:{re.escape(mark)}\d*)?|{re.escape(mark)}\d+)(?:[eEdD][+-]?\d+)?") for mark in (".", ",")}
 _COMMA = re.compile(r"[+-]?\d*,\d+(?:[eEdD][+-]?\d+)?|[+-]?\d+")
 _MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "-", "--", "null", "none", "nan(ind)", "-nan(ind)"}
 _INFINITE = {"inf": np.inf, "+inf": np.inf, "-inf": -np.inf, "infinity": np.inf, "-infinity": -np.inf}
@@ -208,7 +206,11 @@ _PLAIN = re.compile(r"[0-9eE+\-.,;\t \r\n]*")
 def _fast(lines: list[str], dialect: Dialect) -> Any:
     """All rows at once, if every one of them is as expected and made of digits only."""
     text = "\n".join(lines)
-    if not _PLAIN.fullmatch(text) or (dialect.decimal == "," and "." in text) or (dialect.decimal == "." and dialect.separator != "," and "," in text):
+    if (
+        not _PLAIN.fullmatch(text)
+        or (dialect.decimal == "," and "." in text)
+        or (dialect.decimal == "." and dialect.separator != "," and "," in text)
+    ):
         return None
     plain = text.replace(",", ".") if dialect.decimal == "," else text
     try:
@@ -256,7 +258,7 @@ def _filled(lines: list[str], first: int) -> Iterator[tuple[int, str]]:
 def _doubts(lines: list[str], dialect: Dialect, notes: list[str]) -> None:
     """Say where a comma might have meant the other thing."""
     if dialect.separator == "," and dialect.width % 2 == 0 and lines and not any("." in line for line in lines):
-        notes.append("every number is a whole number and the separator is the comma; if the commas are decimal marks, type decimal=\",\"")
+        notes.append('every number is a whole number and the separator is the comma; if the commas are decimal marks, type decimal=","')
 
 
 def table(rows: list[list[Any]], notes: list[str]) -> list[Column]:
@@ -267,7 +269,9 @@ def table(rows: list[list[Any]], notes: list[str]) -> list[Column]:
     if most == 0:
         raise InputError("read", ["the sheet holds no row of numbers; export the sheet with the data as its first one"])
     first = next(i for i, n in enumerate(numeric) if n >= 0.5 * most)
-    heads = ["" if i >= len(rows[first - 1]) or rows[first - 1][i] is None else str(rows[first - 1][i]) for i in range(width)] if first else []
+    heads = (
+        ["" if i >= len(rows[first - 1]) or rows[first - 1][i] is None else str(rows[first - 1][i]) for i in range(width)] if first else []
+    )
     values = np.array([[_cell(row[i]) if i < len(row) else np.nan for i in range(width)] for row in rows[first:]])
     strange = sum(isinstance(cell, str) and bool(cell.strip()) for row in rows[first:] for cell in row)
     if strange:

@@ -142,15 +142,15 @@ def _counted(values: Any, head: _Head, number: int, notes: list[str]) -> Any:
     """The numbers as many as the head says; what is missing or too much is noted."""
     wanted = _numbers(head)
     if len(values) < wanted:
-        notes.append(f"function {number} says {head.count} values and holds {len(values) * head.count // max(wanted, 1)}: the file is cut short")
+        notes.append(
+            f"function {number} says {head.count} values and holds {len(values) * head.count // max(wanted, 1)}: the file is cut short"
+        )
     elif len(values) > wanted:
         notes.append(f"function {number} says {head.count} values and holds {len(values) - wanted} numbers more, which are left out")
     return values[:wanted]
 
 
-def _binary(
-    data: bytes, first: bytes, place: int, head: _Head, number: int, notes: list[str], byte_order: str | None
-) -> tuple[Any, int]:
+def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, notes: list[str], byte_order: str | None) -> tuple[Any, int]:
     try:
         order, kind, lines, size = (int(word) for word in first[7:].split()[:4])
     except ValueError:
