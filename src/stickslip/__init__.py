@@ -26,21 +26,21 @@ if TYPE_CHECKING:
     from stickslip.errors import StickslipError as StickslipError
     from stickslip.friction import Coulomb as Coulomb
     from stickslip.friction import LuGre as LuGre
-    from stickslip.identifying import Fit as Fit
     from stickslip.identifying import Comparison as Comparison
     from stickslip.identifying import Design as Design
+    from stickslip.identifying import Fit as Fit
     from stickslip.identifying import Ranking as Ranking
     from stickslip.identifying import compare as compare
     from stickslip.identifying import design as design
+    from stickslip.identifying import identify as identify
     from stickslip.identifying import prediction_errors as prediction_errors
     from stickslip.identifying import rank as rank
-    from stickslip.identifying import identify as identify
     from stickslip.identifying import virtual_rig as virtual_rig
     from stickslip.io import load as load
-    from stickslip.records import Record as Record
-    from stickslip.records import read as read
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
+    from stickslip.records import Record as Record
+    from stickslip.records import read as read
     from stickslip.robot import Robot as Robot
     from stickslip.solvers import solve as solve
     from stickslip.sweeping import sweep as sweep

@@ -12,7 +12,8 @@ from stickslip.errors import InputError, Problems, did_you_mean
 __all__ = ["act"]
 
 _MORE = """\
-example: stickslip identify piezo_rig tilt_deg=1.7 amplitude=5e-4,8e-4 --record a.csv --record b.csv --free mu0=0.05..0.5 --free v_s=2e-4..2e-2:log
+example: stickslip identify piezo_rig tilt_deg=1.7 amplitude=5e-4,8e-4 --record a.csv --record b.csv
+           --free mu0=0.05..0.5 --free v_s=2e-4..2e-2:log
 
 A study file says the same in TOML:
   [identify]
@@ -87,7 +88,8 @@ def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> 
 
     return {
         "law": fit.law, "values": fit.values, "errors": fit.errors, "intervals": intervals, "level": level, "method": method,
-        "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality], "warnings": fit.warnings, "provenance": fit.provenance,
+        "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality],
+        "warnings": fit.warnings, "provenance": fit.provenance,
     }  # fmt: skip
 
 

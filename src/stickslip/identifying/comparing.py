@@ -183,7 +183,8 @@ def compare(
 
 
 def _robots(record: Any, robot: Any, laws: Any) -> dict[str, Any]:
-    problems, found = Problems("compare"), {}
+    problems = Problems("compare")
+    found: dict[str, Any] = {}
     if not isinstance(record, Record):
         problems.add(f"record = {record!r}; allowed is a Record; type for example ss.read(path)")
     if not (hasattr(robot, "friction") and hasattr(robot, "replace")):

@@ -1,4 +1,4 @@
-"""`design`: before fitting, what could an experiment tell, and which one tells most?"""
+"""`design`: before fitting, what can an experiment tell, and which one tells most."""
 
 from __future__ import annotations
 
@@ -130,7 +130,8 @@ def design(
     Examples
     --------
     >>> import stickslip as ss
-    >>> plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]}, noise=1e-3, tilt_deg=1.7)
+    >>> plan = ss.design(ss.presets.piezo_rig, free={"mu0": 0.18, "sigma0": 4e5}, experiments={"amplitude": [4e-4, 8e-4]},
+    ...                  noise=1e-3, samples=200, tilt_deg=1.7)
     >>> plan.told, plan.untold
     (('mu0',), ('sigma0',))
     """

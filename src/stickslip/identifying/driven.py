@@ -111,7 +111,8 @@ def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
     """Friction force of a law at every sample of a motion: array (samples, cases) [N].
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
-    them; a law's discrete memory is switched at the end of a step. A set-valued law gives at rest whatever was measured, within its break-away.
+    them; a law's discrete memory is switched at the end of a step. A set-valued law gives at rest whatever was measured, within its
+    break-away.
     """
     if not is_dynamic(law):
         return _set_valued(law, motion, cases)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -174,7 +175,7 @@ class Fit:
 
     def _split(self, whole: Any) -> tuple[Any, ...]:
         edges = np.cumsum([0, *(t.count for t in self.problem.targets)])
-        return tuple(whole[a:b] for a, b in zip(edges[:-1], edges[1:], strict=True))
+        return tuple(whole[a:b] for a, b in pairwise(edges))
 
     @cached_property
     def quality(self) -> tuple[Quality, ...]:

@@ -41,19 +41,19 @@ def identify(
 ) -> Fit:
     """Fit the parameters of a robot, or of a friction law, to one or several records at once.
 
-    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. The search begins at many places of a
-    Sobol sequence, judged in batches, and goes on from the best by trust-region steps.
+    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. The search begins at many
+    places of a Sobol sequence, judged in batches, and goes on from the best by trust-region steps.
 
     Parameters
     ----------
     records : Record, number, or a list of them
         A number is a mean velocity [m/s].
     make : callable or Robot or law
-        A maker with its arguments, such as ``ss.presets.piezo_rig``; a robot, whose fields are then named with dots; or the class of a law (or
-        a law), which is then fitted as force against motion.
+        A maker with its arguments, such as ``ss.presets.piezo_rig``; a robot, whose fields are then named with dots; or the class of a
+        law (or a law), which is then fitted as force against motion.
     free : dict
-        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm. ``"amplitude[0]"`` is that of
-        the first record alone, ``"amplitude[:]"`` one for each record.
+        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm. ``"amplitude[0]"`` is
+        that of the first record alone, ``"amplitude[:]"`` one for each record.
     tied : dict, optional
         Arguments that follow from others: another's name, or a function of the dict of all of them.
     using : {"auto", "velocity", "position", "mean", "force"}

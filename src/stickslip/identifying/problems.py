@@ -43,7 +43,7 @@ class SteadyProblem:
     central: bool = True
     solves: int = 0
     _warm: dict[int, Any] = field(default_factory=dict)
-    _curves: dict[tuple[Any, ...], list[SteadyCurve | None]] = field(default_factory=dict)
+    _curves: dict[tuple[Any, ...], list[Any] | None] = field(default_factory=dict)
 
     # ---- layout ----
     @property
@@ -120,8 +120,8 @@ class SteadyProblem:
         if key not in self._curves:
             if len(self._curves) > 8:
                 self._curves.pop(next(iter(self._curves)))
-            self._curves[key] = self._solved(place)  # type: ignore[assignment]
-        return self._curves[key]  # type: ignore[return-value]
+            self._curves[key] = self._solved(place)
+        return self._curves[key]
 
     def _solved(self, place: Any) -> list[Any] | None:
         values = self.parameters.values(place)

@@ -1,9 +1,10 @@
-"""`rank`: which law do the data support, and can they tell at all?"""
+"""`rank`: which law do the data support, and can they tell at all."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -154,7 +155,7 @@ def prediction_errors(fit: Fit, other: Fit) -> list[float]:
     found = polished(problem, problem.aligned(np.empty(0)))
     edges = np.cumsum([0, *(t.count for t in problem.targets)])
     rest = found.residuals * problem.sigma
-    return [float(np.sqrt(np.mean(rest[a:b] ** 2))) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [float(np.sqrt(np.mean(rest[a:b] ** 2))) for a, b in pairwise(edges)]
 
 
 def _named(fits: Any) -> dict[str, Fit]:
@@ -213,5 +214,6 @@ def _held_out_verdict(rows: list[Ranked], held_out: dict[str, Any]) -> tuple[boo
     wins = int(np.sum(np.asarray(held_out[first.label]) <= np.asarray(held_out[second.label])))
     return (
         True,
-        f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}, and it predicts {wins} of {len(held_out[first.label])} held-out records better",
+        f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}, and it predicts {wins} of "
+        f"{len(held_out[first.label])} held-out records better",
     )

@@ -57,7 +57,7 @@ class SteadyCurve:
 
     @property
     def mean_velocity(self) -> float:
-        """[m/s]"""
+        """Mean velocity [m/s]."""
         return self.step / (self.period * self.run.period_time)
 
     @property

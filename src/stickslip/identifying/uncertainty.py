@@ -182,7 +182,8 @@ def remarks(fit: Fit) -> list[str]:
         if q.suspicious:
             why = f"residuals of {q.rms:.3g}" + (f" where the noise is {q.noise:.3g}" if np.isfinite(q.noise) else "")
             found.append(
-                f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: the law or the drive is not that of the record; intervals are too narrow"
+                f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: "
+                "the law or the drive is not that of the record; intervals are too narrow"
             )
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1 and not fit.cost < fit.problem.quiet:
         found.append("only one polished start ended here; type starts= with a larger number to look for a better place")

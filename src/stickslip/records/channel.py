@@ -13,7 +13,7 @@ from stickslip.records.units import unit_of
 
 __all__ = ["ROLES", "Channel", "Gap"]
 
-#: What a channel can be for. "velocity" and "position" are those of the body; the convected velocity is the same thing in the paper's words.
+#: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (
     "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage",
 )  # fmt: skip

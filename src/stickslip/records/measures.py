@@ -192,7 +192,7 @@ def loop_friction(rec: Any, between: tuple[float, float], least_speed: float = 0
     for part in (up, down):
         means = [F[part & (strokes == k)].mean() for k in np.unique(strokes[part]) if (part & (strokes == k)).sum() > 20]
         errors.append(np.std(means, ddof=1) / np.sqrt(len(means)) if len(means) > 1 else 0.0)
-    return Value(float(0.5 * (F[up].mean() - F[down].mean())), float(0.5 * np.hypot(*errors)))
+    return Value(float(0.5 * (F[up].mean() - F[down].mean())), float(0.5 * np.hypot(errors[0], errors[1])))
 
 
 def _speed(t: Any, x: Any, half: int = 5) -> Any:

@@ -34,7 +34,7 @@ def read(
     decimal: str | None = None,
     byte_order: str | None = None,
 ) -> Record:
-    """Read a measured record: CSV, TSV, TXT, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX.
+    r"""Read a measured record: CSV, TSV, TXT, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX.
 
     Separator, decimal mark, headings and units are found out. Units are never guessed: a channel without one is read with
     ``unit=None`` and a line in `Record.notes`; the first step that needs the unit stops and shows what to type.
@@ -69,7 +69,7 @@ def read(
     --------
     >>> import stickslip as ss
     >>> with open("run.csv", "w") as file:
-    ...     _ = file.write("t [ms];v [mm/s];F\\n0;1,5;2\\n1;2,5;2\\n2;3,5;3\\n")
+    ...     _ = file.write("t [ms];v [mm/s];F\n0;1,5;2\n1;2,5;2\n2;3,5;3\n")
     >>> rec = ss.read("run.csv", units={"F": "N"})
     >>> rec["velocity"].values.tolist(), rec["velocity"].unit, rec["velocity"].rate
     ([1.5, 2.5, 3.5], 'mm/s', 1000.0)

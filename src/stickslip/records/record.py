@@ -119,11 +119,9 @@ class Record:
         return self.replace(channels={**self.channels, name: made}, notes=(*self.notes, f"{name} is computed from other channels"))
 
     def relative_velocity(self) -> Record:
-        """With the drive's velocity: absolute velocity of the inner mass less the (convected) velocity of the body, as the paper does it."""
+        """With the drive's velocity, as the paper finds it: absolute velocity of the inner mass less the convected one of the body."""
         inner, body = self["absolute velocity"], self["velocity"]
-        if len(inner) != len(body) or abs(inner.time - body.time).max(initial=0.0) > 1e-6 * inner.interval * abs(inner.time / inner.t).max(
-            initial=0
-        ):
+        if len(inner) != len(body) or not np.allclose(inner.time, body.time, rtol=0.0, atol=1e-3 / abs(body.rate)):
             raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
         return self.derived("relative velocity [m/s]", inner.si - body.si, like=body.name, role="drive")
 

@@ -129,7 +129,8 @@ def _why_not(lines: list[str], best: tuple[float, Dialect | None, int]) -> str:
         example = next((line.strip()[:60] for line in lines if line.strip()), "")
         return f'it begins with {example!r}; type ss.read(path, separator=";", decimal=",") with what the file uses'
     return (
-        f"with {best[1].words} only {100 * best[0]:.0f} % of the lines have {best[1].width} numbers (mixed decimal marks, or a damaged file?); "
+        f"with {best[1].words} only {100 * best[0]:.0f} % of the lines have {best[1].width} numbers "
+        "(mixed decimal marks, or a damaged file?); "
         'type ss.read(path, separator=";", decimal=",") with what the file uses'
     )
 
@@ -159,7 +160,7 @@ def _row(dialect: Dialect, line: str) -> list[float | None] | None:
     if not line.strip():
         return None
     row = dialect.numbers(line)
-    return row if all(x is not None for x in row) and any(np.isfinite(x) for x in row) else None  # type: ignore[type-var,arg-type]
+    return row if all(x is not None for x in row) and any(np.isfinite(x) for x in row) else None  # type: ignore[arg-type]
 
 
 # ---- headings ----

@@ -162,10 +162,8 @@ def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, not
         notes.append(f"function {number} says {size} bytes, but {head.count} values take {wanted}")
     block = data[place : place + min(size, wanted)]
     order_name = byte_order or {1: "little", 2: "big"}[order]
-    if head.even:
-        values = _as_numbers(block, head.size, order_name, number, byte_order is None)
-    else:
-        values = _pairs(block, head, order_name)
+    even = head.even
+    values = _as_numbers(block, head.size, order_name, number, byte_order is None) if even else _pairs(block, head, order_name)
     return _counted(values, head, number, notes), place + size
 
 

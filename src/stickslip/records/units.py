@@ -39,7 +39,7 @@ _WORDS: dict[str, tuple[float, tuple[int, ...]]] = {
     "lbf": (4.4482216152605, (1, 1, -2, 0, 0)),
     "g0": (9.80665, (1, 0, -2, 0, 0)),
 }
-_QUANTITIES = {
+_QUANTITIES: dict[tuple[int, ...], str] = {
     (0, 0, 1, 0, 0): "time",
     (1, 0, -1, 0, 0): "velocity",
     (1, 0, 0, 0, 0): "position",
