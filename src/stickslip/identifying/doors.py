@@ -73,9 +73,8 @@ def _told(fit: Any) -> dict[str, Any]:
     for i in range(min(len(fit.problem.targets), _SHOWN)):
         if fit.problem.targets[i].kind == "mean" and i > 0:
             continue
-        pictures.append(
-            (_drawn(lambda ax, i=i: plot.fitted(fit, i, ax)), _drawn(lambda ax, i=i: plot.residuals(fit, i, ax)), fit.quality[i])
-        )
+        drawn = (_drawn(partial(plot.fitted, fit, i)), _drawn(partial(plot.residuals, fit, i)))
+        pictures.append((*drawn, fit.quality[i]))
     table = fit.correlations.tolist()
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,

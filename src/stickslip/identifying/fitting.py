@@ -90,8 +90,8 @@ def identify(
     """
     records = list(records) if isinstance(records, (list, tuple)) else [records]
     _check(records, using, noise, starts)
-    forced = using == "force" or (using == "auto" and _is_law(make))
     of = parameters(make, free, tied, arguments, len(records))
+    forced = using == "force" or (using == "auto" and _makes_laws(of, seed))
     problem = _driven(records, of, load, noise) if forced else _steady(records, of, using, noise, frequency, rtol)
     notes = _notes(records, problem, forced)
     rough = problem.rough()
@@ -117,9 +117,16 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     problems.check()
 
 
-def _is_law(make: Any) -> bool:
-    """Whether a law is meant, or its class, and not a robot."""
-    return (hasattr(make, "rate") and hasattr(make, "force")) or (hasattr(make, "sliding") and hasattr(make, "breakaway"))
+def _makes_laws(of: Parameters, seed: int) -> bool:
+    """Whether the models are laws and not robots, told from the first place between the bounds that makes one."""
+    from scipy.stats import qmc
+
+    for place in qmc.Sobol(len(of.free), seed=seed).random_base2(6):
+        try:
+            return not hasattr(of.model(of.values(place), 0), "friction")
+        except InputError:
+            continue
+    return False
 
 
 def _steady(records: list[Any], of: Parameters, using: str, noise: float | None, frequency: float | None, rtol: float) -> SteadyProblem:

@@ -53,7 +53,10 @@ def searched(problem: Any, starts: int, seed: int, progress: Callable[[int, int]
     if not np.isfinite(score).any():
         raise InputError("identify", [f"none of {len(places)} places between the bounds makes a model; widen or correct the bounds"])
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
-    chosen = sorted((_judged(problem, places[i]) for i in order), key=lambda pair: pair[0])
+    if problem.nuisances == 0:  # the batch has judged them already
+        chosen = [(float(score[i]), problem.aligned(places[i])) for i in order]
+    else:
+        chosen = sorted((_judged(problem, places[i]) for i in order), key=lambda pair: pair[0])
     ends: list[Found] = []
     for k, (_, place) in enumerate(_spread(chosen)):
         if progress:
