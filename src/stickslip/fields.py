@@ -1,7 +1,8 @@
 """Frozen records whose fields may be numbers, arrays of them, or part of the kind.
 
 A field annotated ``float`` (or ``float | None``) is a number: it may hold a float, a NumPy array or a labelled
-`xarray.DataArray`. Every other field belongs to the kind. A user's own law needs nothing from here.
+`xarray.DataArray`. A field annotated ``tuple[float, ...]`` holds several numbers, named ``field.0``, ``field.1``, …; how many
+there are belongs to the kind. Every other field belongs to the kind. A user's own law needs nothing from here.
 """
 
 from __future__ import annotations
@@ -22,6 +23,11 @@ def is_number_field(field: dataclasses.Field[Any]) -> bool:
     """Whether a dataclass field holds a number (and not a part of the kind)."""
     text = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", str(field.type))
     return "float" in text and "tuple" not in text and "Callable" not in text
+
+
+def is_tuple_field(field: dataclasses.Field[Any]) -> bool:
+    """Whether a dataclass field holds a tuple of numbers."""
+    return "tuple[float" in str(field.type)
 
 
 def is_array(value: Any) -> bool:
@@ -110,6 +116,8 @@ class Record:
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
             if is_number_field(field):
                 self._take(field, problems)
+            elif is_tuple_field(field):
+                self._take_tuple(field, problems)
         self._check(problems)
         problems.check()
 
@@ -117,23 +125,36 @@ class Record:
         value = getattr(self, field.name)
         if value is None and "None" in str(field.type):
             return
+        object.__setattr__(self, field.name, self._checked(field, field.name, value, problems))
+
+    def _take_tuple(self, field: dataclasses.Field[Any], problems: Problems) -> None:
+        values = getattr(self, field.name)
+        if values is None and "None" in str(field.type):
+            return
+        if isinstance(values, (str, bytes, int, float)) or not hasattr(values, "__iter__"):
+            example = field.metadata.get("example", "(0.5, 0.5)")
+            problems.add(f"{field.name} = {values!r}; allowed is a tuple of numbers; type for example {field.name}={example}")
+            return
+        taken = tuple(self._checked(field, f"{field.name}[{i}]", v, problems) for i, v in enumerate(values))
+        object.__setattr__(self, field.name, taken)
+
+    def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
+        """A number by its field's rule; what is wrong with it is noted and the value comes back as it was."""
         rule, allowed = self._rules.get(field.name, (None, "a finite number"))
         try:
             value = number(value)
         except ValueError as error:
-            problems.add(f"{field.name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
-            return
+            problems.add(f"{name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+            return value
 
         def allows(x: Any) -> Any:
             return (abs(x) < float("inf")) & (rule is None or rule(x))
 
         if is_array(value) and value.size == 0:
-            problems.add(f"{field.name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
+            problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
         elif not _all(allows(value)):
-            problems.add(
-                f"{field.name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={_example(field)}"
-            )
-        object.__setattr__(self, field.name, value)
+            problems.add(f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+        return value
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -218,9 +239,12 @@ def _same(a: Any, b: Any) -> bool:
 
 
 @functools.lru_cache(maxsize=256)
-def _plan(cls: type) -> tuple[tuple[str, bool], ...]:
-    """Names of a record's fields, and whether each holds a number."""
-    return tuple((field.name, is_number_field(field)) for field in dataclasses.fields(cls))
+def _plan(cls: type) -> tuple[tuple[str, str], ...]:
+    """Names of a record's fields, and what each holds: a number, numbers, or a kind."""
+    return tuple(
+        (field.name, "number" if is_number_field(field) else "numbers" if is_tuple_field(field) else "kind")
+        for field in dataclasses.fields(cls)
+    )
 
 
 def _is_record(value: Any) -> bool:
@@ -234,11 +258,13 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
     """
     if kinds:
         yield prefix + "__class__", type(record)
-    for name, holds_number in _plan(type(record)):  # type: ignore[arg-type]
+    for name, holds in _plan(type(record)):  # type: ignore[arg-type]
         value = getattr(record, name)
         if _is_record(value):
             yield from leaves(value, f"{prefix}{name}.", kinds)
-        elif (holds_number and value is not None) or kinds:
+        elif holds == "numbers" and isinstance(value, tuple):
+            yield from ((f"{prefix}{name}.{i}", v) for i, v in enumerate(value))
+        elif (holds == "number" and value is not None) or kinds:
             yield prefix + name, value
 
 
@@ -249,5 +275,7 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
         value, name = getattr(record, field), prefix + field
         if _is_record(value):
             value = replace_leaf(value, values, name + ".")
+        elif isinstance(value, tuple):
+            value = tuple(values.get(f"{name}.{i}", v) for i, v in enumerate(value))
         object.__setattr__(copy, field, values.get(name, value))
     return copy
