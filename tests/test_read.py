@@ -199,7 +199,9 @@ def uff(values, kind=2, even=True, x=None, binary=None, unit="m/s", count=None):
     """A universal file with one function, ASCII or binary (binary="<" or ">")."""
     count = len(values) if count is None else count
     size, parts = {2: (4, 1), 4: (8, 1), 5: (4, 2), 6: (8, 2)}[kind]
-    rows = [[*([] if even else [xi]), *([v] if parts == 1 else [v.real, v.imag])] for xi, v in zip(T if x is None else x, values, strict=False)]
+    rows = [
+        [*([] if even else [xi]), *([v] if parts == 1 else [v.real, v.imag])] for xi, v in zip(T if x is None else x, values, strict=False)
+    ]
     head = ["NONE"] * 5 + ["    1         0    0         0 velocity           0   0 NONE               0   0"]
     head += [f"{kind:10d}{count:10d}{int(even):10d}  {0.0:11.5E}  {1e-3:11.5E}  {0.0:11.5E}"]
     head += [f"{17:10d}    0    0    0 {'Time':<20} {'s':<20}", f"{11:10d}    0    0    0 {'velocity':<20} {unit:<20}"]
@@ -207,7 +209,10 @@ def uff(values, kind=2, even=True, x=None, binary=None, unit="m/s", count=None):
     if binary is None:
         numbers = [n for row in rows for n in row]
         wide = 4 if size == 8 else 6
-        body = "\n".join("".join(f"{n:{20 if size == 8 else 13}.{12 if size == 8 else 5}E}" for n in numbers[i : i + wide]) for i in range(0, len(numbers), wide))
+        body = "\n".join(
+            "".join(f"{n:{20 if size == 8 else 13}.{12 if size == 8 else 5}E}" for n in numbers[i : i + wide])
+            for i in range(0, len(numbers), wide)
+        )
         return ("    -1\n    58\n" + "\n".join(head) + "\n" + body + "\n    -1\n").encode()
     body = b"".join(struct.pack(f"{binary}{'' if even else 'f'}{'fd'[size == 8] * parts}", *row) for row in rows)
     first = f"    58b{1 if binary == '<' else 2:6d}{2:6d}{11:12d}{len(body):12d}     0     0           0           0"
@@ -222,7 +227,11 @@ def test_every_kind_of_universal_function_is_read(tmp_path, kind, even, binary):
     rec = ss.read(write(tmp_path, uff(values, kind, even, binary=binary)))
     c = rec["velocity"]
     accuracy = 1e-10 if kind in (4, 6) else 2e-5  # E13.5 and single precision hold six digits
-    assert np.allclose(c.values, values, rtol=accuracy, atol=accuracy) and np.allclose(c.t, T, atol=2e-6) and (c.unit, c.axis_unit) == ("m/s", "s")
+    assert (
+        np.allclose(c.values, values, rtol=accuracy, atol=accuracy)
+        and np.allclose(c.t, T, atol=2e-6)
+        and (c.unit, c.axis_unit) == ("m/s", "s")
+    )
 
 
 def test_a_universal_file_with_the_wrong_byte_order_is_an_error_that_says_what_to_type(tmp_path):

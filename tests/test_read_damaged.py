@@ -67,7 +67,13 @@ def made(tmp_path):
     savemat(tmp_path / "5z.mat", {"t": T, "v": V}, do_compression=True)
     savemat(tmp_path / "4.mat", {"t": T, "v": V}, format="4")
     texts = [rows().encode(), rows(";", ",").encode(), rows("\t", head="").encode()]
-    return [*texts, uff(V), uff(V, 4, binary="<"), uff(V, 2, even=False, binary=">"), *((tmp_path / n).read_bytes() for n in ("5.mat", "5z.mat", "4.mat"))]
+    return [
+        *texts,
+        uff(V),
+        uff(V, 4, binary="<"),
+        uff(V, 2, even=False, binary=">"),
+        *((tmp_path / n).read_bytes() for n in ("5.mat", "5z.mat", "4.mat")),
+    ]
 
 
 def test_damaged_files_are_errors_or_told(tmp_path):

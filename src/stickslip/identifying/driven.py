@@ -236,16 +236,13 @@ class DrivenProblem:
     def batch(self, places: Any) -> Any:
         """Forces for many places (cases, parameters): array (values, cases); NaN where a place makes no law."""
         places = np.asarray(places, float)
-        good = np.array([self.parameters.feasible(self.parameters.values(p)) for p in places], bool)
+        good, batches = self.parameters.batches(places)
         found = np.full((len(self.y), len(places)), np.nan)
         if good.any():
-            values = self.parameters.values(places[good].T)
-            parts = []
-            for i, m in enumerate(self.targets):
-                self.solves += int(good.sum())
-                law = self.parameters.model(values, i)
-                with np.errstate(all="ignore"):
-                    parts.append(driven_force(law, m, int(good.sum()))[m.before :])
+            cases = int(good.sum())
+            self.solves += cases * len(self.targets)
+            with np.errstate(all="ignore"):
+                parts = [driven_force(law, m, cases)[m.before :] for law, m in zip(batches, self.targets, strict=True)]
             found[:, good] = np.concatenate(parts)
         return found
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves
+from stickslip.fields import leaves, replace_leaf
 
 __all__ = ["Free", "Parameters"]
 
@@ -107,14 +107,22 @@ class Parameters:
         arguments = self.arguments(values, record)
         return self.make(**arguments) if callable(self.make) else self.make.replace(arguments)
 
-    def feasible(self, values: dict[str, Any]) -> bool:
-        """Whether these values make a model for every record."""
+    def models(self, place: Any) -> list[Any] | None:
+        """The models of all records at a place; None where there is none for one of them."""
+        values = self.values(place)
         try:
-            for record in range(len(self.fixed)):
-                self.model(values, record)
+            return [self.model(values, record) for record in range(len(self.fixed))]
         except InputError:
-            return False
-        return True
+            return None
+
+    def batches(self, places: Any) -> tuple[Any, list[Any]]:
+        """For many places: which of them make models, and for each record a batch of those that do.
+
+        A maker need not take arrays: models are made one by one, and their numbers are put together.
+        """
+        made = [self.models(place) for place in places]
+        good = [models for models in made if models is not None]
+        return np.array([models is not None for models in made], bool), [_stacked(list(each)) for each in zip(*good, strict=True)]
 
     def only(self, fixed: dict[str, float]) -> Parameters:
         """The same with some of the free parameters held."""
@@ -146,6 +154,12 @@ def parameters(
         problems.add('free names no parameter; type for example free={"mu0": (0.05, 0.5)}')
     problems.check()
     return Parameters(make, tuple(spread), fixed, dict(tied or {}))
+
+
+def _stacked(models: list[Any]) -> Any:
+    """Models of one kind as one whose numbers are arrays."""
+    tables = [dict(leaves(model)) for model in models]
+    return replace_leaf(models[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
 
 
 def _known(make: Any) -> list[str] | None:

@@ -198,20 +198,15 @@ class SteadyProblem:
     def coarse(self, places: Any) -> Any:
         """How badly many places fit, told from mean and extreme velocities alone: one batch for each record. Lower is better."""
         places = np.asarray(places, float)
-        good = np.array([self.parameters.feasible(self.parameters.values(p)) for p in places])
+        good, batches = self.parameters.batches(places)
         score = np.full(len(places), np.inf)
         if not good.any():
             return score
-        values = self.parameters.values(places[good].T)
         total = np.zeros(int(good.sum()))
-        for i, target in enumerate(self.targets):
-            try:
-                batch = solve(self.parameters.model(values, i), periods=100, settle="auto", rtol=1e-5, keep="summary")
-                seen = {name: np.broadcast_to(np.asarray(getattr(batch, name), float), total.shape) for name in _FEATURES}
-                self.solves += len(total)
-            except InputError:  # a maker that takes no arrays: no ranking from this record
-                continue
-            total = total + _distance(target, seen)
+        for target, batch in zip(self.targets, batches, strict=True):
+            many = solve(batch, periods=100, settle="auto", rtol=1e-5, keep="summary")
+            self.solves += len(total)
+            total = total + _distance(target, {name: np.asarray(getattr(many, name), float) for name in _FEATURES})
         score[good] = np.where(np.isfinite(total), total, np.inf)
         return score
 

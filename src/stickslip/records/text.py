@@ -152,7 +152,9 @@ def _tried(lines: list[str], mark: str, point: str) -> tuple[float, Dialect | No
         return 0.0, None, 0
     sample = [i for i in range(first, len(lines), max((len(lines) - first) // _SAMPLED, 1)) if lines[i].strip()]
     good = sum(len(_row(dialect, lines[i]) or ()) == width for i in sample)
-    before = sum(bool(line.strip()) and bool(_PLAIN.fullmatch(line)) for line in lines[:first])  # rows of numbers that this dialect cannot read
+    before = sum(
+        bool(line.strip()) and bool(_PLAIN.fullmatch(line)) for line in lines[:first]
+    )  # rows of numbers that this dialect cannot read
     return good / (len(sample) + before), dialect, first
 
 

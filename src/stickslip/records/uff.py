@@ -129,6 +129,8 @@ def _numbers(head: _Head) -> int:
 def _ascii(data: bytes, place: int, head: _Head, number: int, notes: list[str]) -> tuple[Any, int]:
     end = _DELIMITER.search(data, place)
     block = data[place : end.start() if end else len(data)]
+    if end is None:  # the last number may be cut anywhere
+        block = block[: max(block.rstrip().rfind(b" "), block.rstrip().rfind(b"\n"), 0)]
     rest = _NUMBER.sub(b"", block).translate(None, b" \t\r\n")
     if rest:
         raise _broken(number, f"{_decoded(rest[:20])!r} stands among its numbers")
