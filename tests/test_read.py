@@ -127,8 +127,9 @@ def test_options_are_checked_together(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "factor", "quantity"),
-    [("mm/s", 1e-3, "velocity"), ("µm", 1e-6, "position"), ("m/s²", 1.0, "acceleration"), ("m/s^2", 1.0, "acceleration"), ("uN", 1e-6, "force"),
-     ("kPa", 1e3, "pressure"), ("bar", 1e5, "pressure"), ("ms", 1e-3, "time"), ("m s^-1", 1.0, "velocity"), ("min", 60.0, "time"), ("N/m", 1.0, None)],
+    [("mm/s", 1e-3, "velocity"), ("µm", 1e-6, "position"), ("m/s²", 1.0, "acceleration"), ("m/s^2", 1.0, "acceleration"),
+     ("uN", 1e-6, "force"), ("kPa", 1e3, "pressure"), ("bar", 1e5, "pressure"), ("ms", 1e-3, "time"), ("m s^-1", 1.0, "velocity"),
+     ("min", 60.0, "time"), ("N/m", 1.0, None)],
 )  # fmt: skip
 def test_units_are_those_of_the_si(text, factor, quantity):
     found = unit_of(text)
@@ -323,7 +324,9 @@ def test_the_universal_files_hold_the_numbers_that_their_text_shows():
     c = ss.read(path("pyuff_hbm_time-history-not-all-columns-filled.uff"))["1x"]
     assert c.values[[0, 5, 12]].tolist() == [-3.81956, -3.63712, -5.84096]
     sine = ss.read(path("pyuff_binary8byte.uff"))["sine 5 Hz"]
-    assert np.allclose(sine.values, np.sin(2 * np.pi * 5 * sine.t), atol=1e-6)  # its name says what it is
+    assert np.allclose(
+        sine.values, np.sin(2 * np.pi * 5 * sine.t), atol=5e-6
+    )  # its name says what it is; it was computed in single precision, up to 78 rad
 
 
 @needs_data

@@ -17,6 +17,8 @@ __all__ = ["Design", "Experiment", "design"]
 
 #: A parameter is told if its expected standard error is below this part of its value.
 TOLD = 0.25
+#: A parameter is faint if a change by a tenth moves the values by less than this part of the noise of one sample.
+FAINT = 0.1
 _STEP = 1e-4
 
 
@@ -30,6 +32,8 @@ class Experiment:
         Arguments of each experiment.
     errors : dict
         Expected standard error of each parameter.
+    visible : dict
+        By how much a change of each parameter by a tenth moves the values, rms over all samples, as a part of the noise of one.
     separation : float
         Rms difference between the rival laws over the noise, times the root of the number of samples; NaN without rivals.
     """
@@ -37,6 +41,7 @@ class Experiment:
     settings: tuple[dict[str, Any], ...]
     errors: dict[str, float]
     separation: float
+    visible: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,6 +71,11 @@ class Design:
     def told(self) -> tuple[str, ...]:
         """Parameters that the best experiment tells to within a quarter of their value."""
         return tuple(n for n, e in self.best.errors.items() if e < TOLD * abs(self.values[n]))
+
+    @property
+    def faint(self) -> tuple[str, ...]:
+        """Parameters that hide in the noise: a change by a tenth moves a sample by less than a tenth of it, and shows in averages only."""
+        return tuple(n for n, part in self.best.visible.items() if part < FAINT)
 
     @property
     def untold(self) -> tuple[str, ...]:
@@ -224,7 +234,9 @@ def _expected(chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[st
     volume = float(np.linalg.slogdet(relative)[1]) if np.isfinite(relative).all() else float("inf")
     separation = float(np.sqrt(sum(apart[i] for i in chosen)) / noise) if apart else float("nan")
     errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(free)}
-    return Experiment(tuple(settings[i] for i in chosen), errors, separation), volume, covariance
+    moved = np.sqrt(np.mean(np.concatenate([slopes[i][0] for i in chosen]) ** 2, axis=0)) * 0.1 * size / noise
+    visible = {name: float(moved[k]) for k, name in enumerate(free)}
+    return Experiment(tuple(settings[i] for i in chosen), errors, separation, visible), volume, covariance
 
 
 def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: str) -> list[str]:
@@ -233,6 +245,12 @@ def _notes(best: tuple[Experiment, float, Any], free: dict[str, float], using: s
     notes = [
         f"{using} cannot tell {n} here: its expected standard error is {_part(experiment.errors[n], free[n])} of its value; fix it"
         for n in untold
+    ]
+    notes += [
+        f"{using} hardly tells {n}: a change by 10 % moves it by {part:.2g} of the noise of a sample, as a small error of the drive does; "
+        "fix it"
+        for n, part in experiment.visible.items()
+        if part < FAINT and n not in untold
     ]
     if not np.isfinite(covariance).all():
         return notes

@@ -71,7 +71,10 @@ class Motion:
 
 
 def motion_of(rec: Any, load: float | None, label: str) -> Motion:
-    """The motion of a record with a position (or velocity) and a force; its first period leads in, so that the law forgets its start."""
+    """The motion of a record with a position (or velocity) and a force.
+
+    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
+    """
     c, F = rec["force"], rec["force"].si
     t = c.time
     x = rec["position"].si if "position" in rec else _integrated(t, rec["velocity"].si)
@@ -85,7 +88,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         raise InputError("identify", [f"{label} has {len(t)} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.sum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
     F = -F if flipped else F
-    lead = _first_period(rec, t)
+    lead = _first_period(rec, t, F)
     if lead:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
@@ -98,13 +101,15 @@ def _integrated(t: Any, v: Any) -> Any:
     return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
 
 
-def _first_period(rec: Any, t: Any) -> int:
-    """Samples of the first period, if there are at least two."""
+def _first_period(rec: Any, t: Any, F: Any) -> int:
+    """Samples of the first period, if there are at least two and the force is at its end what it was at its start."""
     try:
         frequency = rec.drive_frequency().value
     except InputError:
         return 0
-    return int(np.searchsorted(t, t[0] + 1 / frequency)) if (t[-1] - t[0]) * frequency >= 2 else 0
+    lead = int(np.searchsorted(t, t[0] + 1 / frequency))
+    back = abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F)
+    return lead if back and (t[-1] - t[0]) * frequency >= 2 else 0
 
 
 def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:

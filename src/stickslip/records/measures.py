@@ -126,7 +126,7 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
     f = _frequency(rec, frequency)
     position = "position" in rec and "velocity" not in rec
     t, y = _finite(rec["position"]) if position else _velocity(rec)
-    periods = int((t[-1] - t[0]) * f * (1 + 1 / max(len(t) - 1, 1)) + 1e-9)
+    periods = int((t[-1] - t[0]) * f * (1.0 if position else 1 + 1 / max(len(t) - 1, 1)) + 1e-9)
     if periods < 1:
         raise InputError("record", [f"holds {(t[-1] - t[0]) * f:.2f} drive periods; allowed is at least 1; give a longer record"])
     edges = t[0] + np.arange(periods + 1) / f
@@ -222,7 +222,7 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
     frequency : float, optional
         Of the drive [Hz]; found in the record otherwise.
     threshold : float, optional
-        Slower than this counts as rest [m/s]; otherwise four standard errors of the mean cycle, at least 2 % of its range.
+        Slower than this counts as rest [m/s]; otherwise four standard errors of the mean cycle, at least 1 % of its range.
     dwell : float
         Shorter rests do not count [drive periods].
 
@@ -233,7 +233,7 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
     f = _frequency(rec, frequency)
     number = period_number(rec, f)
     c = cycle(rec, f, period=number or 1)
-    limit = float(max(4 * np.median(c.error), 0.02 * np.ptp(c.v))) if threshold is None else float(threshold)
+    limit = float(max(4 * np.median(c.error), 0.01 * np.ptp(c.v))) if threshold is None else float(threshold)
     signs = np.where(abs(c.v) <= limit, 0, np.sign(c.v)).astype(int)
     signs = _without_crossings(signs, c.v, limit, dwell * len(signs) / (number or 1))
     time, code = _runs(signs, number or 1)
@@ -254,10 +254,11 @@ def _without_crossings(signs: Any, v: Any, limit: float, least: float) -> Any:
     for start in starts:
         length = next((k for k in range(n) if signs[(start + k) % n] != 0), n)
         inside = (start + np.arange(length)) % n
-        slope = abs(v[(start + length + 1) % n] - v[(start + length) % n]), abs(v[start - 1] - v[start - 2])
-        passing = 2 * limit / max(min(slope), 1e-300)
+        end = start + length
+        into, out = abs(v[start - 5] - v[start - 1]) / 4, abs(v[(end + 4) % n] - v[end % n]) / 4  # slopes just outside
+        passing = limit / max(into, 1e-300) + 1.5 * limit / max(out, 1e-300)  # break-away begins gently
         opposite = signs[start - 1] == -signs[(start + length) % n]
-        if length < least or (opposite and length < 1.8 * passing):
+        if length < least or (opposite and length < passing):
             signs[inside] = np.where(v[inside] >= 0, 1, -1) if opposite else signs[start - 1]
     return _without_flicker(signs, max(int(least), 1))
 

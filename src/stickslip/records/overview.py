@@ -124,7 +124,7 @@ def clipped(y: Any, least: int = 3) -> int:
     if len(y) < 8 or not np.nanmax(y, initial=-np.inf) > np.nanmin(y, initial=np.inf):
         return 0
     count = 0
-    for value in (np.nanmax(y), np.nanmin(y)):
+    for value in {np.nanmax(y), np.nanmin(y)} - {0.0}:  # zero is rest
         edges = np.flatnonzero(np.diff(np.concatenate([[False], y == value, [False]]).astype(int)))
         starts, ends = edges[::2], edges[1::2]
         usual = np.nanmedian(abs(np.diff(y, 2))) if len(y) > 3 else 0.0

@@ -88,7 +88,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
     t, y = _finite(c)
     if len(t) > _MOST:
         t, y = t[:_MOST], y[:_MOST]
-    lines, amplitude = spectrum(_Cut(c.name, t, y))
+    lines, amplitude = spectrum(_Cut(c.name, t, y - np.polyval(np.polyfit(t - t[0], y, 1), t - t[0])))
     near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1
     if not near.any() or not amplitude[near].max() > 0:
         raise InputError("record", [f"no drive frequency is found in {c.name!r}; type frequency=... [Hz], or a longer record"])
