@@ -178,7 +178,7 @@ def test_fast_intervals_equal_the_slow_ones():
 # ---- periods ----
 def strobes(values, rtol=1e-6, settle=0):
     v = np.asarray(values, float)
-    model = SimpleNamespace(velocity_scale=1.0, friction=SimpleNamespace(rate=1, force=1))
+    model = SimpleNamespace(period=1.0, velocity_scale=1.0, friction=SimpleNamespace(rate=1, force=1))
     times = np.arange(float(len(v)))
     return SimpleNamespace(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v), settle=settle, rtol=rtol, model=model)
 

@@ -11,21 +11,45 @@ if TYPE_CHECKING:
     from stickslip import paper as paper
     from stickslip import plot as plot
     from stickslip import presets as presets
+    from stickslip import testing as testing
     from stickslip.analysis.energy import energy as energy
     from stickslip.analysis.motion import Motion as Motion
     from stickslip.analysis.motion import motion as motion
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
     from stickslip.checking import check as check
+    from stickslip.drives import DRIVES as DRIVES
+    from stickslip.drives import BangBang as BangBang
     from stickslip.drives import Harmonic as Harmonic
+    from stickslip.drives import MultiHarmonic as MultiHarmonic
     from stickslip.drives import PiezoBeam as PiezoBeam
+    from stickslip.drives import Recorded as Recorded
+    from stickslip.drives import Reversed as Reversed
+    from stickslip.drives import ThreePhase as ThreePhase
+    from stickslip.drives import Trapezoid as Trapezoid
+    from stickslip.drives import TwoPhase as TwoPhase
+    from stickslip.drives import VerticalVibration as VerticalVibration
     from stickslip.drives import cantilever_eigenvalues as cantilever_eigenvalues
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
     from stickslip.errors import StickslipError as StickslipError
+    from stickslip.friction import GMS as GMS
+    from stickslip.friction import LAWS as LAWS
+    from stickslip.friction import Bristle as Bristle
     from stickslip.friction import Coulomb as Coulomb
+    from stickslip.friction import CoulombViscous as CoulombViscous
+    from stickslip.friction import Dahl as Dahl
+    from stickslip.friction import DeadBand as DeadBand
+    from stickslip.friction import ElastoPlastic as ElastoPlastic
+    from stickslip.friction import Karnopp as Karnopp
     from stickslip.friction import LuGre as LuGre
+    from stickslip.friction import ResetIntegrator as ResetIntegrator
+    from stickslip.friction import Stribeck as Stribeck
+    from stickslip.friction import Sum as Sum
+    from stickslip.friction import Tabulated as Tabulated
+    from stickslip.friction import TanhCoulomb as TanhCoulomb
+    from stickslip.friction import Viscous as Viscous
     from stickslip.identifying import Comparison as Comparison
     from stickslip.identifying import Design as Design
     from stickslip.identifying import Fit as Fit
@@ -37,56 +61,89 @@ if TYPE_CHECKING:
     from stickslip.identifying import rank as rank
     from stickslip.identifying import virtual_rig as virtual_rig
     from stickslip.io import load as load
+    from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
+    from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
+    from stickslip.mechanisms import PulledMass as PulledMass
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
     from stickslip.records import Record as Record
     from stickslip.records import read as read
     from stickslip.robot import Robot as Robot
+    from stickslip.robot import mirrored as mirrored
     from stickslip.solvers import solve as solve
     from stickslip.sweeping import sweep as sweep
     from stickslip.tracks import Incline as Incline
     from stickslip.tracks import Level as Level
+    from stickslip.tracks import VaryingFriction as VaryingFriction
     from stickslip.trajectory import Trajectory as Trajectory
 
 _HOMES = {
-    "rank": "identifying",
-    "prediction_errors": "identifying",
-    "design": "identifying",
-    "compare": "identifying",
-    "Ranking": "identifying",
-    "Design": "identifying",
+    "BangBang": "drives",
+    "BlockOnBelt": "mechanisms",
+    "Bristle": "friction",
     "Comparison": "identifying",
     "Coulomb": "friction",
+    "CoulombViscous": "friction",
+    "DRIVES": "drives",
+    "Dahl": "friction",
+    "DeadBand": "friction",
+    "Design": "identifying",
     "DimensionlessRobot": "nondimensional",
+    "ElastoPlastic": "friction",
     "Fit": "identifying",
+    "ForcedOscillator": "mechanisms",
+    "GMS": "friction",
     "Harmonic": "drives",
     "Incline": "tracks",
     "InputError": "errors",
+    "Karnopp": "friction",
+    "LAWS": "friction",
     "Level": "tracks",
     "LuGre": "friction",
     "Motion": "analysis.motion",
+    "MultiHarmonic": "drives",
     "PiezoBeam": "drives",
+    "PulledMass": "mechanisms",
+    "Ranking": "identifying",
     "Record": "records",
+    "Recorded": "drives",
+    "ResetIntegrator": "friction",
+    "Reversed": "drives",
     "Robot": "robot",
     "SolveError": "errors",
     "StickslipError": "errors",
+    "Stribeck": "friction",
+    "Sum": "friction",
+    "Tabulated": "friction",
+    "TanhCoulomb": "friction",
+    "ThreePhase": "drives",
     "Trajectory": "trajectory",
+    "Trapezoid": "drives",
+    "TwoPhase": "drives",
+    "VaryingFriction": "tracks",
+    "VerticalVibration": "drives",
+    "Viscous": "friction",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
+    "compare": "identifying",
+    "design": "identifying",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
     "identify": "identifying",
     "latex": "engine.latex",
     "load": "io",
     "mean_velocity": "analysis.steady",
+    "mirrored": "robot",
     "motion": "analysis.motion",
     "periodic_mean_velocity": "analysis.steady",
+    "prediction_errors": "identifying",
+    "rank": "identifying",
     "read": "records",
     "solve": "solvers",
     "sweep": "sweeping",
     "virtual_rig": "identifying",
 }
-_MODULES = ("friction", "maths", "paper", "plot", "presets", "tracks", "variables")
+_MODULES = ("drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 
 __all__ = [*sorted(_HOMES), "__version__", "paper", "plot", "presets"]
 

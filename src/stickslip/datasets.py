@@ -28,8 +28,8 @@ def jsonable(value: Any) -> Any:
 
 
 def trajectory_columns(run: Any) -> dict[str, Any]:
-    """Every column of a run by name; z is left out where there is none."""
-    columns = {name: getattr(run, name) for name in COLUMNS}
+    """Every column of a run by name; what it does not have is left out, such as z under a set-valued law."""
+    columns = {name: getattr(run, name, None) for name in COLUMNS}
     return {name: column for name, column in columns.items() if column is not None}
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-__all__ = ["cos", "exp", "log", "maximum", "minimum", "pi", "sin", "sqrt", "tanh", "where"]
+__all__ = ["cos", "exp", "log", "maximum", "minimum", "pi", "sin", "sqrt", "tanh", "where", "within"]
 
 pi = math.pi
 
@@ -81,3 +81,24 @@ def maximum(a: Any, b: Any) -> Any:
 def minimum(a: Any, b: Any) -> Any:
     """The smaller of two."""
     return where(a < b, a, b)
+
+
+def within(t: Any, period: Any) -> Any:
+    """Time since the period began [s]: what a drive in pieces asks for before it chooses a piece.
+
+    On the engine's symbols it is t itself, because the engine's time starts anew with each period. An instant that is a whole
+    number of periods up to rounding is the beginning of a period, never its end.
+
+    Examples
+    --------
+    >>> within(0.75, 0.5), within(3 * 0.1, 0.1)
+    (0.25, 0.0)
+    """
+    if hasattr(t, "__ss_sin__") or hasattr(period, "__ss_sin__"):
+        return t
+    whole = t / period * (1 + 1e-15)  # the quotient of k periods may lie two roundings below k
+    if isinstance(whole, float):
+        return max(t - period * math.floor(whole), 0.0)
+    import numpy as np
+
+    return np.maximum(t - period * np.floor(whole), 0.0)

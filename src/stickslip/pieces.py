@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Protocol
 
 import numpy as np
 
-__all__ = ["BACKWARD", "FORWARD", "STUCK", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "events_of", "pieces_from_arrays"]
+__all__ = [
+    "BACKWARD", "FORWARD", "STUCK", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "events_of", "inner_rates", "nodes_at",
+    "pieces_from_arrays",
+]  # fmt: skip
 
 FORWARD, STUCK, BACKWARD = 1, 0, -1
 
@@ -16,14 +19,15 @@ Array = Any  # numpy.ndarray
 
 @dataclass(frozen=True)
 class Event:
-    """An instant at which the body changed its mode.
+    """An instant at which something changed at once: mostly the mode of the body.
 
     Parameters
     ----------
     t : float
         When [s].
-    kind : {"stick", "slip", "reversal"}
-        It came to rest, it broke away, or its velocity changed sign without rest.
+    kind : {"stick", "slip", "reversal", "impulse", "switch", "contact lost"}
+        It came to rest, it broke away, or its velocity changed sign without rest; a jump of the drive's velocity threw it;
+        a memory of its law changed; its load fell to zero.
     before, after : int
         The modes: +1 forwards, 0 stuck, -1 backwards.
     """
@@ -34,15 +38,34 @@ class Event:
     after: int
 
 
-def _kind(before: int, after: int) -> str:
-    return "stick" if after == 0 else "slip" if before == 0 else "reversal"
+def events_of(pieces: Any, impulses: Any = (), lost: bool = False) -> list[Event]:
+    """Every event, in order; `impulses` are the times of the impulses, `lost` says that the contact was lost at the end."""
+    mode = np.asarray(pieces.mode).astype(int)
+    thrown = set(nodes_at(pieces, impulses).tolist())
+    changed = np.diff(mode) != 0
+    memory = getattr(pieces, "memory", None)
+    if memory is not None and memory.shape[1]:
+        changed |= np.any(np.diff(memory, axis=0) != 0, axis=1)
+    where = sorted({*(np.flatnonzero(changed) + 1).tolist(), *thrown})
+    found = [Event(float(pieces.t[i]), _kind(mode[i - 1], mode[i], i in thrown), int(mode[i - 1]), int(mode[i])) for i in where]
+    return [*found, Event(float(pieces.t[-1]), "contact lost", int(mode[-1]), int(mode[-1]))] if lost else found
 
 
-def events_of(pieces: Any) -> list[Event]:
-    """Every change of mode, in order."""
-    mode = np.asarray(pieces.mode)
-    where = np.flatnonzero(np.diff(mode)) + 1
-    return [Event(float(pieces.t[i]), _kind(mode[i - 1], mode[i]), int(mode[i - 1]), int(mode[i])) for i in where]
+def _kind(before: int, after: int, thrown: bool) -> str:
+    if thrown:
+        return "impulse"
+    return "switch" if before == after else "stick" if after == 0 else "slip" if before == 0 else "reversal"
+
+
+def nodes_at(pieces: Any, times: Any) -> Array:
+    """Numbers of the inner nodes that lie at given times, to rounding."""
+    inner, times = pieces.t[1:-1], np.asarray(times, float)
+    if not len(times) or not len(inner):
+        return np.empty(0, int)
+    right = np.searchsorted(inner, times)
+    both = np.clip(np.stack([right - 1, right]), 0, len(inner) - 1)
+    near = np.where(abs(inner[both[0]] - times) <= abs(inner[both[1]] - times), *both)
+    return np.unique(near[abs(inner[near] - times) <= 1e-12 * float(pieces.t[-1] - pieces.t[0])]) + 1
 
 
 class Pieces(Protocol):
@@ -60,37 +83,46 @@ class Pieces(Protocol):
     def arrays(self) -> dict[str, Array]:
         """All that is needed to make these pieces again."""
 
+    def until(self, end: float) -> Any:
+        """The same pieces up to a time."""
+
 
 class _Arrays:
     """Pieces whose fields are the arrays that are kept."""
 
     def arrays(self) -> dict[str, Array]:
-        """All that is needed to make these pieces again, by name."""
-        return {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}  # type: ignore[arg-type]
+        """All that is needed to make these pieces again, by name; what is empty is left out."""
+        found = {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}  # type: ignore[arg-type]
+        return {name: array + 0.0 if array.dtype == bool else array for name, array in found.items() if array.size}
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, Array]) -> Any:
         """The pieces that `arrays` came from."""
-        return cls(**{f.name: arrays[f.name] if np.ndim(arrays[f.name]) else float(arrays[f.name]) for f in fields(cls)})  # type: ignore[arg-type]
+        kept = [f.name for f in fields(cls) if f.name in arrays]  # type: ignore[arg-type]
+        return cls(**{name: arrays[name] if np.ndim(arrays[name]) else float(arrays[name]) for name in kept})
 
 
 @dataclass(frozen=True, eq=False)
 class PolynomialPieces(_Arrays):
-    r"""Polynomials on each step, what an integrator gives for a dynamic law.
+    r"""Polynomials on each step, what an integrator gives.
 
     With :math:`\theta = (t - t_i)/h_i`, the states :math:`y = (v, z_1, \dots)` are :math:`\sum_k c_k \theta^k`,
-    and the position is the integral of the velocity.
+    and the position is the integral of the velocity; where the equations know the position, it is the last state.
 
     Parameters
     ----------
     t : array (n + 1,)
         Ends of the steps [s].
     mode : array (n,) of int8
-        Sign of v on each step.
+        Sign of the contact's velocity on each step; 0 stuck (set-valued laws).
     x0 : array (n,)
         Position at the start of each step [m].
-    coefficients : array (n, states + 1, degree + 1)
+    coefficients : array (n, states, degree + 1)
         The numbers c, lowest power first.
+    memory : array (n, modes) of int
+        Whole-number memories of the law on each step.
+    holds_x : bool
+        Whether the last state is the position, instead of the integral of the velocity from `x0`.
 
     Examples
     --------
@@ -104,6 +136,13 @@ class PolynomialPieces(_Arrays):
     mode: Array
     x0: Array
     coefficients: Array
+    memory: Array = None
+    holds_x: bool = False
+
+    def __post_init__(self) -> None:
+        if self.memory is None:
+            object.__setattr__(self, "memory", np.empty((len(self.mode), 0), np.int32))
+        object.__setattr__(self, "holds_x", bool(self.holds_x))
 
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
         """Position, velocity and inner states at times on the given pieces."""
@@ -111,8 +150,22 @@ class PolynomialPieces(_Arrays):
         h = self.t[index + 1] - start
         theta = (t - start) / h
         c = self.coefficients[index]
-        powers = np.arange(1, c.shape[2] + 1)
-        return self.x0[index] + h * theta * _horner(c[:, 0] / powers, theta), *_split(_horner(np.moveaxis(c, 1, 0), theta))
+        y = _horner(np.moveaxis(c, 1, 0), theta)
+        if self.holds_x:
+            return y[-1], y[0], y[1:-1].T
+        return self.x0[index] + h * theta * _horner(c[:, 0] / np.arange(1, c.shape[2] + 1), theta), y[0], y[1:].T
+
+    def until(self, end: float) -> PolynomialPieces:
+        """The same pieces up to a time, the last one cut there."""
+        n = _count_until(self.t, end)
+        c = self.coefficients[:n].copy()
+        c[-1] *= ((end - self.t[n - 1]) / (self.t[n] - self.t[n - 1])) ** np.arange(c.shape[2])
+        return replace(self, t=np.append(self.t[:n], end), mode=self.mode[:n], x0=self.x0[:n], coefficients=c, memory=self.memory[:n])
+
+
+def _count_until(t: Array, end: float) -> int:
+    """How many pieces begin before a time."""
+    return max(int(np.searchsorted(t[:-1], end, side="left")), 1)
 
 
 def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
@@ -124,7 +177,7 @@ def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
         return np.empty((len(t), 0))
     start = pieces.t[index]
     h = pieces.t[index + 1] - start
-    c = pieces.coefficients[index, 1:]
+    c = pieces.coefficients[index, 1 : -1 if pieces.holds_x else None]
     slopes = np.moveaxis(c[..., 1:] * np.arange(1, c.shape[2]), 1, 0)
     return (_horner(slopes, (t - start) / h) / h).T
 
@@ -135,10 +188,6 @@ def _horner(c: Array, theta: Array) -> Array:
     for k in range(c.shape[-1] - 2, -1, -1):
         value = value * theta + c[..., k]
     return value
-
-
-def _split(y: Array) -> tuple[Array, Array]:
-    return y[0], y[1:].T
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +244,11 @@ class HarmonicArcs(_Arrays):
         x = v0 * d + amplitude * swing - 0.5 * r * d * d
         stuck = side == STUCK
         return self.x0[index] + np.where(stuck, 0.0, x), np.where(stuck, 0.0, v), np.empty((len(d), 0))
+
+    def until(self, end: float) -> HarmonicArcs:
+        """The same arcs up to a time, the last one cut there."""
+        n = _count_until(self.t, end)
+        return replace(self, t=np.append(self.t[:n], end), mode=self.mode[:n], x0=self.x0[:n], v0=self.v0[:n])
 
     @property
     def _phase(self) -> Array:

@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.batch import shape_of
+from stickslip.drives.drive import largest_velocity
+from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Record, positive
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level
 
-__all__ = ["Robot"]
+__all__ = ["Robot", "mirrored"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +31,14 @@ class Robot(Record):
         Mass M of the body [kg].
     inner_mass : float
         Mass m of the vibrating inner mass [kg].
-    drive : Harmonic
+    drive : Harmonic or any drive
         How the inner mass moves relative to the body.
     friction : Coulomb or LuGre or any law
         How the body rubs on the track.
     gravity : float
         Acceleration of gravity [m/s^2].
-    track : Level or Incline
-        What gravity does along and across the track.
+    track : Level, Incline or VaryingFriction
+        What gravity does along and across the track, and whether friction varies in time.
 
     Examples
     --------
@@ -62,11 +64,13 @@ class Robot(Record):
     cyclic: ClassVar[bool] = True  # x appears nowhere in the equations: it is a quadrature
 
     def _check(self, problems: Problems) -> None:
-        for name, needs in (("drive", ("position", "acceleration", "period")), ("track", ("across", "along"))):
+        for name, needs in (("drive", ("position", "velocity", "acceleration", "period")), ("track", ("across", "along"))):
             part = getattr(self, name)
             lacking = [n for n in needs if not hasattr(part, n)]
             if isinstance(part, type) or lacking:
                 problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
+            elif not dataclasses.is_dataclass(part):
+                problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
         law = self.friction
         if isinstance(law, type) or not (
             (hasattr(law, "sliding") and hasattr(law, "breakaway")) or (hasattr(law, "rate") and hasattr(law, "force"))
@@ -76,9 +80,7 @@ class Robot(Record):
                 f"(dynamic law); type for example {_PARTS['friction']}"
             )
         elif not dataclasses.is_dataclass(law):
-            problems.add(
-                f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known"
-            )
+            problems.add(f"friction = {law!r} is not a dataclass; {_NO_DATACLASS}")
         if not problems.found:
             try:
                 shape_of(self)
@@ -107,21 +109,38 @@ class Robot(Record):
 
     @property
     def velocity_scale(self) -> Any:
-        """A omega, the velocity that errors are measured against [m/s]."""
-        return self.drive.amplitude * self.drive.omega
+        """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
+        return largest_velocity(self.drive)
 
     @property
     def free_velocity(self) -> Any:
-        """A mu omega, the velocity amplitude of the body without friction: how close is close for strobe points [m/s]."""
+        """What the drive would do to the body without friction, A mu omega: how close is close for strobe points [m/s]."""
         return self.velocity_scale * self.mass_ratio
+
+    @property
+    def breaks(self) -> Any:
+        """Instants in (0, period) at which the drive is not smooth [s]."""
+        return getattr(self.drive, "breaks", ())
+
+    @property
+    def impulses(self) -> tuple[tuple[Any, Any], ...]:
+        """Jumps of the body's velocity: (instant in [0, period) [s], jump [m/s])."""
+        return tuple((instant, -self.mass_ratio * jump) for instant, jump in getattr(self.drive, "jumps", ()))
 
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
         return v
 
     def load(self, t: Any, x: Any) -> Any:
-        """Normal force N on the track [N]: the weight (M + m) g, on an incline times cos(tilt)."""
-        return self.total_mass * self.track.across(self.gravity)
+        """Normal force N on the track [N], as the law sees it.
+
+        The weight (M + m) g, on an incline times cos(tilt); plus what a vertical vibration adds; times the factor of a track whose
+        friction varies in time.
+        """
+        weight = self.total_mass * self.track.across(self.gravity)
+        lift, grip = getattr(self.drive, "vertical_acceleration", None), getattr(self.track, "grip", None)
+        force = weight if lift is None else weight + self.inner_mass * lift(t)
+        return force if grip is None else force * grip(t, self.period)
 
     def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
         """Acceleration of the body [m/s^2] (Eq. 2.3)."""
@@ -135,7 +154,8 @@ class Robot(Record):
     def notes(self) -> list[str]:
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
         law_notes = getattr(self.friction, "notes", None)
-        return [*(getattr(self.drive, "notes", None) or ()), *([] if law_notes is None else law_notes(self.load(0.0, 0.0)))]
+        found = [*(getattr(self.drive, "notes", None) or ()), *([] if law_notes is None else law_notes(self.load(0.0, 0.0)))]
+        return found + _lifted(self)
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""
@@ -150,8 +170,66 @@ class Robot(Record):
         return record_html(self)
 
 
+_NO_DATACLASS = "write @dataclass(frozen=True) above the class, so that its numbers are known"
 _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
     "track": "track=ss.Level()",
     "friction": "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)",
 }
+
+
+def _lifted(robot: Robot) -> list[str]:
+    """A remark if a vertical vibration takes the body off the track."""
+    if getattr(robot.drive, "vertical_acceleration", None) is None:
+        return []
+    import numpy as np
+
+    least = float(np.min([np.min(robot.load(robot.period * (k / 64), 0.0)) for k in range(64)]))
+    remark = f"vertical vibration takes the body off the track: its load falls to {least:.4g} N; a run ends where the contact is lost"
+    return [remark] if least <= 0 else []
+
+
+def mirrored(robot: Robot) -> Robot:
+    """The mirror image of a robot: it moves as the robot does, in the other direction.
+
+    Its drive is turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill.
+
+    Parameters
+    ----------
+    robot : Robot
+        Its law either has a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or is the same both ways.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb", incline="gravity")
+    >>> turned = ss.mirrored(robot)
+    >>> turned.track.tilt == -robot.track.tilt, turned.acceleration(0.01, 0.0, 0.0, 0.0) == -robot.acceleration(0.01, 0.0, 0.0, 0.0)
+    (True, True)
+    """
+    drive = robot.drive.drive if isinstance(robot.drive, Reversed) else Reversed(robot.drive)
+    return dataclasses.replace(robot, drive=drive, friction=_swapped(robot.friction), track=_uphill(robot.track))
+
+
+def _swapped(law: Any) -> Any:
+    """A law with forwards and backwards exchanged, and its parts likewise."""
+    if hasattr(law, "mirrored"):
+        return law.mirrored()
+    changes: dict[str, Any] = {}
+    for f in dataclasses.fields(law):
+        value = getattr(law, f.name)
+        if f.name.endswith("_plus") and hasattr(law, f.name[:-5] + "_minus"):
+            other = f.name[:-5] + "_minus"
+            changes |= {f.name: getattr(law, other), other: value}
+        elif isinstance(value, tuple) and any(dataclasses.is_dataclass(v) for v in value):
+            changes[f.name] = tuple(_swapped(v) if dataclasses.is_dataclass(v) else v for v in value)
+        elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+            changes[f.name] = _swapped(value)
+    return dataclasses.replace(law, **changes)
+
+
+def _uphill(track: Any) -> Any:
+    """A track with downhill and uphill exchanged."""
+    if hasattr(track, "track"):
+        return dataclasses.replace(track, track=_uphill(track.track))
+    return dataclasses.replace(track, tilt=-track.tilt) if hasattr(track, "tilt") else track

@@ -12,18 +12,18 @@ import dataclasses
 import json
 import os
 import secrets
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from stickslip.datasets import attributes, jsonable, trajectory_columns
 from stickslip.errors import InputError
-from stickslip.fields import leaves
 from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS, Coulomb
+from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
-from stickslip.tables import to_toml
 from stickslip.variables import VARIABLES
 
 __all__ = ["FORMAT", "read", "save", "to_mat"]
@@ -97,17 +97,18 @@ def _dimension(group: Any, size: int) -> str:
 
 
 def _model_attributes(model: Any) -> dict[str, str]:
-    """The robot as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
-    if type(model) is not Robot:
-        raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep a Robot; type {_COLUMNS_ONLY} for its columns"])
+    """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
+    if type(model) is not Robot and type(model) not in MECHANISMS.values():
+        allowed = f"a Robot or a mechanism; type {_COLUMNS_ONLY} for its columns"
+        raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep {allowed}"])
     law = model.friction
     try:
         if type(law) in LAWS.values():
-            return {"robot": to_toml(model)}
-        kept = {"robot": to_toml(model.replace(friction=Coulomb(mu_plus=0.0, mu_minus=0.0)))}
+            return {"robot": model.to_toml()}
+        kept = {"robot": model.replace(friction=Coulomb(mu_plus=0.0, mu_minus=0.0)).to_toml()}
     except InputError as error:
         raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
-    numbers = {name: jsonable(value) for name, value in leaves(law, kinds=True) if not name.endswith("__class__")}
+    numbers = {f.name: jsonable(getattr(law, f.name)) for f in dataclasses.fields(law)}
     return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": is_dynamic(law), "fields": numbers})}
 
 
@@ -149,7 +150,7 @@ def _check_format(attrs: Any, path: Path) -> None:
 
 
 def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
-    robot = Robot.from_toml(attrs["robot"])
+    robot = _class_of(attrs["robot"]).from_toml(attrs["robot"])
     if "law" not in attrs:
         return robot
     kept = json.loads(attrs["law"])
@@ -158,6 +159,11 @@ def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
         return robot.replace(friction=(_UnknownDynamic if kept["dynamic"] else _UnknownSetValued)(kept["name"], kept["fields"]))
     fields = {k: tuple(v) if isinstance(v, list) else v for k, v in kept["fields"].items()}
     return robot.replace(friction=cls(**fields))
+
+
+def _class_of(text: str) -> Any:
+    """The class whose TOML this is."""
+    return MECHANISMS.get(tomllib.loads(text).get("mechanism", {}).get("kind"), Robot)
 
 
 def _unknown_law(self: Any, *arguments: Any, **more: Any) -> Any:

@@ -19,6 +19,7 @@ STATUS: dict[int, str] = {
     3: "step size too small",
     4: "not a number",
     5: "bad input for this case",
+    6: "contact lost: the load fell to zero",
 }
 
 

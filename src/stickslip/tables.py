@@ -43,52 +43,73 @@ def to_table(record: Any) -> dict[str, Any]:
 
             table[field.name] = np.asarray(value).tolist()
         elif value is not None:
-            table[field.name] = value
+            table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
     return table
 
 
-def to_toml(robot: Any) -> str:
-    """A robot as TOML text."""
+def _plain(value: Any) -> Any:
+    """A value of a tuple as a file keeps it."""
+    if not is_array(value):
+        return value
+    import numpy as np
+
+    return np.asarray(value).tolist()
+
+
+def to_toml(record: Any, name: str = "robot") -> str:
+    """A robot (or, by its name, a mechanism) as TOML text."""
     import tomli_w
 
-    return tomli_w.dumps({"robot": to_table(robot)})
+    kind = {"kind": record.kind} if hasattr(record, "kind") else {}
+    return tomli_w.dumps({name: {**kind, **to_table(record)}})
 
 
-def from_toml(cls: type, text: str) -> Any:
-    """A robot (of class `cls`) from TOML text; all that is wrong with it is reported at once."""
+def from_toml(cls: type, text: str, name: str = "robot") -> Any:
+    """A robot or a mechanism (of class `cls`) from TOML text; all that is wrong with it is reported at once."""
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError("study file", [f"not readable as TOML: {error}"]) from None
-    if "robot" not in document:
-        raise InputError("study file", ["has no [robot] table; begin with the line [robot] and then body_mass = 0.06259"])
-    return from_table(cls, document["robot"])
+    if name not in document:
+        first = next(f for f in dataclasses.fields(cls) if is_number_field(f))
+        shown = f"{first.name} = {first.metadata.get('example', '1.0')}"
+        raise InputError("study file", [f"has no [{name}] table; begin with the line [{name}] and then {shown}"])
+    return from_table(cls, document[name], name)
 
 
-def from_table(cls: type, table: dict[str, Any]) -> Any:
-    """A robot (of class `cls`) from nested dicts."""
+def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
+    """A robot or a mechanism (of class `cls`) from nested dicts."""
     problems, arguments = Problems("study file"), dict(table)
-    for part in PARTS:
+    if hasattr(cls, "kind") and arguments.pop("kind", cls.kind) != cls.kind:
+        problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
+    for part in _parts_of(cls):
         if isinstance(arguments.get(part), dict):
-            arguments[part] = _part(part, dict(arguments[part]), problems)
+            arguments[part] = _part(part, dict(arguments[part]), problems, f"{name}.{part}")
         elif part in arguments or part != "track":
-            problems.add(f'[robot.{part}] is missing or no table; type [robot.{part}] and then kind = "{next(iter(PARTS[part]))}"')
+            problems.add(f'[{name}.{part}] is missing or no table; type [{name}.{part}] and then kind = "{next(iter(PARTS[part]))}"')
             arguments.pop(part, None)
-    robot = _build(cls, arguments, "robot", problems)
+    made = _build(cls, arguments, name, problems)
     problems.check()
-    return robot
+    return made
 
 
-def _part(part: str, table: dict[str, Any], problems: Problems) -> Any:
+def _parts_of(cls: type) -> list[str]:
+    """The parts that a record of this class has."""
+    return [f.name for f in dataclasses.fields(cls) if f.name in PARTS]
+
+
+def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> Any:
     if "kind" not in table:
         kinds = " or ".join(f'kind = "{name}"' for name in PARTS[part])
-        problems.add(f"robot.{part}.kind is missing; type {kinds} under [robot.{part}]")
+        problems.add(f"{where}.kind is missing; type {kinds} under [{where}]")
         return None
     kind = table.pop("kind")
     if kind not in PARTS[part]:
-        problems.add(f"robot.{part}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
+        problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
-    return _build(PARTS[part][kind], table, f"robot.{part}", problems)
+    for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive
+        table[inner] = _part(inner, dict(table[inner]), problems, f"{where}.{inner}")
+    return _build(PARTS[part][kind], table, where, problems)
 
 
 def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
@@ -106,7 +127,8 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         if field.name not in arguments and field.name not in optional and not either and field.name not in PARTS:
             problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {field.metadata.get('example', '1.0')}")
             arguments[field.name] = 1.0
-    if any(arguments.get(p, 0) is None for p in PARTS) or any(p not in arguments for p in ("drive", "friction") if where == "robot"):
+    parts = _parts_of(cls)
+    if any(arguments.get(p, 0) is None for p in parts) or any(p not in arguments for p in parts if p != "track" and "." not in where):
         return None
     try:
         return cls(**arguments)

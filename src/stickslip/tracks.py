@@ -1,4 +1,4 @@
-"""Tracks: what gravity does along and across the track, and the paper's way of folding an incline into friction."""
+"""Tracks: what gravity does along and across the track, how friction varies in time, and the paper's folded incline."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.errors import Problems
 from stickslip.fields import Record
-from stickslip.maths import cos, sin
+from stickslip.maths import cos, pi, sin
 
-__all__ = ["TRACKS", "Incline", "Level", "fold"]
+__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "fold"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,8 @@ class Level(Record):
 class Incline(Record):
     """An inclined track with gravity acting along it; plus is downhill.
 
+    A run uphill is a negative tilt: ``robot.replace({"track.tilt": -0.03})``.
+
     Parameters
     ----------
     tilt : float
@@ -59,7 +62,64 @@ class Incline(Record):
         return gravity * sin(self.tilt)
 
 
-TRACKS = {"level": Level, "incline": Incline}
+@dataclass(frozen=True, eq=False)
+class VaryingFriction(Record):
+    r"""A track whose friction coefficients vary in time with the drive: by the factor :math:`1 + d\,\sin(n\omega t+\varphi)`.
+
+    Gravity stays as it is on the track inside. The factor is put on the load that the law sees. So it is a factor on all
+    coefficients of a law whose friction is proportional to the load (Coulomb, Stribeck, and what slides under LuGre and its kin).
+    Terms that do not know the load, as viscous friction and the stiffness of bristles, do not vary.
+
+    Parameters
+    ----------
+    track : Level or Incline
+        What gravity does.
+    depth : float
+        d, how far the coefficients rise and fall over their mean, 0 <= depth < 1 [-].
+    harmonic : int
+        n, how many times they do so in one period of the drive.
+    phase : float
+        Phase against the start of the drive's period [rad].
+
+    Examples
+    --------
+    >>> track = VaryingFriction(Level(), depth=0.5)
+    >>> round(track.grip(0.25, period=1.0), 12), track.across(9.81)
+    (1.5, 9.81)
+    """
+
+    track: Any
+    depth: float = field(metadata={"example": "0.3"})
+    harmonic: int = 1
+    phase: float = field(default=0.0, metadata={"example": "1.57"})
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "depth": (lambda d: (d >= 0) & (d < 1), "from 0 to below 1"),
+        "phase": (lambda p: p == p, "an angle [rad]"),
+    }
+
+    def _check(self, problems: Problems) -> None:
+        if isinstance(self.track, type) or not (hasattr(self.track, "across") and hasattr(self.track, "along")):
+            problems.add(f"track = {self.track!r}; allowed is a track, an object with across, along; type for example track=ss.Level()")
+        if not isinstance(self.harmonic, int) or isinstance(self.harmonic, bool) or self.harmonic < 1:
+            problems.add(f"harmonic = {self.harmonic!r}; allowed is a whole number from 1; type for example harmonic=1")
+
+    def across(self, gravity: Any) -> Any:
+        """Gravity that presses the body on the track [m/s^2]."""
+        return self.track.across(gravity)
+
+    def along(self, gravity: Any) -> Any:
+        """Gravity that pulls the body forwards [m/s^2]."""
+        return self.track.along(gravity)
+
+    def grip(self, t: Any, period: Any) -> Any:
+        """Factor on the friction at a time, for a drive of this period [-]."""
+        own = 1 + self.depth * sin(self.harmonic * (2 * pi / period) * t + self.phase)
+        inner = getattr(self.track, "grip", None)
+        return own if inner is None else own * inner(t, period)
+
+
+TRACKS = {"level": Level, "incline": Incline, "varyingfriction": VaryingFriction}
 
 
 def fold(coefficient: Any, tilt: Any) -> tuple[Any, Any]:

@@ -12,9 +12,12 @@ import numpy as np
 
 from stickslip import forces
 from stickslip.errors import InputError
-from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates
+from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
 from stickslip.summary import STATUS, Summary
 from stickslip.variables import VARIABLES
+
+#: Samples of a run that has no period: this many times `samples` in all.
+APERIODIC = 10
 
 __all__ = ["STATUS", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Summary", "Trajectory"]
 
@@ -25,20 +28,27 @@ def _as_column(z: Any) -> Any:
 
 def _force_column(name: str) -> property:
     variable = VARIABLES[name]
-    return property(lambda self: self._forces[name], doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
+
+    def column(self: Any) -> Any:
+        if name not in self._forces:
+            raise AttributeError(f"this run has no {name}: {type(self.model).__name__} has no drive")
+        return self._forces[name]
+
+    return property(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One run of one robot. It is computed once by `solve`; everything here only reads it.
+    """One run of one robot or mechanism. It is computed once by `solve`; everything here only reads it.
 
     The columns ``t, x, v, z, mode, acceleration, friction_force, drive_force, xi, xi_rate, xi_acceleration,
-    actuator_force, actuator_power`` are arrays over the same instants: `samples` in each drive period and, exactly,
-    every event (twice where v jumps). Units and meanings stand in `stickslip.variables`.
+    actuator_force, actuator_power`` are arrays over the same instants: `samples` in each drive period (ten times `samples`
+    over the whole run where the model has no period) and, exactly, every event (twice where v jumps). Units and meanings
+    stand in `stickslip.variables`. Columns from ``drive_force`` on exist where there is a drive.
 
     Parameters
     ----------
-    model : Robot
+    model : Robot or a mechanism
         What was solved.
     pieces : Pieces
         The dense output.
@@ -51,7 +61,7 @@ class Trajectory:
     status : str
         A sentence that says how the run ended.
     samples : int
-        Instants per drive period in the columns.
+        Instants per drive period in the columns, a tenth of all instants where there is no period.
     start : dict
         The state it started from.
     provenance : dict
@@ -84,31 +94,52 @@ class Trajectory:
     # ---- time ----
     @property
     def period_time(self) -> float:
-        """Period T of the drive [s]."""
+        """Period T of the drive [s]; an error where the model has none."""
+        if self.model.period is None:
+            why = f"{type(self.model).__name__} has no period, so this run has neither period_time nor strobe points"
+            raise InputError("Trajectory", [f"{why}; type run.at(t) for its state at times of your own"])
         return float(self.model.period)
+
+    @property
+    def _step(self) -> float:
+        """Time between the samples of the columns [s]."""
+        if self.model.period is None:
+            return float(self.pieces.t[-1] - self.pieces.t[0]) / (APERIODIC * self.samples)
+        return self.period_time / self.samples
 
     @property
     def window(self) -> tuple[float, float]:
         """Start and end of the part after settling [s]."""
-        return self.settle * self.period_time, float(self.pieces.t[-1])
+        first = self.settle * self.period_time if self.settle else float(self.pieces.t[0])
+        return first, float(self.pieces.t[-1])
+
+    @property
+    def lost_contact(self) -> bool:
+        """Whether the run ended because the load fell to zero."""
+        return self.status == STATUS[6]
 
     @cached_property
     def events(self) -> list[Event]:
-        """Every change of mode, in order. Under a dynamic law these are the reversals of v."""
-        return events_of(self.pieces)
+        """Every change of mode, impulse and switch of a memory, in order. Under a dynamic law changes of mode are reversals of v."""
+        return events_of(self.pieces, [t for t, _ in self._impulses], self.lost_contact)
+
+    @cached_property
+    def _impulses(self) -> list[tuple[float, float]]:
+        return forces.impulses_until(self.model, float(self.pieces.t[-1]))
 
     @cached_property
     def _instants(self) -> tuple[Any, Any]:
         """The sampled times and the piece of each; an event at which v jumps stands there with both its pieces."""
-        nodes, T = self.pieces.t, self.period_time
-        grid = np.arange(round((nodes[-1] - nodes[0]) / T) * self.samples + 1) * (T / self.samples) + nodes[0]
+        nodes, step = self.pieces.t, self._step
+        grid = np.arange(max(int(np.ceil((nodes[-1] - nodes[0]) / step - 1e-6)), 1) + 1) * step + nodes[0]
         grid[-1] = nodes[-1]
         changes = np.flatnonzero(np.diff(self.pieces.mode)) + 1
+        changes = np.union1d(changes, nodes_at(self.pieces, [t for t, _ in self._impulses])).astype(int)
         events = nodes[changes]
         if len(events):
             after = np.minimum(np.searchsorted(events, grid), len(events) - 1)
             near = np.minimum(abs(grid - events[after]), abs(grid - events[np.maximum(after - 1, 0)]))
-            grid = grid[near > 1e-12 * T]
+            grid = grid[near > 1e-12 * step * self.samples]
         jumps = changes[self._jumps(changes)]
         t = np.concatenate([grid, nodes[jumps], events])
         index = np.concatenate([self._index(grid), jumps - 1, changes])
@@ -150,7 +181,7 @@ class Trajectory:
 
     @cached_property
     def mode(self) -> Any:
-        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v)."""
+        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact)."""
         return np.asarray(self.pieces.mode)[self._instants[1]]
 
     @cached_property
@@ -159,8 +190,16 @@ class Trajectory:
 
     def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
         rates = inner_rates(self.pieces, t, index)
-        inner, inner_rate = (z[:, 0], rates[:, 0]) if z.shape[1] == 1 else (z.T, rates.T)
-        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], t, x, v, inner, inner_rate)
+        inner, inner_rate = (z[:, 0], rates[:, 0]) if z.shape[1] == 1 else (tuple(z.T), tuple(rates.T))
+        memory = tuple(self.pieces.memory[index].T) if hasattr(self.pieces, "memory") else ()
+        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], self._within(t, index), x, v, inner, inner_rate, memory)
+
+    def _within(self, t: Any, index: Any) -> Any:
+        """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
+        if not (getattr(self.model, "breaks", ()) or self._impulses):
+            return t
+        aside, nodes = 1e-12 * self.period_time, self.pieces.t
+        return np.clip(t, nodes[index] + aside, np.maximum(nodes[index + 1] - aside, nodes[index] + aside))
 
     acceleration = _force_column("acceleration")
     friction_force = _force_column("friction_force")
@@ -200,13 +239,18 @@ class Trajectory:
     # ---- strobe ----
     @cached_property
     def strobe_times(self) -> Any:
-        """The starts of the drive periods, k T [s], and the end of the last."""
-        count = round(float(self.pieces.t[-1] - self.pieces.t[0]) / self.period_time)
+        """The starts of the drive periods, k T [s], and the end of the last whole one."""
+        count = int(float(self.pieces.t[-1] - self.pieces.t[0]) / self.period_time + 1e-9)
         return np.minimum(self.pieces.t[0] + np.arange(count + 1) * self.period_time, self.pieces.t[-1])
 
     @cached_property
     def _strobe(self) -> tuple[Any, Any, Any]:
-        return self.pieces.evaluate(self.strobe_times, self._index(self.strobe_times))
+        """States at the strobe times, after an impulse that falls on one."""
+        t, nodes = self.strobe_times, self.pieces.t
+        index = self._index(t + 1e-12 * self.period_time)
+        x, v, z = self.pieces.evaluate(np.maximum(t, nodes[index]), index)
+        v[-1] += sum(jump for time, jump in self._impulses if abs(time - t[-1]) < 1e-9 * self.period_time and t[-1] >= nodes[-1])
+        return x, v, z
 
     @property
     def strobe_x(self) -> Any:
@@ -215,7 +259,7 @@ class Trajectory:
 
     @property
     def strobe_v(self) -> Any:
-        """Velocity at the strobe times [m/s]."""
+        """Velocity at the strobe times [m/s], after an impulse at that instant."""
         return self._strobe[1]
 
     @property
@@ -248,7 +292,9 @@ class Trajectory:
         return save(self, path)
 
     def __repr__(self) -> str:
-        return f"<Trajectory: {self.periods} periods of {self.period_time:.6g} s by {self.method}, {self.status}>"
+        seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
+        length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
+        return f"<Trajectory: {length} by {self.method}, {self.status}>"
 
     def _repr_html_(self) -> str:
         rows = {"method": self.method, "status": self.status, "periods": f"{self.periods} ({self.settle} to settle)", "rtol": self.rtol}

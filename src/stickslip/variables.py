@@ -28,7 +28,7 @@ VARIABLES: dict[str, Variable] = {
         Variable("x", "x", "m", _TIME, "position of the body"),
         Variable("v", "v", "m/s", _TIME, "velocity of the body"),
         Variable("z", "z", "m", _TIME, "inner state of the friction law (mean bristle deflection)"),
-        Variable("mode", "mode", "1", _TIME, "+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v)"),
+        Variable("mode", "mode", "1", _TIME, "+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact)"),
         Variable("acceleration", "dv/dt", "m/s^2", _TIME, "acceleration of the body"),
         Variable("xi", "ξ", "m", _TIME, "position of the inner mass relative to the body"),
         Variable("xi_rate", "dξ/dt", "m/s", _TIME, "velocity of the inner mass relative to the body"),

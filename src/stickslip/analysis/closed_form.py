@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.analysis.phases import three_phase, two_phase
 from stickslip.errors import InputError
 
 __all__ = [
@@ -26,6 +27,8 @@ __all__ = [
     "mean_without_rest",
     "periodic",
     "rests",
+    "three_phase",
+    "two_phase",
 ]
 
 Array = Any

@@ -21,22 +21,30 @@ NODES_ARC, NODES_STEP = 24, 10
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    r"""Energy balance of the body in each drive period, :math:`W_d + W_g - W_f = \Delta E` with :math:`E = (M+m)\dot x^2/2`.
+    r"""Energy balance in each period, :math:`W_d + W_g - W_f - W_c = \Delta E + \Delta U` with :math:`E = (M+m)\dot x^2/2`.
+
+    A run without a period is one row; so is what a run has left over behind its last whole period.
 
     Parameters
     ----------
     drive : array (periods,)
-        W_d, work of the inertial drive force -m d²xi/dt² [J].
+        W_d, work that comes in [J]: of the inertial drive force -m d²xi/dt² with its impulses, of the pulled end of a spring,
+        of the motor of a belt, of a given force.
     gravity : array (periods,)
         W_g, work of gravity along the track [J].
     friction : array (periods,)
-        W_f, work that friction takes [J].
+        W_f, work that friction takes at the contact [J].
+    damping : array (periods,)
+        W_c, work that the damping of a mechanism takes [J].
+    potential : array (periods,)
+        Change of the energy U in the spring of a mechanism [J].
     kinetic : array (periods,)
         Change of the kinetic energy [J].
     actuator : array (periods,)
-        Work of the actuator, which also moves the inner mass against the body [J].
+        Work of the actuator, which also moves the inner mass against the body [J]; 0 for a mechanism.
     residual : array (periods,)
-        (W_d + W_g - W_f - Delta E) / W_d [-]; 0 where nothing was done.
+        What is missing in the balance, over W_d for a robot and over the largest of all works for a mechanism [-];
+        0 where nothing was done.
     settle : int
         How many periods belong to settling.
     """
@@ -44,6 +52,8 @@ class Energy:
     drive: Array
     gravity: Array
     friction: Array
+    damping: Array
+    potential: Array
     kinetic: Array
     actuator: Array
     residual: Array
@@ -84,33 +94,83 @@ def energy(run: Any) -> Energy:
     [0.0]
     """
     needs_run("energy", run)
-    edges, index, owner = _cut(run)
+    borders, x, v = _borders(run)
+    edges, index, owner = _cut(run, borders)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
     half = 0.5 * np.diff(edges)
     t = (edges[:-1] + half)[:, None] + half[:, None] * nodes
     powers = _powers(run, t.ravel(), np.repeat(index, len(nodes)))
-    count = len(run.strobe_times) - 1
+    count = len(borders) - 1
     works = {n: np.bincount(owner, (p.reshape(t.shape) @ weights) * half, count) for n, p in powers.items()}
-    kinetic = np.diff(0.5 * run.model.total_mass * run.strobe_v**2)
-    missing = works["drive"] + works["gravity"] - works["friction"] - kinetic
-    with np.errstate(divide="ignore", invalid="ignore"):
-        largest = np.maximum(abs(works["gravity"]), np.maximum(abs(works["friction"]), abs(kinetic)))
-        residual = np.where(missing == 0, 0.0, missing / np.where(works["drive"] != 0, works["drive"], largest))
-    return Energy(**works, kinetic=kinetic, residual=residual, settle=min(int(run.settle), count))
+    for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
+        _add_impulse(run, works, when, jump, row)
+    changes = {"kinetic": np.diff(0.5 * run.model.total_mass * v**2), "potential": np.diff(_potential(run, borders, x))}
+    return Energy(**works, **changes, residual=_residual(run, {**works, **changes}), settle=min(int(run.settle), count))
 
 
-def _cut(run: Any) -> tuple[Array, Array, Array]:
-    """The pieces cut at the starts of the drive periods: their ends, their numbers, and the period that each belongs to."""
-    edges = np.unique(np.concatenate([run.pieces.t, run.strobe_times]))
+def _borders(run: Any) -> tuple[Array, Array, Array]:
+    """Times between which energy is balanced, with x and v there: the strobe points and the end."""
+    ends = run.pieces.t[[0, -1]]
+    if run.model.period is None:
+        x, v, _ = run.pieces.evaluate(ends, np.array([0, len(run.pieces.mode) - 1]))
+        return ends, x, v
+    t, x, v = run.strobe_times, run.strobe_x, run.strobe_v
+    if ends[1] - t[-1] <= 1e-9 * run.period_time:
+        return t, x, v
+    last = run.pieces.evaluate(ends[1:], np.array([len(run.pieces.mode) - 1]))
+    return np.append(t, ends[1]), np.append(x, last[0]), np.append(v, last[1])
+
+
+def _cut(run: Any, borders: Array) -> tuple[Array, Array, Array]:
+    """The pieces cut at the borders: their ends, their numbers, and the row that each belongs to."""
+    edges = np.unique(np.concatenate([run.pieces.t, borders]))
     middle = 0.5 * (edges[1:] + edges[:-1])
-    owner = np.searchsorted(run.strobe_times, middle, side="right") - 1
-    return edges, run._index(middle), np.minimum(owner, len(run.strobe_times) - 2)
+    owner = np.searchsorted(borders, middle, side="right") - 1
+    return edges, run._index(middle), np.minimum(owner, len(borders) - 2)
+
+
+def _rows(run: Any, borders: Array) -> Array:
+    """The row of each impulse: on a border it belongs to what ends there."""
+    times = np.array([t for t, _ in run._impulses])
+    slack = 1e-9 * run.period_time if len(times) else 0.0
+    return np.clip(np.searchsorted(borders, times - slack, side="right") - 1, 0, len(borders) - 2)
 
 
 def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run.pieces.evaluate(t, index)
-    column = run._forces_at(t, index, x, v, z)
-    gravity = forces.offered_force(run.model, t, x) - column["drive_force"]
-    works = {"drive": column["drive_force"] * v, "gravity": gravity * v, "friction": column["friction_force"] * v}
+    column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
+    R = column["friction_force"]
+    friction = {"friction": R * model.contact_velocity(v)}
+    if not hasattr(model, "drive"):
+        drive, damping = model.drive_power(t, x, v, R) + none, model.damping_power(t, x, v) + none
+        return {"drive": drive, "damping": damping, **friction, "gravity": none, "actuator": none}
+    gravity = forces.offered_force(model, t, x) - column["drive_force"]
+    works = {"drive": column["drive_force"] * v, "gravity": gravity * v, **friction, "damping": none}
     return works | {"actuator": column["actuator_power"]}
+
+
+def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: float, row: int) -> None:
+    """Work of an impulse: its size times the mean of the velocities before and after."""
+    model, pieces = run.model, run.pieces
+    before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
+    v = float(pieces.evaluate(np.array([min(t, pieces.t[before + 1])]), np.array([before]))[1][0])
+    later = float(pieces.evaluate(np.array([t]), np.array([after]))[1][0]) if after > before else v + jump
+    works["drive"][row] += model.total_mass * jump * 0.5 * (v + later)
+    moment = 1e-12 * run.period_time
+    xi_rate = 0.5 * (model.drive.velocity(t - moment) + model.drive.velocity(t + moment))
+    works["actuator"][row] -= model.body_mass * jump * xi_rate
+
+
+def _potential(run: Any, t: Array, x: Array) -> Array:
+    """Energy of the spring of a mechanism [J]."""
+    return (run.model.potential(t, x) if hasattr(run.model, "potential") else 0.0) + np.zeros_like(t)
+
+
+def _residual(run: Any, works: dict[str, Array]) -> Array:
+    """What is missing in the balance, relative."""
+    missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
+    largest = np.max([abs(works[n]) for n in ("drive", "gravity", "friction", "damping", "kinetic", "potential")], axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        base = np.where(works["drive"] != 0, works["drive"], largest) if hasattr(run.model, "drive") else largest
+        return np.where(missing == 0, 0.0, missing / base)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import held_velocity, is_dynamic, offered_force
+from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load, offered_force, states_of
 from stickslip.segments import Intervals, intervals_of, type_of
 
 __all__ = ["Intervals", "Raw", "intervals_of", "raw_segments", "slip_ratio_at", "type_of"]
@@ -34,11 +34,12 @@ def raw_segments(run: Any, period: int, slip_ratio: float) -> Raw:
     """Segments of the last `period` drive periods of a run."""
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
-    if is_dynamic(run.model.friction):
+    if is_dynamic(run.model.friction) and states_of(run.model.friction):
         edges, code = _elastic_segments(run, start, end, slip_ratio)
         return Raw(np.diff(edges) / run.period_time, code, np.inf)
     edges, index = clipped(run.pieces, start, end)
-    return Raw(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), _force_margin(run, edges, index))
+    margin = np.inf if is_dynamic(run.model.friction) else _force_margin(run, edges, index)
+    return Raw(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), margin)
 
 
 def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
@@ -53,9 +54,10 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
     """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
     x, v, z = run.pieces.evaluate(t, index)
-    inner = z[:, 0] if z.shape[1] == 1 else z.T
+    inner = z[:, 0] if z.shape[1] == 1 else tuple(z.T)
     slip = held_velocity(run.model.contact_velocity(v), np.asarray(run.pieces.mode)[index], _LEAST * run.model.velocity_scale or _LEAST)
-    rate = run.model.friction.rate(slip, inner, run.model.load(t, x))
+    memory = tuple(run.pieces.memory[index].T)
+    rate = law_rate(run.model.friction, slip, inner, normal_load(run.model, t, x), memory)
     return 1 - (rate if z.shape[1] == 1 else np.asarray(rate)[0]) / slip
 
 
@@ -103,7 +105,7 @@ def _force_margin(run: Any, edges: Array, index: Array) -> float:
         return float("inf")
     x = run.pieces.evaluate(t, run._index(t))[0]
     offered = np.broadcast_to(offered_force(run.model, t, x), t.shape)
-    limits = [np.broadcast_to(limit, t.shape) for limit in run.model.friction.breakaway(run.model.load(t, x))]
+    limits = [np.broadcast_to(limit, t.shape) for limit in run.model.friction.breakaway(normal_load(run.model, t, x))]
     with np.errstate(divide="ignore", invalid="ignore"):
         distances = [abs(offered / limit - 1) for limit in limits]
     return float(np.nanmin(np.minimum(*distances), initial=np.inf))
@@ -117,7 +119,9 @@ def _extremes(run: Any, start: float, end: float) -> Array:
     middle, step = t[1:-1][rise[1:] * rise[:-1] < 0], t[1] - t[0]
     for _ in range(3):
         sides = np.stack([middle - step, middle, middle + step])
-        a, b, c = offered_force(run.model, sides, 0.0) * np.ones_like(sides)
+        flat = sides.ravel()
+        x = run.pieces.evaluate(flat, run._index(flat))[0]
+        a, b, c = (offered_force(run.model, flat, x) * np.ones_like(flat)).reshape(sides.shape)
         bend = a - 2 * b + c
         middle = middle + np.where(bend != 0, 0.5 * (a - c) / np.where(bend != 0, bend, 1.0), 0.0) * step
         step = step * 0.1

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, normal_load
 from stickslip.summary import Summary
 
 __all__ = ["LONGEST_PERIOD", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
@@ -21,8 +21,8 @@ def mean_velocity(run: Any) -> Any:
 
     .. math:: V = \frac{x(t_2) - x(t_1)}{t_2 - t_1}
 
-    The window is what follows after settling. Where a period was found it holds whole motion periods, so that a period-two
-    motion does not leave half of it over.
+    The window is what follows after settling; the whole run where the model has no period. Where a period was found it holds
+    whole motion periods, so that a period-two motion does not leave half of it over.
 
     Parameters
     ----------
@@ -43,6 +43,9 @@ def mean_velocity(run: Any) -> Any:
     if isinstance(run, Summary):
         return run.mean_velocity[()]
     needs_run("mean_velocity", run)
+    if run.model.period is None:
+        ends = np.array(run.window)
+        return float(np.diff(run.at(ends)["x"])[0] / np.diff(ends)[0])
     x, t = run.strobe_x, run.strobe_times
     count = _settled_count(run)
     count -= count % (period_number(run) or 1)
@@ -98,7 +101,7 @@ def _strobe_points(run: Any) -> Any:
         return v[:, None]
     scale = getattr(model.friction, "scale", None)
     z = z.reshape(len(v), -1)
-    return np.column_stack([v, z / (scale(model.load(0.0, 0.0)) if scale else abs(z).max() or 1.0)])
+    return np.column_stack([v, z / (scale(normal_load(model, 0.0, 0.0)) if scale else abs(z).max() or 1.0)])
 
 
 def _repeats(y: Any, p: int, tolerance: float) -> bool:

@@ -8,7 +8,11 @@ from typing import Any
 
 __all__ = ["about", "meanings", "plain"]
 
-_LETTERS = {"omega": "ω", "xi": "ξ", "mu": "μ", "sigma": "σ", "theta": "θ", "zeta": "ζ", "sin": "sin", "cos": "cos", "le": "≤", "quad": " "}
+_LETTERS = {
+    "omega": "ω", "xi": "ξ", "mu": "μ", "sigma": "σ", "theta": "θ", "zeta": "ζ", "sin": "sin", "cos": "cos", "le": "≤",
+    "quad": " ",
+    "varphi": "φ", "eta": "η", "dots": "…",
+}  # fmt: skip
 
 
 def plain(text: str) -> str:

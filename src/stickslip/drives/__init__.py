@@ -1,10 +1,41 @@
 """Drives: how the inner mass is shaken. One drive, one file; `DRIVES` lists them by name."""
 
+from stickslip.drives.bang_bang import BangBang
 from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.harmonic import Harmonic
+from stickslip.drives.multi_harmonic import MultiHarmonic
 from stickslip.drives.piezo_beam import PiezoBeam
+from stickslip.drives.recorded import Recorded
+from stickslip.drives.three_phase import ThreePhase
+from stickslip.drives.trapezoid import Trapezoid
+from stickslip.drives.turned import Reversed
+from stickslip.drives.two_phase import TwoPhase
+from stickslip.drives.vertical import VerticalVibration
 
-__all__ = ["DRIVES", "Harmonic", "PiezoBeam", "cantilever_eigenvalues"]
+__all__ = [
+    "DRIVES",
+    "BangBang",
+    "Harmonic",
+    "MultiHarmonic",
+    "PiezoBeam",
+    "Recorded",
+    "Reversed",
+    "ThreePhase",
+    "Trapezoid",
+    "TwoPhase",
+    "VerticalVibration",
+    "cantilever_eigenvalues",
+]
 
-DRIVES = {"harmonic": Harmonic}
-"""The harmonic drive of the paper. A `PiezoBeam` makes one from volts and hertz."""
+DRIVES = {
+    "harmonic": Harmonic,
+    "multiharmonic": MultiHarmonic,
+    "twophase": TwoPhase,
+    "threephase": ThreePhase,
+    "bangbang": BangBang,
+    "trapezoid": Trapezoid,
+    "recorded": Recorded,
+    "verticalvibration": VerticalVibration,
+    "reversed": Reversed,
+}
+"""Every drive by its name in lower case. A `PiezoBeam` is not among them: it makes a `Harmonic` from volts and hertz."""

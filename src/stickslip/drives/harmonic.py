@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.drives.drive import Drive
 from stickslip.errors import InputError
-from stickslip.fields import Record, at_least, number, positive
+from stickslip.fields import at_least, number, positive
 from stickslip.maths import cos, pi, sin
 
 __all__ = ["Harmonic"]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Harmonic(Record):
+class Harmonic(Drive):
     r"""Relative motion of the inner mass, Eq. 2.2: :math:`\xi(t) = A \sin(\omega t)`.
 
     Parameters
@@ -73,6 +74,16 @@ class Harmonic(Record):
         """Frequency [Hz]."""
         return self.omega / (2 * pi)
 
+    @property
+    def velocity_scale(self) -> Any:
+        """A omega, the largest relative velocity [m/s]."""
+        return self.amplitude * self.omega
+
+    @property
+    def stroke(self) -> Any:
+        """2 A, from end to end [m]."""
+        return 2 * self.amplitude
+
     def position(self, t: Any) -> Any:
         """Relative position xi(t) [m] (Eq. 2.2)."""
         return self.amplitude * sin(self.omega * t)
@@ -84,3 +95,8 @@ class Harmonic(Record):
     def acceleration(self, t: Any) -> Any:
         """Relative acceleration of the inner mass [m/s^2]."""
         return -self.amplitude * self.omega**2 * sin(self.omega * t)
+
+    @classmethod
+    def example(cls) -> Harmonic:
+        """The drive of the paper, with the amplitude inferred for its first track."""
+        return cls(amplitude=5.525e-4, omega=65.4 * pi)

@@ -83,7 +83,7 @@ class PiezoBeam(Record):
     patch_modulus: float = field(default=6.1e10, metadata={"example": "6.1e10"})
     d31: float = field(default=1.71e-10, metadata={"example": "1.71e-10"})
     tip_mass: float = field(default=9.48e-3, metadata={"example": "9.48e-3"})
-    damping: float | tuple[float, ...] = 0.02
+    damping: Any = 0.02
     modes: int = 8
 
     _rules: ClassVar[dict[str, Any]] = {

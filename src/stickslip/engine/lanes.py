@@ -7,6 +7,7 @@ one lane, which also keeps the dense output, solves a single case; the two give 
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,17 +15,17 @@ from functools import lru_cache
 from importlib import resources
 from typing import Any
 
-from stickslip.engine import cache
+from stickslip.engine import cache, taylor
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.trace import Equations, check_numbers, label, trace
+from stickslip.engine.trace import Equations, check_numbers, label, numbers_of, trace
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
 
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "run"]
 
 SEGMENTS, RINGS, KEPT = 32, 34, 16
-_HEADER = '''"""Written by stickslip: {label}, {method}, {lanes} lanes. A step of the equations, then the driver."""
+_HEADER = '''"""Written by stickslip: {label}, {lanes} lanes. A step of the equations, then the driver."""
 import math
 
 import numpy as np
@@ -50,6 +51,13 @@ def as_bits(typingctx, x):
 
 
 @intrinsic
+def choose(typingctx, condition, yes, no):
+    def emit(context, builder, sig, args):
+        return builder.select(*args)
+    return yes(types.boolean, yes, no), emit
+
+
+@intrinsic
 def fma(typingctx, a, b, c):
     def emit(context, builder, sig, args):
         return builder.fma(*args)
@@ -70,6 +78,7 @@ class Kernel:
     degree: int
     record: bool
     names: tuple[str, ...]
+    modes: int  # memories of the law, kept with each piece
 
 
 @dataclass(frozen=True)
@@ -101,18 +110,20 @@ class Results:
     seg_code: Any
     accepted: Any
     rejected: Any
-    pieces: Any = None  # (pieces, 5 + states (degree + 1)) of a recorded case
+    pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
 
 
 _kernels: dict[Any, Kernel] = {}
 
 
-def kernel_of(model: Any, tableau: Tableau, record: bool) -> Kernel:
-    """The compiled kernel of a model's kind; a kind that was seen before costs nothing.
+def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
+    """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
+
+    A kind that was seen before costs nothing.
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (_kind(model), tableau.name, record)
+    key = (_kind(model), tableau and tableau.name, record)
     try:
         known = _kernels.get(key)
     except TypeError:  # a part of the kind that cannot be compared, such as a list
@@ -126,59 +137,82 @@ def kernel_of(model: Any, tableau: Tableau, record: bool) -> Kernel:
 
 def _kind(model: Any) -> tuple[Any, ...]:
     """What the equations depend on: classes, names of the numbers, and the fields that are no numbers."""
-    numbers = {name for name, _ in leaves(model)}
+    numbers = set(numbers_of(model))
     return tuple((name, None if name in numbers else value) for name, value in leaves(model, kinds=True))
 
 
-def kernel(eq: Equations, tableau: Tableau, label: str, record: bool) -> Kernel:
+def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> Kernel:
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
-    step = write_step(eq, tableau, record)
+    step = taylor.write_step(eq) if tableau is None else write_step(eq, tableau, record)
+    method = "Taylor" if tableau is None else tableau.name
     width, groups = (1, 1) if record else (8, 2)
-    source = _source(eq, tableau, step, width, groups, label, record)
+    source = _source(eq, step, width, groups, f"{label}, {method}", record)
     name = "single" if record else "lanes"
-    module = cache.load(
-        source, f"{name}_{_plain(label)}_{tableau.name.lower()}", f"{label} ({tableau.name}, {'one case' if record else 'many cases'})"
+    module = cache.load(source, f"{name}_{_plain(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})")
+    return Kernel(
+        module,
+        width * groups,
+        len(step.fields) + len(_constants(eq, step)),
+        eq.states,
+        step.degree,
+        record,
+        eq.names,
+        len(eq.modes) if eq.dynamic else 0,
     )
-    return Kernel(module, width * groups, len(step.fields) + _constants(eq, step), eq.states, step.degree, record, eq.names)
 
 
 def _plain(label: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "_", label).strip("_").lower()
 
 
-def _constants(eq: Equations, step: Step) -> int:
-    return len(step.case_nodes) + 3 + len(eq.inner_scales or ())
+def _constants(eq: Equations, step: Step) -> list[Any]:
+    """What is computed once for each case, in order: what the step reads, then what the driver reads."""
+    scales = [s for s in eq.scales if s is not None]
+    instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
+    return [*step.case_nodes, eq.period, eq.velocity_scale, eq.free_velocity, *scales, *instants, *(jump for _, jump in eq.impulses)]
 
 
-def _source(eq: Equations, tableau: Tableau, step: Step, width: int, groups: int, label: str, record: bool) -> str:
-    lanes = width * groups
-    extras = [eq.period, eq.velocity_scale, eq.free_velocity, *(eq.inner_scales or ())]
-    constants = _constants(eq, step)
+def _layout(eq: Equations, step: Step, lanes: int, record: bool) -> dict[str, Any]:
+    """The numbers by which the driver finds its way; a field that this kind of step has not is at -1."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
+    first = len(step.case_nodes)
+    scale_at = [-1] * eq.states
+    for place, i in enumerate(i for i, s in enumerate(eq.scales, start=1) if s is not None):
+        scale_at[i] = first + 3 + place
+    constants = len(_constants(eq, step))
+    breaks = len(eq.instants) + len(eq.impulses)
     named = {
-        "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "FIELDS": len(step.fields) + constants, "CONSTANTS": constants,
-        "DEGREE": step.degree, "RECORD": record, "PERIOD": len(step.case_nodes), "VSCALE": len(step.case_nodes) + 1,
-        "FREE": len(step.case_nodes) + 2, "ZSCALE": len(step.case_nodes) + 3 if eq.inner_scales else -1, "F_C": len(step.fields) * lanes,
-        "F_Y": offsets["y0"], "F_B": offsets["b0"], "F_ON": offsets["on0"], "F_M": offsets.get("m1", 0), "F_K": offsets.get("k0_0", 0),
+        "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(step.fields) + constants,
+        "CONSTANTS": constants, "DEGREE": step.degree, "RECORD": record, "PERIOD": first, "FREE": first + 2, "SCALE_AT": tuple(scale_at),
+        "SET_VALUED": not eq.dynamic, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "KEPT_MODES": len(eq.modes) if eq.dynamic else 0,
+        "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks, "BREAK_AT": constants - len(eq.impulses) - breaks,
+        "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))), "F_C": len(step.fields) * lanes, "F_Y": offsets["y0"],
+        "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
-    named |= {
-        f"F_{f.upper()}": offsets.get(f, 0) for f in ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc")
-    }
-    named |= {f"F_{f.upper()}": offsets.get(f, 0) for f in ("t0", "hh", "x0", "side")}
+    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
+    alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
+    return named | {name: offsets.get(field, -1) for name, field in (firsts | {f"F_{f.upper()}": f for f in alone}).items()}
+
+
+def _source(eq: Equations, step: Step, width: int, groups: int, label: str, record: bool) -> str:
+    lanes = width * groups
+    offsets = {name: i * lanes for i, name in enumerate(step.fields)}
+    named = _layout(eq, step, lanes, record)
     parts = [
-        _HEADER.format(label=label, method=tableau.name, lanes=lanes),
+        _HEADER.format(label=label, lanes=lanes),
         "".join(f"{k} = {v!r}\n" for k, v in named.items()),
-        _prelude(eq, [*step.case_nodes, *extras]),
-        _sides(eq),
-        _step_text(step, width, groups, offsets, named["F_C"]),
-        _driver(),
+        _prelude(eq, _constants(eq, step)),
+        *_flags(eq),
+        _step_text(step, width, groups, offsets, named["F_C"], eq.dynamic),
+        *(() if eq.dynamic else (taylor.switches(eq, step), _driver("arcs"))),
+        _driver("lanes"),
     ]
     return "\n\n".join(parts)
 
 
 @lru_cache
-def _driver() -> str:
-    return (resources.files("stickslip.engine") / "kernels" / "lanes.py").read_text(encoding="utf-8")
+def _driver(name: str) -> str:
+    return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text(encoding="utf-8")
 
 
 def _prelude(eq: Equations, nodes: list[Any]) -> str:
@@ -190,33 +224,75 @@ def _prelude(eq: Equations, nodes: list[Any]) -> str:
     return '@njit("void(float64[::1], float64[::1])", **OPTIONS)\ndef prelude(row, c):\n' + "".join(f"    {line}\n" for line in body)
 
 
-def _sides(eq: Equations) -> str:
-    """The guards' values at the start, in order, for the flags to begin with."""
+def _flags(eq: Equations) -> list[str]:
+    """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
+    bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
     w = Writer(prefix="p")
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "0.0"}
-    bind |= {s.name: f"start[{1 + i}]" for i, s in enumerate(eq.y)}
+    ticks = [w.line(f"out[{k}]", f"-1.0 if {w.value(clock, bind)} < 0.0 else 1.0") for k, clock in enumerate(eq.clocks)]
+    texts = [_function("clocks", "row, t, out", w.lines, bool(ticks))]
+    w = Writer(prefix="p")
+    sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
+    lines = [f"mode[{i}] = {w.value(new, bind)}" for i, new in enumerate(eq.first_modes)]
+    texts.append(_function("modes", "row, t, y, clock, mode", [*w.lines, *lines], bool(lines)))
+    w = Writer(prefix="p")
     for k, guard in enumerate(eq.guards):
-        w.line(f"g{k}", f"1.0 * {w.value(guard, bind)}")
-        w.line(f"b{k}", f"-1.0 if g{k} < 0.0 else 1.0")
-        bind[f"b{k}"] = f"b{k}"
-    body = [*w.lines, *(f"out[{k}] = g{k}" for k in range(len(eq.guards)))]
-    return '@njit("void(float64[::1], float64[::1], float64[::1])", **OPTIONS)\ndef sides(row, start, out):\n' + "".join(
-        f"    {line}\n" for line in body
-    )
+        w.line(f"out[{k}]", f"1.0 * {w.value(guard, bind | sides)}")
+        if k < eq.signs:
+            w.line(f"b{k}", f"-1.0 if out[{k}] < 0.0 else 1.0")
+    texts.append(_function("sides", "row, t, y, clock, mode, out", w.lines, True))
+    w, lines = Writer(prefix="p"), []
+    if eq.dynamic and 0 in eq.switches:
+        w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
+        lines = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(eq.switches[0].modes)]
+        lines += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(eq.switches[0].states) if new is not None]
+    texts.append(_function("at_rest", "row, t, y, clock, mode", [*w.lines, *lines], bool(lines)))
+    return texts
 
 
-def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], constants_at: int) -> str:
-    """The step for all groups of lanes, their lines in turn."""
+def _function(name: str, arguments: str, lines: list[str], something: bool) -> str:
+    types = ", ".join("float64" if a == "t" else "float64[::1]" for a in arguments.split(", "))
+    body = "".join(f"    {line}\n" for line in (lines if something else ["pass"]))
+    return f'@njit("void({types})", **OPTIONS)\ndef {name}({arguments}):\n{body}'
+
+
+def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], constants_at: int, whole: bool) -> str:
+    """The step for all groups of lanes, their lines in turn; of a Taylor step only the series (what it makes is written, no more)."""
     lanes = width * groups
-    reads = [f"_{name} = S[{offset} + l@]" for name, offset in offsets.items()]
+    made = re.findall(r"^\s*_(\w+) = ", "\n".join(step.lines), re.MULTILINE)
+    writes = [f"S[{offset} + l@] = _{name}" for name, offset in offsets.items() if (name != "tend" if whole else name in made)]
+    reads = [f"_{name} = S[{offset} + l@]" for name, offset in offsets.items() if whole or name not in made]
     reads += [f"_c{i} = S[{constants_at + i * lanes} + l@]" for i in range(len(step.case_nodes))]
-    writes = [f"S[{offset} + l@] = _{name}" for name, offset in offsets.items() if name != "tend"]
-    text = ['@njit("void(float64[::1], float64, float64)", **OPTIONS)', "def step(S, rtol, budget):", f"    for l in range({width}):"]
+    given, name = ("S, rtol, budget", "step") if whole else ("S", "series")
+    text = [
+        f'@njit("void(float64[::1]{", float64, float64" if whole else ""})", **OPTIONS)',
+        f"def {name}({given}):",
+        f"    for l in range({width}):",
+    ]
     for line in [*reads, *step.lines, *writes]:
         for g in range(groups):
             renamed = re.sub(r"(?<![\w.])_(?=[A-Za-z])", f"_{'abcd'[g]}_", line)
             text.append("        " + renamed.replace("l@", "l" if g == 0 else f"l + {g * width}"))
-    return "\n".join(text)
+    return _without_branches("\n".join(text))
+
+
+class _Selects(ast.NodeTransformer):
+    """Decisions inside expressions as calls that are one instruction each: the compiler then sees no branches to join again."""
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
+        self.generic_visit(node)
+        return ast.Call(ast.Name("choose", ast.Load()), [node.test, node.body, node.orelse], [])
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
+        self.generic_visit(node)
+        joined = node.values[0]
+        for value in node.values[1:]:
+            joined = ast.BinOp(joined, ast.BitAnd() if isinstance(node.op, ast.And) else ast.BitOr(), value)
+        return joined
+
+
+def _without_branches(text: str) -> str:
+    return ast.unparse(ast.fix_missing_locations(_Selects().visit(ast.parse(text))))
 
 
 def run(
@@ -242,7 +318,7 @@ def run(
     cursor = np.array([0, cases, 0], dtype=np.int64)
     out, count = np.full((cases, 5 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
-    pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + n * (k.degree + 1))), []
+    pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     while k.module.advance(
         S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,

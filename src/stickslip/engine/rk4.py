@@ -82,7 +82,7 @@ def kernel(model: Any) -> Kernel:
     """The compiled loop of a model's kind."""
     s, name = slopes(model), label(model)
     body = _Loop(s).text()
-    source = "\n\n".join([_HEADER.format(label=name, method="RK4", lanes=1), *body])
+    source = "\n\n".join([_HEADER.format(label=f"{name}, RK4", lanes=1), *body])
     return Kernel(cache.load(source, f"rk4_{_plain(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 

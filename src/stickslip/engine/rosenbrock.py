@@ -61,19 +61,22 @@ class _StepWriter:
     def __init__(self, eq: Equations, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
         self.w, self.k = Writer(), CONTROL[tableau.name]
-        self.n, self.g = eq.states, len(eq.guards)
+        self.n, self.g, self.inner = eq.states, len(eq.guards), eq.states - (1 if eq.cyclic else 2)
         self.degree = len(tableau.dense) + 1
         self.dt = "_hh"
-        roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates]
+        news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
+        roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates, *news]
         self.w.count_uses(roots)
 
     def write(self) -> Step:
         n, g = range(self.n), range(self.g)
         scalars = ["t", "h", "tend", "x", "le", "lh", "grow"]
         fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
+        fields += [f"mode{i}" for i in range(len(self.eq.modes))] + [f"clk{k}" for k in range(len(self.eq.clocks))]
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
         if self.record:
             fields += ["t0", "hh", "x0", *(f"k{i}_{m}" for i in n for m in range(self.degree + 1)), "side"]
+            fields += [f"held{i}" for i in range(len(self.eq.modes))]
         self._slopes()
         self._length()
         self._matrix()
@@ -89,8 +92,8 @@ class _StepWriter:
 
     def _bind(self, t: str, y: list[str]) -> dict[str, str]:
         bind = {s.name: name for s, name in zip(self.eq.y, y, strict=True)}
-        bind["t"] = t
-        return bind | {f"b{k}": f"_b{k}" for k in range(self.g)}
+        bind |= {"t": t} | {s.name: f"_{s.name}" for s in self.eq.modes} | {f"clk{k}": f"_clk{k}" for k in range(len(self.eq.clocks))}
+        return bind | {f"b{k}": f"_b{k}" for k in range(self.eq.signs)}
 
     def _slopes(self) -> None:
         """f, its Jacobian and time derivative at the start; the signed slip ratio 1 - (dz/dt)/v for the observers."""
@@ -105,7 +108,7 @@ class _StepWriter:
         self.w.line("_acc", f"1.0 * {self.f[0]}")
         small = f"abs(_y0) < 1e-12 * {self.scale_v}"
         self.w.line("_safe", f"1.0 if {small} else _y0")
-        self.w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[1] if self.n > 1 else '0.0'} / _safe")
+        self.w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[1]} / _safe" if self.inner else "1.0")
 
     def _length(self) -> None:
         """The step's length: the controller's wish, cut where break-away must be foreseen and where the period ends."""
@@ -115,6 +118,8 @@ class _StepWriter:
             v_s = w.value(self.eq.stribeck_velocity, self.start)
             second = self.T[0]
             for j in range(self.n):
+                if self.J[0][j] == "0.0":
+                    continue
                 second = f"fma({self.J[0][j]}, {self.f[j]}, {second})"
             w.line("_jerk", f"abs({second})")
             w.line("_far", f"fma({v_s}, {literal(-k.swing_from)}, abs(_y0))")
@@ -131,20 +136,32 @@ class _StepWriter:
         """W = I/(h gamma) - J: its inverse for two states, else its LU factors without pivoting."""
         w, n = self.w, range(self.n)
         w.line("_d", f"_ih * {literal(1 / self.tab.gamma)}")
-        for i in n:
-            for j in n:
-                w.line(f"_a{i}_{j}", f"_d - {self.J[i][j]}" if i == j else f"-{self.J[i][j]}")
         if self.n == 2:
+            for i in n:
+                for j in n:
+                    w.line(f"_a{i}_{j}", f"_d - {self.J[i][j]}" if i == j else f"-{self.J[i][j]}")
             w.line("_det", "1.0 / fma(_a0_0, _a1_1, -(_a0_1 * _a1_0))")
             for name, text in (("_i00", "_a1_1"), ("_i01", "-_a0_1"), ("_i10", "-_a1_0"), ("_i11", "_a0_0")):
                 w.line(name, f"{text} * _det")
             return
-        for c in n:
+        self._factors()
+
+    def _factors(self) -> None:
+        """LU factors, the last state first: the law's states know v and themselves only, so that nothing fills in."""
+        w, order = self.w, range(self.n - 1, -1, -1)
+        self.there = {(i, j) for i in order for j in order if i == j or self.J[i][j] != "0.0"}
+        for i, j in sorted(self.there):
+            w.line(f"_a{i}_{j}", f"_d - {self.J[i][j]}" if i == j else f"-{self.J[i][j]}")
+        for c in order:
             w.line(f"_p{c}", f"1.0 / _a{c}_{c}")
-            for r in range(c + 1, self.n):
+            for r in range(c):
+                if (r, c) not in self.there:
+                    continue
                 w.line(f"_m{r}_{c}", f"_a{r}_{c} * _p{c}")
-                for j in range(c + 1, self.n):
-                    w.line(f"_a{r}_{j}", f"fma(-_m{r}_{c}, _a{c}_{j}, _a{r}_{j})")
+                for j in range(c):
+                    if (c, j) in self.there:
+                        w.line(f"_a{r}_{j}", f"fma(-_m{r}_{c}, _a{c}_{j}, {f'_a{r}_{j}' if (r, j) in self.there else '0.0'})")
+                        self.there.add((r, j))
 
     def _solve(self, q: int) -> None:
         """u_q = W^-1 r."""
@@ -153,12 +170,14 @@ class _StepWriter:
             for i in n:
                 w.line(f"_u{q}_{i}", f"fma(_i{i}0, _r0, _i{i}1 * _r1)")
             return
+        for c in reversed(n):
+            for r in range(c):
+                if (r, c) in self.there:
+                    w.line(f"_r{r}", f"fma(-_m{r}_{c}, _r{c}, _r{r})")
         for i in n:
             for j in range(i):
-                w.line(f"_r{i}", f"fma(-_m{i}_{j}, _r{j}, _r{i})")
-        for i in reversed(n):
-            for j in range(i + 1, self.n):
-                w.line(f"_r{i}", f"fma(-_a{i}_{j}, _u{q}_{j}, _r{i})")
+                if (i, j) in self.there:
+                    w.line(f"_r{i}", f"fma(-_a{i}_{j}, _u{q}_{j}, _r{i})")
             w.line(f"_u{q}_{i}", f"_r{i} * _p{i}")
 
     def _stages(self) -> None:
@@ -214,12 +233,11 @@ class _StepWriter:
     def _error(self) -> None:
         """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
         w, k = self.w, self.k
-        scales = self.eq.inner_scales
         for i in range(self.n):
             if i == 0:
                 floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
-            elif scales is not None:
-                floor = f"{literal(k.inner_floor)} * {w.value(scales[i - 1], self.start)}"
+            elif self.eq.scales[i - 1] is not None:
+                floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i - 1], self.start)}"
             else:
                 floor = f"{literal(k.inner_floor)} * _m{i}"
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
@@ -372,27 +390,49 @@ class _StepWriter:
         """New state of the lane."""
         w = self.w
         integral = horner([f"{literal(1 / (m + 1))} * _k0_{m}" for m in range(self.degree + 1)], "_part")
+        offset = w.value(self.eq.offset, self.start)
+        integral = integral if offset == "0.0" else f"(({integral}) + {offset})"
         if self.record:
-            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0")):
+            kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
+            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0"), *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
             if i:
                 w.line(f"_m{i}", f"_big{i} if (_acc1 and _big{i} > _m{i}) else _m{i}")
             w.line(f"_y{i}", f"(_v{i} if _evA else _n{i}) if _acc1 else _y{i}")
         w.line("_y0", "0.0 if (_evA and _which < 0.5) else _y0")
-        w.line("_x", f"fma(_hh * _part, {integral}, _x) if _acc1 else _x")
+        w.line("_x", f"fma(_hh * _part, {integral}, _x) if _acc1 else _x" if self.eq.cyclic else f"1.0 * _y{self.n - 1}")
         w.line("_fin", "_acc1 and _last and not _evA")
         w.line("_t", "_tend if _fin else (fma(_part, _hh, _t) if _acc1 else _t)")
+        w.line("_code", "0.0")
+        self._switch()
         for k in range(self.g):
             mine = f"_which == {k}.0" if self.g > 1 else "True"
-            w.line(f"_b{k}", f"-_b{k} if (_flip and {mine}) else _b{k}")
+            w.line(f"_b{k}", f"-_b{k} if (_flip and {mine}) else _b{k}" if k < self.eq.signs else "1.0")
             w.line(f"_on{k}", f"1.0 if (_flip and {mine}) else (0.0 if _acc1 else _on{k})")
         w.line("_nacc", "_nacc + (1.0 if _acc1 else 0.0)")
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
         w.line("_bad", f"(not _acc1) and _hh < 1e-14 * {w.value(self.eq.period, self.start)}")
         nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.n))
         w.line("_stat", f"1.0 if _fin else (({NOT_A_NUMBER}.0 if ({nan}) else {TOO_SMALL}.0) if _bad else _stat)")
+        w.line("_stat", "_code if _code > 0.5 else _stat")
         w.line("_stat", f"{BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
+
+    def _switch(self) -> None:
+        """What a guard's zero does to the law's modes and states, beside the flip of its flag."""
+        w, news = self.w, []
+        if self.eq.switches:
+            w.line("_te", "1.0 * _t")
+            event = self._bind("_te", [w.line(f"_z{i}", f"1.0 * _y{i}") for i in range(self.n)])
+        for k, switch in self.eq.switches.items():
+            fired = w.line(w.fresh(), f"_flip and _which == {k}.0")
+            changes = [(f"_{s.name}", new) for s, new in zip(self.eq.modes, switch.modes, strict=True)]
+            changes += [(f"_y{i}", new) for i, new in enumerate(switch.states) if new is not None]
+            news += [(fired, name, w.line(w.fresh(), f"1.0 * {w.value(new, event)}")) for name, new in changes]
+            if switch.status:
+                w.line("_code", f"{switch.status}.0 if {fired} else _code")
+        for fired, name, value in news:
+            w.line(name, f"{value} if {fired} else {name}")
 
 
 def _log2(x: float) -> float:

@@ -114,6 +114,9 @@ class Sym:
     def __ss_cos__(self) -> Sym:
         return self.graph.call("cos", self)
 
+    def __ss_within__(self, period: Any) -> Sym:
+        return self  # the engine's time begins anew with each period
+
     def __ss_tanh__(self) -> Sym:
         one, e = self.graph.constant(1.0), self.graph.call("exp", self * -2.0)
         return (one - e) / (one + e)
@@ -136,7 +139,7 @@ class Condition:
 
     def __ss_where__(self, yes: Any, no: Any) -> Sym:
         graph = self.difference.graph
-        held = self.difference if self.difference.level < STATE else graph.sign(self.difference)
+        held = graph.sign(self.difference) if graph.varies(self.difference) else self.difference
         return graph.select(held, self.difference._with(yes), self.difference._with(no))
 
     def __and__(self, other: Condition) -> _Both:
@@ -170,8 +173,11 @@ class Graph:
     def __init__(self) -> None:
         self.nodes: list[Sym] = []
         self._known: dict[Any, Sym] = {}
-        self.guards: list[Sym] = []  # guards[k] is the expression whose sign flag k holds
+        self.guards: list[Sym] = []  # guards[k] is the expression whose sign the flag b<k> holds
+        self.clocks: list[Sym] = []  # clocks[k] is linear in time, and its sign is the flag clk<k>
+        self.assumed: dict[int, float] = {}  # signs that are not asked for: number of a node -> +1 or -1
         self._derivatives: dict[tuple[int, int], Sym] = {}
+        self._varies: dict[int, frozenset[str]] = {}
 
     def _node(self, op: str, args: tuple[Sym, ...], level: int | None = None, name: str = "", value: float = 0.0) -> Sym:
         key = (op, tuple(a.number for a in args), name, value.hex())
@@ -196,6 +202,17 @@ class Graph:
     def variable(self, name: str) -> Sym:
         """Time or a state."""
         return self._node("variable", (), STATE, name)
+
+    def mode(self, name: str) -> Sym:
+        """A whole number that a step holds fixed."""
+        return self._node("flag", (), STATE, name)
+
+    def varies(self, node: Sym) -> frozenset[str]:
+        """The variables (time and states) that a node depends on; held flags do not count."""
+        if node.number not in self._varies:
+            found = frozenset((node.name,)) if node.op == "variable" else frozenset().union(*(self.varies(a) for a in node.args))
+            self._varies[node.number] = found
+        return self._varies[node.number]
 
     def add(self, a: Sym, b: Sym) -> Sym:
         """a + b."""
@@ -275,6 +292,8 @@ class Graph:
 
     def sign(self, a: Sym) -> Sym:
         """The held sign of an expression of the state: a flag, or a product of flags for a product."""
+        if a.number in self.assumed:
+            return self.constant(self.assumed[a.number])
         if a.op == "multiply":
             first, second = a.args
             if first.op == "constant":
@@ -286,8 +305,10 @@ class Graph:
             return self.constant(1.0)
         if a.op == "reciprocal":
             return self.sign(a.args[0])
-        if a.level < STATE:
-            return self.select(a, self.constant(1.0), self.constant(-1.0))
+        if not self.varies(a):
+            return a if _is_sign(a) else self.select(a, self.constant(1.0), self.constant(-1.0))
+        if self.varies(a) == {"t"} and not self.varies(self.derivative(a, self.variable("t"))):
+            return self._clock(a)
         if a.op == "subtract" and a.args[0].number > a.args[1].number:  # b - a has the opposite sign of a - b: one guard
             other = self._known.get(("subtract", (a.args[1].number, a.args[0].number), "", (0.0).hex()))
             if other is not None and any(other is g for g in self.guards):
@@ -297,6 +318,14 @@ class Graph:
                 return self._node("flag", (), STATE, f"b{k}")
         self.guards.append(a)
         return self._node("flag", (), STATE, f"b{len(self.guards) - 1}")
+
+    def _clock(self, a: Sym) -> Sym:
+        """The held sign of an expression that is linear in time: it changes at an instant that is known beforehand."""
+        for k, known in enumerate(self.clocks):
+            if known is a:
+                return self._node("flag", (), STATE, f"clk{k}")
+        self.clocks.append(a)
+        return self._node("flag", (), STATE, f"clk{len(self.clocks) - 1}")
 
     def derivative(self, node: Sym, by: Sym) -> Sym:
         """Partial derivative; held flags are constant."""
@@ -309,7 +338,7 @@ class Graph:
         zero = self.constant(0.0)
         if node is by:
             return self.constant(1.0)
-        if node.level < STATE or not node.args:
+        if node is not by and by.name not in self.varies(node):
             return zero
         if node.op == "select":
             held, yes, no = node.args
@@ -325,6 +354,11 @@ class Graph:
         if d[0] is zero:
             return zero
         return d[0] * _slope(node, a[0])
+
+
+def _is_sign(a: Sym) -> bool:
+    """Whether a node is a flag of value +1 or -1."""
+    return a.op == "flag" and not a.name.startswith("mode")
 
 
 def _slope(node: Sym, a: Sym) -> Sym:

@@ -3,35 +3,65 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
+from stickslip.forces import is_dynamic, normal_load
 from stickslip.maths import maximum
 
-__all__ = ["Equations", "label", "trace"]
+__all__ = ["SPAN", "Equations", "Switch", "label", "numbers_of", "trace"]
+
+#: Name of the column that holds the length of the run, for a model without a period.
+SPAN = "span"
+#: Status of a case whose load fell to zero.
+LOST = 6
+
+
+@dataclass(frozen=True)
+class Switch:
+    """What happens when a guard falls to zero, beside the flip of its flag."""
+
+    modes: tuple[Sym, ...]  # the new modes
+    states: tuple[Sym | None, ...]  # the new states; None: unchanged
+    status: int = 0  # the run ends with this status
 
 
 @dataclass(frozen=True)
 class Equations:
-    """What a step needs to know of a model. States are y[0] = v and the law's inner states after it."""
+    """What a step needs to know of a model.
+
+    States are y[0] = velocity at the contact, the law's inner states after it, and x as the last where the equations need it.
+    """
 
     graph: Graph
     names: tuple[str, ...]  # the case's numbers, in the order of a row
     t: Sym
     y: tuple[Sym, ...]
     f: tuple[Sym, ...]  # dy/dt
+    offset: Sym  # velocity of the body less that at the contact
     jacobian: tuple[tuple[Sym, ...], ...]
     by_time: tuple[Sym, ...]
     guards: tuple[Sym, ...]
     guard_rates: tuple[Sym, ...]  # total derivative of each guard along the flow
+    signs: int  # the first guards have flags that flip; the others are positive until their switch
+    switches: dict[int, Switch]  # by number of the guard
+    modes: tuple[Sym, ...]
+    first_modes: tuple[Sym, ...]  # from the state, at the start and after an impulse
+    clocks: tuple[Sym, ...]
+    instants: tuple[Sym, ...]  # when each clock's flag changes
+    impulses: tuple[tuple[Sym, Sym], ...]  # instant, jump of v
     period: Sym
     velocity_scale: Sym
     free_velocity: Sym  # what the body would do without friction: the unit of strobe distances
-    inner_scales: tuple[Sym, ...] | None  # None: the law names no scale
+    scales: tuple[Sym | None, ...]  # typical size of y[1:]; None: not known
     stribeck_velocity: Sym | None
+    cyclic: bool
+    dynamic: bool
 
     @property
     def states(self) -> int:
@@ -53,17 +83,32 @@ def inner_states(law: Any) -> int:
     return int(getattr(law, "states", 1))
 
 
+def numbers_of(model: Any) -> tuple[str, ...]:
+    """Names of the numbers that make a case's row.
+
+    An exponent that is 1 or 2 for all cases belongs to the kind: its power is written out.
+    """
+    return tuple(
+        name for name, value in leaves(model) if not (name.endswith(".exponent") and isinstance(value, float) and value in (1.0, 2.0))
+    )
+
+
 def _as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
     values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
     if len(values) != count:
         raise TraceError(
-            f"{what} gives {len(values)} values; the law has {count} inner state{'s' if count > 1 else ''} (class attribute states)"
+            f"{what} gives {len(values)} values; the law has {count} inner state{'' if count == 1 else 's'} (class attribute states)"
         )
     return values
 
 
+def _given(values: tuple[Any, ...]) -> Any:
+    """Inner states as a law takes them: a number if there is one."""
+    return values[0] if len(values) == 1 else values
+
+
 def trace(model: Any) -> Equations:
-    """The equations of a model with a dynamic law; `InputError` says what to change in a law that cannot be traced."""
+    """The equations of a model; `InputError` says what to change in a law that cannot be traced."""
     return _explained(_trace, model)
 
 
@@ -90,19 +135,29 @@ def _explained(work: Any, model: Any) -> Any:
 
 ARGUMENTS = {
     "rate": ("v", "z", "load"), "force": ("v", "z", "zdot", "load"), "sliding": ("v", "load"), "breakaway": ("load",),
-    "scale": ("load",), "velocity_scale": (),
+    "switches": ("v", "z", "load"), "scale": ("load",), "velocity_scale": (),
 }  # fmt: skip
+
+
+def _arguments(law: Any, name: str) -> tuple[str, ...]:
+    """What a method of a law takes: a law with modes is given them, and one that asks for it what would hold the body."""
+    remembers = ("mode",) if hasattr(law, "switches") and name in ("rate", "force", "switches") else ()
+    return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and wants_applied(law) else ())
+
+
+def wants_applied(law: Any) -> bool:
+    """Whether a law's force must know the friction force that would hold the body."""
+    return "applied" in inspect.signature(law.force).parameters
 
 
 def check_signatures(law: Any) -> None:
     """A law's methods take what the engine gives, in that order."""
-    import inspect
-
     problems = Problems(type(law).__name__)
-    for name, expected in ARGUMENTS.items():
+    for name in ARGUMENTS:
         method = getattr(law, name, None)
         if not callable(method):
             continue
+        expected = _arguments(law, name)
         given = tuple(p.name for p in inspect.signature(method).parameters.values() if p.default is p.empty)
         if len(given) != len(expected) or (set(given) == set(expected) and given != expected):
             problems.add(
@@ -112,50 +167,171 @@ def check_signatures(law: Any) -> None:
     problems.check()
 
 
+class _Mechanics:
+    """A model with symbols for its numbers, time, velocity at the contact, and position."""
+
+    def __init__(self, model: Any):
+        self.graph = graph = Graph()
+        self.cyclic = bool(getattr(model, "cyclic", False))
+        names = numbers_of(model)
+        self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
+        self.names = names if model.period is not None else (*names, SPAN)
+        self.t, self.slip = graph.variable("t"), graph.variable("v")
+        self.x = graph.constant(0.0) if self.cyclic else graph.variable("x")
+        graph.sign(self.slip)  # flag 0 is always the side of v
+        self.offset = -self.lift(self.model.contact_velocity(graph.constant(0.0)))
+        self.v = self.slip + self.offset
+        self.load = self.lift(normal_load(self.model, self.t, self.x))
+        zero = graph.constant(0.0)
+        self.first_load = self.lift(normal_load(self.model, zero, zero))  # a typical load, where it varies
+        self.law = self.model.friction
+
+    def lift(self, value: Any) -> Sym:
+        return value if isinstance(value, Sym) else self.graph.constant(value)
+
+    def acceleration(self, R: Any, slip: Sym | None = None) -> Sym:
+        v = (self.slip if slip is None else slip) + self.offset
+        return _spread(self.lift(self.model.acceleration(self.t, self.x, v, R)))
+
+    def period(self, given: Any) -> Sym:
+        return self.graph.case(SPAN) if given.period is None else self.lift(self.model.period)
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """How a law moves the states: the part of the equations that depends on its sort."""
+
+    inner: tuple[Sym, ...]
+    f: tuple[Sym, ...]
+    events: list[tuple[Sym, Switch]]  # one-sided guards
+    at_rest: Switch | None  # what happens when the velocity passes zero
+    modes: tuple[Sym, ...]
+    first_modes: tuple[Sym, ...]
+    scales: tuple[Sym | None, ...]
+
+
 def _trace(model: Any) -> Equations:
-    graph = Graph()
-    names = tuple(name for name, _ in leaves(model))
-    symbolic: Any = replace_leaf(model, {name: graph.case(name) for name in names})
-    law, count = symbolic.friction, inner_states(model.friction)
-    t, v = graph.variable("t"), graph.variable("v")
-    z = tuple(graph.variable(f"z{i}") for i in range(count))
-    graph.sign(v)  # flag 0 is always the side of v
-    load = _lift(graph, symbolic.load(t, graph.constant(0.0)))
-    contact = _lift(graph, symbolic.contact_velocity(v))
-    zdot = tuple(_lift(graph, r) for r in _as_tuple(law.rate(contact, z if count > 1 else z[0], load), count, "rate"))
-    force = law.force(contact, z if count > 1 else z[0], zdot if count > 1 else zdot[0], load)
-    f = (_spread(_lift(graph, symbolic.acceleration(t, graph.constant(0.0), v, force))), *zdot)
-    y = (v, *z)
-    jacobian = tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f)
-    guards = tuple(graph.guards)
-    rates = tuple(_along_flow(graph, g, t, y, f) for g in guards)
-    scale, speed = getattr(law, "scale", None), getattr(law, "velocity_scale", None)
+    m = _Mechanics(model)
+    graph, dynamic = m.graph, is_dynamic(model.friction)
+    motion = _dynamic(m) if dynamic else _set_valued(m)
+    y = (m.slip, *motion.inner, *(() if m.cyclic else (m.x,)))
+    f = (*motion.f, *(() if m.cyclic else (m.v,)))
+    events = [*motion.events, *_lost(m, len(y), motion.modes)]
+    guards = (*graph.guards, *(guard for guard, _ in events))
+    switches = {len(graph.guards) + k: switch for k, (_, switch) in enumerate(events)}
+    if motion.at_rest is not None:
+        switches[0] = motion.at_rest
+    speed = getattr(m.law, "velocity_scale", None)
+    impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in getattr(m.model, "impulses", ()) or ())
     return Equations(
-        graph=graph,
-        names=names,
-        t=t,
-        y=y,
-        f=f,
-        jacobian=jacobian,
-        by_time=tuple(graph.derivative(fi, t) for fi in f),
-        guards=guards,
-        guard_rates=rates,
-        period=_lift(graph, symbolic.period),
-        velocity_scale=_velocity_scale(graph, symbolic.velocity_scale, speed),
-        free_velocity=_velocity_scale(graph, getattr(symbolic, "free_velocity", symbolic.velocity_scale), speed),
-        inner_scales=None if scale is None else tuple(_lift(graph, s) for s in _as_tuple(scale(load), count, "scale")),
-        stribeck_velocity=None if speed is None else _lift(graph, speed()),
-    )
+        graph=graph, names=m.names, t=m.t, y=y, f=f, offset=m.offset,
+        jacobian=tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f),
+        by_time=tuple(graph.derivative(fi, m.t) for fi in f),
+        guards=guards, guard_rates=tuple(_along_flow(graph, g, m.t, y, f) for g in guards), signs=len(graph.guards), switches=switches,
+        modes=motion.modes, first_modes=motion.first_modes,
+        clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks), impulses=impulses,
+        period=m.period(model),
+        velocity_scale=_velocity_scale(m, m.model.velocity_scale, speed),
+        free_velocity=_velocity_scale(m, getattr(m.model, "free_velocity", m.model.velocity_scale), speed),
+        scales=(*motion.scales, *(() if m.cyclic else (None,))),
+        stribeck_velocity=None if speed is None else m.lift(speed()),
+        cyclic=m.cyclic, dynamic=dynamic,
+    )  # fmt: skip
 
 
-def _velocity_scale(graph: Graph, driven: Any, speed: Any) -> Sym:
+def _dynamic(m: _Mechanics) -> _Motion:
+    """A law with inner states: rate and force; its memory of whole numbers, if it has one, changes by switches."""
+    law, graph, count = m.law, m.graph, inner_states(m.law)
+    z = tuple(graph.variable(f"z{i}") for i in range(count))
+    modes = tuple(graph.mode(f"mode{i}") for i in range(int(getattr(law, "modes", 0)))) if hasattr(law, "switches") else ()
+    memory = (modes,) if hasattr(law, "switches") else ()
+    zdot = tuple(m.lift(r) for r in _as_tuple(law.rate(m.slip, _given(z), m.load, *memory), count, "rate"))
+    applied = (m.model.total_mass * m.acceleration(0.0),) if wants_applied(law) else ()
+    force = law.force(m.slip, _given(z), _given(zdot), m.load, *memory, *applied)
+    events, at_rest = _switches(m, z, modes) if memory else ([], None)
+    scale = getattr(law, "scale", None)
+    scales = (None,) * count if scale is None else tuple(m.lift(s) for s in _as_tuple(scale(m.first_load), count, "scale"))
+    zero = graph.constant(0.0)
+    return _Motion(z, (m.acceleration(force), *zdot), events, at_rest, modes, (zero,) * len(modes), scales)
+
+
+def _switches(m: _Mechanics, z: tuple[Sym, ...], modes: tuple[Sym, ...]) -> tuple[list[tuple[Sym, Switch]], Switch | None]:
+    """The law's switches; those at the instant when v passes zero belong to the guard that is there already."""
+    events, at_rest, passing = [], None, abs(m.slip)
+    for guard, new_modes, new_z in m.law.switches(m.slip, _given(z), m.load, modes):
+        states: tuple[Sym | None, ...] = (None,) * (1 + len(z))
+        if new_z is not None:
+            states = (None, *(m.lift(s) for s in _as_tuple(new_z, len(z), "switches")))
+        states += () if m.cyclic else (None,)
+        switch = Switch(tuple(m.lift(new) for new in new_modes), states)
+        if guard is passing:
+            at_rest = switch
+        else:
+            events.append((m.lift(guard), switch))
+    return events, at_rest
+
+
+def _set_valued(m: _Mechanics) -> _Motion:
+    """A law that may hold the body: mode +1 slides forwards, -1 backwards, 0 is stuck until the forces reach break-away."""
+    graph, law = m.graph, m.law
+    mode = graph.mode("mode0")
+    one, zero = graph.constant(1.0), graph.constant(0.0)
+    sliding = []
+    for side in (1.0, -1.0):
+        graph.assumed[m.slip.number] = side
+        sliding.append(m.acceleration(law.sliding(m.slip, m.load)))
+    backward, forward = law.breakaway(m.load)
+    push, pull = m.acceleration(forward, zero), -m.acceleration(backward, zero)  # > 0: breaks away forwards, backwards
+    graph.assumed.clear()
+    states = (None,) if m.cyclic else (None, None)
+
+    def by_mode(forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
+        return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
+
+    rest = graph.select(push, one, graph.select(pull, -one, zero))
+    events = [
+        (by_mode(m.slip, -m.slip, one), Switch((rest,), (zero, *states[1:]))),
+        (by_mode(one, one, -push), Switch((one,), states)),
+        (by_mode(one, one, -pull), Switch((-one,), states)),
+    ]
+    first = graph.select(m.slip, one, graph.select(-m.slip, -one, rest))
+    return _Motion((), (by_mode(sliding[0], sliding[1], zero),), events, None, (mode,), (first,), ())
+
+
+def _lost(m: _Mechanics, states: int, modes: tuple[Sym, ...]) -> list[tuple[Sym, Switch]]:
+    """The end of the run, where a load that varies falls to zero."""
+    return [(m.load, Switch(modes, (None,) * states, LOST))] if m.graph.varies(m.load) else []
+
+
+def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:
+    """The zero of an expression that is linear in time: t - c(t)/c'(t), which does not vary."""
+    slope = graph.derivative(clock, t)
+    return -_at_zero(graph, clock, t) / slope
+
+
+def _at_zero(graph: Graph, node: Sym, t: Sym) -> Sym:
+    """An expression at t = 0."""
+    if node is t:
+        return graph.constant(0.0)
+    if not graph.varies(node):
+        return node
+    a = [_at_zero(graph, arg, t) for arg in node.args]
+    match node.op:
+        case "add":
+            return a[0] + a[1]
+        case "subtract":
+            return a[0] - a[1]
+        case "multiply":
+            return a[0] * a[1]
+        case "select":
+            return graph.select(a[0], a[1], a[2])
+    raise TraceError(f"a condition on time has {node.op} in it; write it as where(within(t, period) < instant, ...)")
+
+
+def _velocity_scale(m: _Mechanics, driven: Any, speed: Any) -> Sym:
     """A velocity of the drive, and something positive where the drive is off."""
-    driven = _lift(graph, driven)
-    return driven if speed is None else maximum(driven, 1e-9 * _lift(graph, speed()))
-
-
-def _lift(graph: Graph, value: Any) -> Sym:
-    return value if isinstance(value, Sym) else graph.constant(value)
+    driven = m.lift(driven)
+    return driven if speed is None else maximum(driven, 1e-9 * m.lift(speed()))
 
 
 def _spread(node: Sym, factor: Sym | None = None) -> Sym:
@@ -182,32 +358,41 @@ def check_numbers(model: Any) -> None:
 
 
 def _check_numbers(model: Any) -> None:
-    import math
-
     from stickslip.batch import rows_of
 
     names = tuple(name for name, _ in leaves(model))
     case: Any = replace_leaf(model, dict(zip(names, (float(c) for c in rows_of(model, names)[0]), strict=True)))
-    law, count = case.friction, inner_states(model.friction)
-    load, speed = float(case.load(0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
-    z0 = (0.0,) * count if count > 1 else 0.0
+    load, speed = float(normal_load(case, 0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
+    look = _values_of_dynamic if is_dynamic(case.friction) else _values_of_set_valued
     for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
         try:
-            rate = _as_tuple(law.rate(v, z0, load), count, "rate")
-            bad = [r for r in rate if not isinstance(r, (int, float))]
-            if bad:
-                values = {"rate": bad[0]}
-            else:
-                values = {"rate": max(map(abs, rate)), "force": law.force(v, z0, rate if count > 1 else rate[0], load)}
+            values = look(case.friction, v, load)
         except (ValueError, ZeroDivisionError, OverflowError) as error:
-            values = {"rate or force": f"no number ({error})"}
+            values = {"rate or force" if is_dynamic(case.friction) else "sliding or breakaway": f"no number ({error})"}
         for what, value in values.items():
             if not isinstance(value, (int, float)) or not math.isfinite(value):
+                law = case.friction
                 numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
                 raise InputError(
                     type(law).__name__,
                     [
-                        f"{what}(v={v:.6g}, z=0, load={load:.6g}) is {value} with {numbers}; "
+                        f"{what}(v={v:.6g}, {'z=0, ' if is_dynamic(law) else ''}load={load:.6g}) is {value} with {numbers}; "
                         "allowed is a finite number; check the law's formula and fields"
                     ],
                 )
+
+
+def _values_of_dynamic(law: Any, v: float, load: float) -> dict[str, Any]:
+    count, memory = inner_states(law), ((0,) * int(getattr(law, "modes", 0)),) if hasattr(law, "switches") else ()
+    z = (0.0,) * count
+    rate = _as_tuple(law.rate(v, _given(z), load, *memory), count, "rate")
+    bad = [r for r in rate if not isinstance(r, (int, float))]
+    if bad:
+        return {"rate": bad[0]}
+    applied = (0.0,) if wants_applied(law) else ()
+    return {"rate": max(map(abs, rate), default=0.0), "force": law.force(v, _given(z), _given(rate), load, *memory, *applied)}
+
+
+def _values_of_set_valued(law: Any, v: float, load: float) -> dict[str, Any]:
+    backward, forward = law.breakaway(load)
+    return {"breakaway": forward if not math.isfinite(forward) else backward} | ({"sliding": law.sliding(v, load)} if v else {})

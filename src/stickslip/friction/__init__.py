@@ -1,8 +1,43 @@
-"""Friction laws: one law, one file. `LAWS` lists them by name."""
+"""Friction laws: one law, one file. `LAWS` lists those that stand for themselves by name; `Sum` adds any of them up."""
 
+from stickslip.friction.bristle import Bristle
 from stickslip.friction.coulomb import Coulomb
+from stickslip.friction.coulomb_viscous import CoulombViscous
+from stickslip.friction.dahl import Dahl
+from stickslip.friction.dead_band import DeadBand
+from stickslip.friction.elasto_plastic import ElastoPlastic
+from stickslip.friction.gms import GMS
+from stickslip.friction.karnopp import Karnopp
 from stickslip.friction.lugre import LuGre
+from stickslip.friction.reset_integrator import ResetIntegrator
+from stickslip.friction.stribeck import Stribeck
+from stickslip.friction.sum import Sum
+from stickslip.friction.tabulated import Tabulated
+from stickslip.friction.tanh_coulomb import TanhCoulomb
+from stickslip.friction.viscous import Viscous
 
-__all__ = ["LAWS", "Coulomb", "LuGre"]
+_ALL = (
+    Coulomb, Viscous, CoulombViscous, Stribeck, Tabulated, Dahl, LuGre, ElastoPlastic, GMS, Bristle, ResetIntegrator, TanhCoulomb,
+    DeadBand, Karnopp,
+)  # fmt: skip
+#: Every law by its name in lower case.
+LAWS = {law.__name__.lower(): law for law in _ALL}
 
-LAWS = {"coulomb": Coulomb, "lugre": LuGre}
+__all__ = [
+    "GMS",
+    "LAWS",
+    "Bristle",
+    "Coulomb",
+    "CoulombViscous",
+    "Dahl",
+    "DeadBand",
+    "ElastoPlastic",
+    "Karnopp",
+    "LuGre",
+    "ResetIntegrator",
+    "Stribeck",
+    "Sum",
+    "Tabulated",
+    "TanhCoulomb",
+    "Viscous",
+]  # fmt: skip

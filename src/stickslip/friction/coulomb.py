@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import Record, at_least
+from stickslip.fields import at_least
+from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, static
 
 __all__ = ["Coulomb"]
 
 
 @dataclass(frozen=True, eq=False)
-class Coulomb(Record):
+class Coulomb(Law):
     r"""Anisotropic Coulomb friction, a set-valued law: Eq. 2.4 of the paper.
 
     .. math:: R = \mu_+ N \;(v>0), \quad R = -\mu_- N \;(v<0), \quad -f_- N \le R \le f_+ N \;(v=0)
@@ -42,6 +43,7 @@ class Coulomb(Record):
     f_plus: float | None = None
     f_minus: float | None = None
 
+    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24)
     _rules: ClassVar[dict[str, Any]] = {
         "mu_plus": (at_least(0.0), "zero or more"),
         "mu_minus": (at_least(0.0), "zero or more"),

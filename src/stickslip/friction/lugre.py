@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import Record, at_least, positive
+from stickslip.fields import at_least, positive
+from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, static, stribeck
 
 __all__ = ["LuGre"]
 
 
 @dataclass(frozen=True, eq=False)
-class LuGre(Record):
+class LuGre(Law):
     r"""Anisotropic LuGre friction, a dynamic law with one inner state z: Eqs 2.5 and 2.6 of the paper.
 
     .. math:: R = \sigma_0 z + \sigma_1 \dot z + \sigma_2 v, \qquad
@@ -61,6 +62,9 @@ class LuGre(Record):
     sigma2: float
     v_s: float
 
+    _example: ClassVar[dict[str, Any]] = dict(
+        mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0, sigma2=0.04, v_s=2e-3
+    )
     _rules: ClassVar[dict[str, Any]] = {
         "mu_plus": (positive, "a positive number"),
         "mu_minus": (positive, "a positive number"),

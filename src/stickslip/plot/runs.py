@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, prefix, publication
 from stickslip.summary import Summary
 
@@ -191,8 +191,10 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
     with publication():
         ax = axes(ax)
         _shade(ax, _rests(run, start, end), start, time)
-        for i, limit in enumerate(_limits(run)):
-            ax.axhline(limit * factor, color=INK, linewidth=0.6, linestyle=(0, (2, 2)), zorder=1, label=None if i else "break-away")
+        t, _ = next(iter(curves.values()))
+        dashed = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
+        for i, limit in enumerate(_limits(run, t)):
+            ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
         for i, (name, (t, F)) in enumerate(curves.items()):
             ax.plot((t - start) * time, F * factor, color=COLOURS[1 - i], linestyle="-", label=name, zorder=2 + i)
         ax.set_xlim(0.0, (end - start) * time)
@@ -202,12 +204,12 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
         return ax
 
 
-def _limits(run: Any) -> tuple[float, ...]:
-    """Break-away forces: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
-    law, load = run.model.friction, run.model.load(0.0, 0.0)
+def _limits(run: Any, t: Any) -> tuple[Any, ...]:
+    """Break-away forces at instants: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
+    law, load = run.model.friction, normal_load(run.model, t, 0.0) + 0.0 * t
     if not is_dynamic(law):
-        return tuple(float(limit) for limit in law.breakaway(load))
+        return tuple(limit + 0.0 * t for limit in law.breakaway(load))
     if not hasattr(law, "f_plus"):
         return ()
     plus, minus = (law.f_plus if law.f_plus is not None else law.mu_plus), (law.f_minus if law.f_minus is not None else law.mu_minus)
-    return float(-minus * load), float(plus * load)
+    return -minus * load, plus * load

@@ -18,14 +18,14 @@ METHODS = ("auto", "exact", "rodas4", "rodas5p", "rk4", "radau", "lsoda", "bdf",
 
 
 @overload
-def solve(model: Any, periods: int = ..., *, keep: Literal["trajectory"], **arguments: Any) -> Trajectory: ...
+def solve(model: Any, periods: int | None = ..., *, keep: Literal["trajectory"], **arguments: Any) -> Trajectory: ...
 @overload
-def solve(model: Any, periods: int = ..., *, keep: Literal["summary"], **arguments: Any) -> Summary: ...
+def solve(model: Any, periods: int | None = ..., *, keep: Literal["summary"], **arguments: Any) -> Summary: ...
 @overload
-def solve(model: Any, periods: int = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any) -> Any: ...
+def solve(model: Any, periods: int | None = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any) -> Any: ...
 def solve(
     model: Any,
-    periods: int = 200,
+    periods: int | None = None,
     settle: int | str | None = None,
     rtol: float = 1e-6,
     start: dict[str, Any] | None = None,
@@ -36,16 +36,17 @@ def solve(
     slip_ratio: float = 0.75,
     dwell: float = 0.03,
     progress: Callable[[int, int], None] | None = None,
+    duration: float | None = None,
     **options: Any,
 ) -> Any:
-    r"""Simulate a robot, or every robot of a batch, from its start.
+    r"""Simulate a robot or a mechanism, or every one of a batch, from its start.
 
     Parameters
     ----------
-    model : Robot
+    model : Robot or PulledMass, BlockOnBelt, ForcedOscillator
         What to solve. If any of its numbers is an array it is a batch, and the result has that shape.
-    periods : int
-        Drive periods to simulate.
+    periods : int, optional
+        Drive periods to simulate, 200 if neither this nor `duration` is given.
     settle : int or "auto", optional
         Drive periods that the mean velocity leaves out; ``None`` is the first half. "auto" (batches) stops a case as soon
         as its strobe point repeats, at most after `periods`.
@@ -58,13 +59,15 @@ def solve(
     keep : {"trajectory", "summary"}, optional
         What to return: everything that happened (one case), or the numbers. By default a trajectory for one case.
     samples : int
-        Instants per period in the columns of a trajectory.
+        Instants per period in the columns of a trajectory; a model that has no period gets ten times as many in all.
     method : str
         One of `METHODS`.
     slip_ratio, dwell : float
         When a dynamic law counts as stuck, see `stickslip.motion`; used for the motion types of a batch.
     progress : callable, optional
         Called with (cases begun, cases in all).
+    duration : float, optional
+        How long to simulate [s], instead of `periods`. A model that has no period needs it. A batch of periodic models cannot take it.
     **options
         Options of the method: ``steps`` per period for "rk4".
 
@@ -86,7 +89,7 @@ def solve(
     >>> f"{ss.mean_velocity(run):.6f} m/s"
     '0.002015 m/s'
     """
-    todo = request(model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options)
+    todo = request(model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration)
     return _solver(todo)(todo)
 
 
@@ -94,7 +97,7 @@ def _solver(todo: Request) -> Callable[[Request], Any]:
     """The function that does what was asked."""
     name, law = todo.method, todo.model.friction
     if name == "auto":
-        name = "rosenbrock" if is_dynamic(law) else "exact"
+        name = "dop853" if getattr(law, "scalar_only", False) else "rosenbrock" if is_dynamic(law) else "exact"
     if name == "exact":
         from stickslip.solvers import exact
 
@@ -115,6 +118,6 @@ def _solver(todo: Request) -> Callable[[Request], Any]:
         from stickslip.solvers import rk4
 
         return rk4.solve
-    from stickslip.solvers import scipy_ivp
+    from stickslip.solvers import plain
 
-    return scipy_ivp.solve
+    return plain.solve

@@ -103,10 +103,13 @@ def handles(model: Any) -> str | None:
     law, name = model.friction, type(model.friction).__name__
     if not (hasattr(law, "sliding") and hasattr(law, "breakaway")):
         return f"{name} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
-    if not isinstance(model.drive, Harmonic):
-        return f"the drive is {type(model.drive).__name__}; exact arcs are closed formulas for Harmonic drives only"
+    if not isinstance(getattr(model, "drive", None), Harmonic):
+        drive = type(getattr(model, "drive", model)).__name__
+        return f"the drive is {drive}; exact arcs are closed formulas for Harmonic drives only"
     if not getattr(model, "cyclic", False):
         return f"position appears in the equations of {type(model).__name__}; exact arcs are for robots"
+    if hasattr(model.track, "grip"):
+        return f"the friction of {type(model.track).__name__} varies in time; exact arcs are closed formulas for a constant one only"
     return _unfit(_flat(model), name)
 
 

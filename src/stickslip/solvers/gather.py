@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import spread
 from stickslip.forces import is_dynamic
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
@@ -38,7 +37,7 @@ class Raw:
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk."""
     cases = todo.cases
-    T = spread(todo.model.period, todo.labels)
+    T = np.broadcast_to(todo.span, (cases,))
     columns: dict[str, Any] = {}
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last]).items():
@@ -75,10 +74,12 @@ def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
     }
 
 
-def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any]) -> Trajectory:
-    """A trajectory from dense output."""
+def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], status: int = 0) -> Trajectory:
+    """A trajectory from dense output, cut at the duration that was asked for."""
     tolerance = None if method == "exact" else todo.rtol
+    if todo.duration is not None and pieces.t[-1] > todo.duration:
+        pieces, status = pieces.until(todo.duration), 0
     return Trajectory(
-        model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method, status=STATUS[0],
+        model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method, status=STATUS[status],
         samples=todo.samples, start=dict(todo.given_start), provenance=provenance(todo, method, tolerance), counts=counts,
     )  # fmt: skip

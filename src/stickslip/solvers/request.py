@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.batch import Labels, labels_of, spread
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, number
-from stickslip.forces import is_dynamic
+from stickslip.forces import states_of
 
 __all__ = ["Request", "provenance", "request"]
 
@@ -38,6 +38,8 @@ class Request:
     dwell: float
     progress: Callable[[int, int], None] | None
     options: dict[str, Any]
+    duration: float | None  # [s], where it was given
+    span: Any  # time of one period [s]: the model's, or the duration if it has none; an array (cases,) for a summary of a periodic model
 
     @property
     def cases(self) -> int:
@@ -47,13 +49,17 @@ class Request:
 
 def request(
     model: Any, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any,
-    dwell: Any, progress: Any, options: dict[str, Any],
+    dwell: Any, progress: Any, options: dict[str, Any], duration: Any = None,
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")
     if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
         raise InputError(
-            "solve", [f"{model!r} is no model; allowed is a Robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"]
+            "solve",
+            [
+                f"{model!r} is no model; allowed is a Robot or a mechanism; "
+                "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
+            ],
         )
     for name, value in leaves(model):
         try:
@@ -62,6 +68,7 @@ def request(
             problems.add(f"{name}: {error}; allowed is a number or an array of numbers")
     problems.check()
     labels = labels_of(model)
+    periods = _periods(model, labels, periods, settle, duration, problems)
     whole = {"periods": (periods, 1), "workers": (workers, 1), "samples": (samples, 4)}
     for name, (value, least) in whole.items():
         if not _is_whole(value) or value < least:
@@ -85,7 +92,37 @@ def request(
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
+        None if duration is None else float(duration), _span(model, labels, keep, duration),
     )  # fmt: skip
+
+
+def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> Any:
+    """Periods to run: as given, or as many as the duration begins; 1 for a model that has no period."""
+    name, aperiodic = type(model).__name__, model.period is None
+    if duration is None:
+        if aperiodic:
+            problems.add(f"{name} has no period, so periods does not say how long to run; type duration=60.0 [s]")
+            return 1
+        return 200 if periods is None else periods
+    if periods is not None:
+        problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
+    if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < float("inf"):
+        problems.add(f"duration = {duration!r}; allowed is a positive time [s]; type for example duration=10.0")
+        return 1
+    if aperiodic:
+        if settle not in (None, 0):
+            problems.add(f"settle = {settle!r} counts periods, and {name} has none; leave settle out")
+        return 1
+    if labels.shape:
+        problems.add(f"duration is for one {name} and this is a batch of shape {labels.shape}; type periods=200, or solve one case")
+        return 1
+    return max(int(np.ceil(duration / float(model.period) * (1 - 1e-12))), 1)
+
+
+def _span(model: Any, labels: Labels, keep: str, duration: Any) -> Any:
+    if model.period is None:
+        return float(duration)
+    return float(model.period) if keep == "trajectory" else spread(model.period, labels)
 
 
 #: Bytes that a trajectory takes for each sample of its columns, and for each period of dense output (measured, generous).
@@ -123,6 +160,7 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
     for name in options:
         if name not in known:
             arguments = (
+                "duration",
                 "periods",
                 "settle",
                 "rtol",
@@ -141,7 +179,7 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
 
 def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
     """Start values as a table (cases, 1 + states)."""
-    inner = int(getattr(model.friction, "states", 1)) if is_dynamic(model.friction) else 0
+    inner = states_of(model.friction)
     cases = int(np.prod(labels.shape, dtype=np.int64))
     table = np.zeros((cases, 2 + inner))
     if start is None:
@@ -181,6 +219,7 @@ def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str,
         versions["numba"] = sys.modules["numba"].__version__
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
+    settings |= {} if todo.duration is None else {"duration": todo.duration}
     kinds = {"law": type(todo.model.friction).__name__, "model": type(todo.model).__name__}
     parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
     return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import held_velocity, is_dynamic
+from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load
 from stickslip.solvers.gather import Raw
 
 __all__ = ["NOTHING", "codes_of", "margin_force", "period_of", "raw", "segments_of", "window_of"]
@@ -39,7 +39,7 @@ def _scales(model: Any, strobe: Any) -> Any:
     inner = (
         np.full(strobe.shape[1] - 2, np.nan)
         if scale is None
-        else np.broadcast_to(np.asarray(scale(model.load(0.0, 0.0)), float), strobe.shape[1] - 2)
+        else np.broadcast_to(np.asarray(scale(normal_load(model, 0.0, 0.0)), float), strobe.shape[1] - 2)
     )
     inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
     scales = np.concatenate([[float(model.velocity_scale)], inner])
@@ -54,12 +54,12 @@ def window_of(strobe: Any, settle: int, period: int) -> tuple[float, float]:
     return float(strobe[-1, 0] - strobe[-1 - count, 0]), float(count)
 
 
-def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float) -> Any:
+def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any = 0.0, x: Any = 0.0, memory: Any = ()) -> Any:
     """What the body does at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.segments`)."""
-    if not is_dynamic(model.friction):
+    if not is_dynamic(model.friction) or z.shape[1] == 0:
         return 2 * mode
     slip = held_velocity(model.contact_velocity(v), mode, 1e-9 * float(model.velocity_scale) or 1e-9)
-    rate = model.friction.rate(slip, z[:, 0] if z.shape[1] == 1 else z.T, model.load(0.0, 0.0))
+    rate = law_rate(model.friction, slip, z[:, 0] if z.shape[1] == 1 else tuple(z.T), normal_load(model, t, x), memory)
     ratio = 1 - (rate if z.shape[1] == 1 else rate[0]) / slip
     return mode * np.where(ratio >= slip_ratio, 2, 1)
 

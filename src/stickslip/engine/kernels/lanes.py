@@ -7,6 +7,9 @@
 # lane takes the next one. CURSOR = (next case, end of cases). Everything a lane knows is in these arrays, so the kernel
 # can return after any number of calls and go on later with the same bits.
 
+# A lane steps to the next known instant (an impulse or a break of the drive, at the latest the end of the period), where
+# this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
+#
 # columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status
 CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
 # columns of K (lane): the last two observed points, window
@@ -15,6 +18,67 @@ KEPT = 16  # strobe positions kept after settling, and the largest period number
 RINGS = 34
 SEGS = 32
 FINISHED, REPEATED = 0, 1
+
+
+@njit("void(int64, float64[::1], float64[::1], boolean)", **OPTIONS)
+def set_flags(lane, S, row, first):
+    """Everything that a step holds, from the lane's time and state; with `first` the modes too. Then the end of the next steps."""
+    t, period = S[F_T + lane], S[F_C + PERIOD * L + lane]
+    y, clock, mode, side = np.empty(STATES), np.empty(CLOCKS), np.empty(MODES), np.empty(GUARDS)
+    for i in range(STATES):
+        y[i] = S[F_Y + i * L + lane]
+    for k in range(MODES):
+        mode[k] = S[F_MODE + k * L + lane]
+    clocks(row, t + 1e-13 * period, clock)
+    if first:
+        modes(row, t, y, clock, mode)
+    sides(row, t, y, clock, mode, side)
+    for k in range(CLOCKS):
+        S[F_CLK + k * L + lane] = clock[k]
+    for k in range(MODES):
+        S[F_MODE + k * L + lane] = mode[k]
+    for k in range(FLAGS):
+        S[F_B + k * L + lane] = -1.0 if side[k] < 0.0 and k < SIGNS else 1.0
+        if F_ON >= 0:
+            S[F_ON + k * L + lane] = 1.0 if side[k] == 0.0 else 0.0
+    end = period
+    for k in range(BREAKS):
+        instant = S[F_C + (BREAK_AT + k) * L + lane]
+        if instant > t + 1e-12 * period and instant < end and instant < period * (1.0 - 1e-12):
+            end = instant
+    S[F_TEND + lane] = end
+
+
+@njit("float64(int64, float64[::1])", **OPTIONS)
+def jump_of(lane, S):
+    """Jump of v at the present instant; the end of a period is the instant 0 of the next."""
+    t, period = S[F_T + lane], S[F_C + PERIOD * L + lane]
+    jump = 0.0
+    for k in range(IMPULSES):
+        instant = S[F_C + (BREAK_AT + CLOCKS + k) * L + lane]
+        away = abs(t - instant)
+        if min(away, abs(period - away)) <= 1e-12 * period:
+            jump += S[F_C + (BREAK_AT + BREAKS + k) * L + lane]
+    return jump
+
+
+@njit("void(int64, float64[::1], float64[::1], float64)", **OPTIONS)
+def apply_jump(lane, S, row, jump):
+    """An impulse: v jumps; a law that remembers until v passes zero forgets."""
+    before = S[F_Y + lane]
+    S[F_Y + lane] = before + jump
+    if MODES > 0 and not SET_VALUED and before * (before + jump) < 0.0:
+        y, clock, mode = np.empty(STATES), np.empty(CLOCKS), np.empty(MODES)
+        for i in range(STATES):
+            y[i] = S[F_Y + i * L + lane]
+        for k in range(MODES):
+            mode[k] = S[F_MODE + k * L + lane]
+        clocks(row, S[F_T + lane], clock)
+        at_rest(row, S[F_T + lane], y, clock, mode)
+        for i in range(1, STATES):
+            S[F_Y + i * L + lane] = y[i]
+        for k in range(MODES):
+            S[F_MODE + k * L + lane] = mode[k]
 
 
 @njit("void(int64, int64, float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1])", **OPTIONS)
@@ -27,19 +91,15 @@ def take(lane, case, S, N, K, XS, PARAM, START):
     for f in range(FIELDS - CONSTANTS):
         S[f * L + lane] = 0.0
     period = c[PERIOD]
-    S[F_H + lane] = 1e-3 * period
-    S[F_TEND + lane] = period
-    S[F_LE + lane] = -2.0
-    S[F_LH + lane] = math.log2(1e-3 * period)
-    S[F_GROW + lane] = 1.4
+    if F_H >= 0:
+        S[F_H + lane] = 1e-3 * period
+        S[F_LE + lane] = -2.0
+        S[F_LH + lane] = math.log2(1e-3 * period)
+        S[F_GROW + lane] = 1.4
     S[F_X + lane] = START[case, 0]
     for i in range(STATES):
         S[F_Y + i * L + lane] = START[case, 1 + i]
-    side = np.empty(GUARDS)
-    sides(PARAM[case], START[case], side)
-    for k in range(GUARDS):
-        S[F_B + k * L + lane] = -1.0 if side[k] < 0.0 else 1.0
-        S[F_ON + k * L + lane] = 1.0 if side[k] == 0.0 else 0.0
+    set_flags(lane, S, PARAM[case], True)
     for j in range(9):
         N[lane, j] = 0
     for j in range(13):
@@ -91,7 +151,7 @@ def begin_record(lane, N, K, S):
     N[lane, FRESH] = 2
     K[lane, TP] = S[F_T + lane]
     K[lane, VP] = S[F_Y + lane]
-    K[lane, BP] = S[F_B + lane]
+    K[lane, BP] = S[F_SIGN + lane]
     K[lane, VMAX] = S[F_Y + lane]
     K[lane, VMIN] = S[F_Y + lane]
 
@@ -130,7 +190,7 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
             add_segment(lane, 2 * side if slips else side, dt, N, SEGT, SEGC)
         top = v
         aq = K[lane, AQ]
-        if aq * acceleration < 0.0:  # an extremum of v between: the cubic's
+        if F_TOP < 0 and aq * acceleration < 0.0:  # an extremum of v between: the cubic's
             d0, d1, rise = aq * dt, acceleration * dt, v - K[lane, VQ]
             a, bb = 3.0 * (d0 + d1 - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * d0 - d1)
             root = math.sqrt(max(bb * bb - 4.0 * a * d0, 0.0))
@@ -145,6 +205,22 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
     K[lane, TQ] = 0.0 if t >= period else t  # the end of a period is the beginning of the next
     K[lane, VQ], K[lane, AQ], K[lane, RQ], K[lane, BQ] = v, acceleration, ratio, b
     N[lane, FRESH] = 0
+
+
+@njit("void(int64, float64, float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], int8[:,::1])", **OPTIONS)
+def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC):
+    """At a known instant: what was observed ends before an impulse, and begins anew after it."""
+    jump = jump_of(lane, S)
+    if jump == 0.0:
+        return
+    if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
+        observe(lane, 0.0, K[lane, RQ], slip_ratio, S[F_C + PERIOD * L + lane], N, K, SEGT, SEGC)
+    apply_jump(lane, S, PARAM[N[lane, CASE]], jump)
+    if N[lane, RECORDING] == 1:
+        v = S[F_Y + lane]
+        N[lane, FRESH] = 2
+        K[lane, TP], K[lane, VP] = S[F_T + lane], v
+        K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
 @njit("void(int64, float64[::1], int64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,::1], int64[:,::1])", **OPTIONS)
@@ -179,7 +255,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
     for i in range(STATES):
         RING[lane, k % RINGS, 1 + i] = S[F_Y + i * L + lane]
         scale[i] = (
-            S[F_C + FREE * L + lane] if i == 0 else (S[F_C + (ZSCALE + i - 1) * L + lane] if ZSCALE >= 0 else S[F_M + (i - 1) * L + lane])
+            S[F_C + FREE * L + lane] if i == 0 else (S[F_C + SCALE_AT[i] * L + lane] if SCALE_AT[i] >= 0 else S[F_M + (i - 1) * L + lane])
         )
         scale[i] = max(scale[i], 1e-300)
     if k >= settle and k < settle + KEPT:
@@ -259,22 +335,27 @@ def advance(
             part, power = (end - begin) / S[F_HH], 1.0
             if S[F_STAT] == 1.0:
                 part = 1.0
+            for k in range(KEPT_MODES):
+                PIECES[n, 5 + k] = S[F_HELD + k]
             for m in range(DEGREE + 1):
                 for i in range(STATES):
-                    PIECES[n, 5 + i * (DEGREE + 1) + m] = S[F_K + i * (DEGREE + 1) + m] * power
+                    PIECES[n, 5 + KEPT_MODES + i * (DEGREE + 1) + m] = S[F_K + i * (DEGREE + 1) + m] * power
                 power *= part
             CURSOR[2] += 1
         if recording > 0:
             for lane in range(L):
                 if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
                     continue
+                if F_TOP >= 0 and N[lane, CLOSING] == 0:
+                    K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[F_TOP + lane]), min(K[lane, VMIN], S[F_TOP + lane])
                 if N[lane, FRESH] > 0:
-                    observe(lane, S[F_ACC + lane], S[F_RATIO + lane], slip_ratio, S[F_TEND + lane], N, K, SEGT, SEGC)
+                    period = S[F_C + PERIOD * L + lane]
+                    observe(lane, S[F_ACC + lane], S[F_RATIO + lane], slip_ratio, period, N, K, SEGT, SEGC)
                     if N[lane, CLOSING] == 1:
                         S[F_STAT + lane] = 7.0
                         continue
-                if S[F_T + lane] != K[lane, TP] or S[F_B + lane] != K[lane, BP]:
-                    K[lane, TP], K[lane, VP], K[lane, BP] = S[F_T + lane], S[F_Y + lane], S[F_B + lane]
+                if S[F_T + lane] != K[lane, TP] or S[F_SIGN + lane] != K[lane, BP]:
+                    K[lane, TP], K[lane, VP], K[lane, BP] = S[F_T + lane], S[F_Y + lane], S[F_SIGN + lane]
                     N[lane, FRESH] = 1
         for lane in range(L):
             stat = S[F_STAT + lane]
@@ -287,9 +368,21 @@ def advance(
                 S[F_TEND + lane] = 1e30
                 continue
             if stat == 1.0:
+                if BREAKS > 0:
+                    pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC)
+                    if S[F_T + lane] < S[F_C + PERIOD * L + lane]:
+                        set_flags(lane, S, PARAM[N[lane, CASE]], SET_VALUED and jump_of(lane, S) != 0.0)
+                        if N[lane, FRESH] == 2:
+                            K[lane, VP], K[lane, BP] = S[F_Y + lane], S[F_SIGN + lane]
+                        continue
                 was = N[lane, RECORDING]
                 done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS)
+                jumped = BREAKS > 0 and jump_of(lane, S) != 0.0
                 S[F_T + lane] = 0.0
+                if BREAKS > 0:
+                    set_flags(lane, S, PARAM[N[lane, CASE]], SET_VALUED and jumped)
+                    if N[lane, FRESH] == 2:
+                        K[lane, VP], K[lane, BP] = S[F_Y + lane], S[F_SIGN + lane]
                 recording += N[lane, RECORDING] - was
                 if N[lane, FRESH] == 2:
                     K[lane, TP] = 0.0

@@ -1,0 +1,80 @@
+"""A drive around a drive: what is not changed is handed through."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.drives.drive import Drive, largest_velocity
+from stickslip.errors import Problems
+from stickslip.maths import pi
+
+__all__ = ["Around"]
+
+_NEEDS = ("position", "velocity", "acceleration", "period")
+
+
+class Around(Drive):
+    """Base of the drives that change one thing of another `drive`."""
+
+    drive: Any
+
+    def _check(self, problems: Problems) -> None:
+        lacking = [name for name in _NEEDS if not hasattr(self.drive, name)]
+        if isinstance(self.drive, type) or lacking:
+            problems.add(
+                f"drive = {self.drive!r}; allowed is a drive, an object with {', '.join(_NEEDS)}; "
+                "type for example drive=ss.Harmonic(amplitude=5e-4, omega=205.46)"
+            )
+
+    @property
+    def period(self) -> Any:
+        """Period of the drive [s]."""
+        return self.drive.period
+
+    @property
+    def omega(self) -> Any:
+        """Angular frequency 2 pi / T [rad/s]."""
+        return 2 * pi / self.drive.period
+
+    @property
+    def breaks(self) -> Any:
+        """Where the acceleration is not smooth [s]."""
+        return getattr(self.drive, "breaks", ())
+
+    @property
+    def jumps(self) -> Any:
+        """Jumps of the relative velocity: (instant [s], jump [m/s])."""
+        return getattr(self.drive, "jumps", ())
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical relative velocity along the track [m/s]."""
+        return largest_velocity(self.drive)
+
+    @property
+    def specific_energy(self) -> Any:
+        """Largest kinetic energy of the relative motion along the track for each kilogram of the inner mass [J/kg]."""
+        named = getattr(self.drive, "specific_energy", None)
+        return 0.5 * self.velocity_scale**2 if named is None else named
+
+    @property
+    def stroke(self) -> Any:
+        """Stroke along the track [m]."""
+        return self.drive.stroke
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks of the drive."""
+        return tuple(getattr(self.drive, "notes", None) or ())
+
+    def position(self, t: Any) -> Any:
+        """Relative position along the track [m]."""
+        return self.drive.position(t)
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity along the track [m/s]."""
+        return self.drive.velocity(t)
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration along the track [m/s^2]."""
+        return self.drive.acceleration(t)

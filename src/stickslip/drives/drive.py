@@ -1,0 +1,110 @@
+"""What every drive of ours has: the rest follows from its period and its relative motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from stickslip.errors import Problems
+from stickslip.fields import Record, _all, describe, is_array, number
+from stickslip.maths import maximum, pi
+
+__all__ = ["Drive", "PeriodicDrive", "agree", "given_numbers", "largest_velocity", "settled", "shown"]
+
+_SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
+
+
+class Drive(Record):
+    """Base of our drives. A user's own drive needs nothing from here."""
+
+    breaks: ClassVar[Any] = ()  # instants in (0, period) at which the acceleration is not smooth [s]
+    jumps: ClassVar[Any] = ()  # (instant in [0, period), jump of the relative velocity [m/s])
+
+    if TYPE_CHECKING:
+
+        @property
+        def velocity_scale(self) -> Any:
+            """A typical relative velocity [m/s]."""
+
+    @property
+    def specific_energy(self) -> Any:
+        """Largest kinetic energy of the relative motion for each kilogram of the inner mass [J/kg]."""
+        return 0.5 * self.velocity_scale**2
+
+
+class PeriodicDrive(Drive):
+    """A drive that names its period and not its angular frequency."""
+
+    if TYPE_CHECKING:
+        period: Any
+
+    @property
+    def omega(self) -> Any:
+        """Angular frequency 2 pi / T [rad/s]."""
+        return 2 * pi / self.period
+
+    @property
+    def frequency(self) -> Any:
+        """Frequency 1/T [Hz]."""
+        return 1 / self.period
+
+
+def largest_velocity(drive: Any) -> Any:
+    """The largest relative velocity of any drive [m/s]: what it says itself, or what its velocity shows at a few instants."""
+    named = getattr(drive, "velocity_scale", None)
+    if named is not None:
+        return named
+    largest = abs(drive.velocity(0.0))
+    for k in range(1, _SAMPLES):
+        largest = maximum(largest, abs(drive.velocity(drive.period * (k / _SAMPLES))))
+    return largest
+
+
+def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, Any]:
+    """Those of a constructor's numbers that were given, each positive and finite; what is wrong with the others is noted."""
+    taken = {}
+    for name, value in values.items():
+        if value is None:
+            continue
+        try:
+            x = number(value)
+        except ValueError as error:
+            problems.add(f"{name}: {error}; allowed is {allowed}")
+            continue
+        if not _all((x > 0) & (x < float("inf"))):
+            problems.add(f"{name} = {describe(x)}; allowed is {allowed}")
+        else:
+            taken[name] = x
+    return taken
+
+
+def settled(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:
+    """One number from whatever was given for it; `ways` says how, by the name of what is given, and its first name is the number's.
+
+    Nothing given, or things that contradict each other, are noted.
+    """
+    wanted = next(iter(ways))
+    found = {name: way(known[name]) for name, way in ways.items() if name in known}
+    if not found:
+        *most, last = ways
+        problems.add(f"{wanted} is missing; allowed is {', '.join(most)} or {last}; {example}")
+        return 1.0
+    (name, value), *others = found.items()
+    for other, different in others:
+        if not agree(different, value):
+            problems.add(
+                f"{name} = {shown(known[name])} and {other} = {shown(known[other])} do not agree: {other} asks for "
+                f"{wanted} = {shown(different)}, not {shown(value)} {unit}; allowed is a motion that closes; give one of them; "
+                f"{example}"
+            )
+    return value
+
+
+def shown(value: Any) -> str:
+    """A number as a message shows it: six digits."""
+    return describe(value) if is_array(value) else f"{value:.6g}"
+
+
+def agree(a: Any, b: Any) -> bool:
+    """Whether two numbers given for one thing are the same, to nine digits."""
+    return bool(_all(abs(a - b) <= 1e-9 * abs(b)))

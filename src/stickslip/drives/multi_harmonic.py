@@ -1,0 +1,91 @@
+"""A drive of several harmonics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.fourier import FourierDrive
+from stickslip.errors import InputError, Problems
+from stickslip.fields import number, positive
+from stickslip.maths import cos, pi, sin
+
+__all__ = ["MultiHarmonic"]
+
+_EXAMPLE = "type for example MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, 1.57))"
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class MultiHarmonic(FourierDrive):
+    r"""Relative motion :math:`\xi(t) = A_1 \sin(\omega t + \varphi_1) + A_2 \sin(2 \omega t + \varphi_2) + \dots`.
+
+    A second harmonic makes the motion lopsided, so that even a robot with the same friction on both sides moves.
+
+    Parameters
+    ----------
+    omega : float
+        Angular frequency of the first harmonic [rad/s]. Give exactly one of `omega` and `frequency`.
+    amplitudes : tuple of float
+        Amplitudes A_1, A_2, … of the harmonics [m]; 0 leaves one out.
+    phases : tuple of float
+        Phases, one for each amplitude [rad]; all zero if left out.
+    frequency : float
+        Frequency of the first harmonic [Hz].
+
+    Examples
+    --------
+    >>> drive = MultiHarmonic(omega=200.0, amplitudes=(4e-4, 1e-4), phases=(0.0, pi / 2))
+    >>> round(drive.stroke, 6), round(drive.specific_energy, 6)
+    (0.0008, 0.0054)
+    """
+
+    omega: float = field(metadata={"example": "205.0"})
+    amplitudes: tuple[float, ...] = field(metadata={"example": "(5e-4, 1e-4)"})
+    phases: tuple[float, ...] = field(metadata={"example": "(0.0, 1.57)"})
+
+    _rules: ClassVar[dict[str, Any]] = {"omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)")}
+
+    def __init__(self, omega: Any = None, amplitudes: Any = None, phases: Any = None, frequency: Any = None):
+        if (omega is None) == (frequency is None):
+            given = "both" if omega is not None else "neither"
+            raise InputError("MultiHarmonic", [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; {_EXAMPLE}"])
+        if amplitudes is None:
+            raise InputError("MultiHarmonic", [f"amplitudes is missing; {_EXAMPLE}"])
+        if frequency is not None:
+            try:
+                omega = 2 * pi * number(frequency)
+            except ValueError as error:
+                raise InputError("MultiHarmonic", [f"frequency: {error}; allowed is a positive frequency [Hz]; {_EXAMPLE}"]) from None
+        object.__setattr__(self, "omega", omega)
+        object.__setattr__(self, "amplitudes", amplitudes)
+        count = len(amplitudes) if hasattr(amplitudes, "__len__") else 1
+        object.__setattr__(self, "phases", (0.0,) * count if phases is None else phases)
+        self.__post_init__()
+
+    def _check(self, problems: Problems) -> None:
+        amplitudes, phases = self.amplitudes, self.phases
+        if isinstance(amplitudes, tuple) and not amplitudes:
+            problems.add(f"amplitudes is empty; allowed is at least one; {_EXAMPLE}")
+        elif isinstance(amplitudes, tuple) and isinstance(phases, tuple) and len(phases) != len(amplitudes):
+            problems.add(f"{len(phases)} phases for {len(amplitudes)} amplitudes; allowed is one for each; {_EXAMPLE}")
+
+    @property
+    def period(self) -> Any:
+        """Period of the first harmonic [s]."""
+        return 2 * pi / self.omega
+
+    @property
+    def frequency(self) -> Any:
+        """Frequency of the first harmonic [Hz]."""
+        return self.omega / (2 * pi)
+
+    @property
+    def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Coefficients of cos(k omega t) and of sin(k omega t) [m]."""
+        pairs = tuple(zip(self.amplitudes, self.phases, strict=True))
+        return tuple(A * sin(p) for A, p in pairs), tuple(A * cos(p) for A, p in pairs)
+
+    @classmethod
+    def example(cls) -> MultiHarmonic:
+        """One that moves the paper's robot forwards."""
+        return cls(omega=205.0, amplitudes=(5e-4, 1e-4), phases=(0.0, -0.5 * pi))

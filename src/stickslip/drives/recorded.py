@@ -1,0 +1,138 @@
+"""A drive as it was measured: a record of position, velocity or acceleration, turned into a sum of harmonics."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.fourier import FourierDrive
+from stickslip.drives.samples import checked, fitted
+from stickslip.errors import InputError, Problems
+from stickslip.fields import positive
+from stickslip.maths import pi
+
+__all__ = ["Recorded"]
+
+_EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Recorded(FourierDrive):
+    r"""A periodic record as a sum of harmonics; `from_samples` makes it from the record.
+
+    .. math:: \xi(t) = \sum_k a_k\cos k\omega t+b_k\sin k\omega t
+
+    Parameters
+    ----------
+    period : float
+        Period T [s].
+    cosines, sines : tuple of float
+        Coefficients a_k and b_k of the relative position [m], from k = 1.
+    notes : tuple of str, optional
+        Remarks on where the numbers come from; `Robot.notes` repeats them. A copy with other numbers has none.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(400) * 1e-4
+    >>> drive = Recorded.from_samples(t, velocity=0.1 * np.cos(100 * pi * t) + 0.02 * np.sin(200 * pi * t), period=0.02)
+    >>> drive.order, round(drive.stroke, 9)
+    (2, 0.00063662)
+    """
+
+    period: float = field(metadata={"example": "0.03"})
+    cosines: tuple[float, ...] = field(metadata={"example": "(0.0, 1e-4)"})
+    sines: tuple[float, ...] = field(metadata={"example": "(5e-4, 0.0)"})
+    notes: tuple[str, ...] | None = None
+
+    _rules: ClassVar[dict[str, Any]] = {"period": (positive, "a positive period [s]")}
+
+    def __init__(self, period: Any, cosines: Any, sines: Any, notes: Any = None):
+        for name, value in (("period", period), ("cosines", cosines), ("sines", sines)):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "notes", None if notes is None else tuple(notes))
+        self.__post_init__()
+
+    def _check(self, problems: Problems) -> None:
+        a, b = self.cosines, self.sines
+        if isinstance(a, tuple) and isinstance(b, tuple) and (len(a) != len(b) or not a):
+            problems.add(f"{len(a)} cosines and {len(b)} sines; allowed is the same number of each, at least one; {_EXAMPLE}")
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed, without the remarks on the old ones."""
+        return super().replace({"notes": None, **(changes or {}), **fields})
+
+    @property
+    def omega(self) -> Any:
+        """Angular frequency 2 pi / T [rad/s]."""
+        return 2 * pi / self.period
+
+    @property
+    def frequency(self) -> Any:
+        """Frequency 1/T [Hz]."""
+        return 1 / self.period
+
+    @property
+    def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Coefficients of cos(k omega t) and of sin(k omega t) [m]."""
+        return self.cosines, self.sines
+
+    @classmethod
+    def from_samples(
+        cls,
+        t: Any,
+        position: Any = None,
+        velocity: Any = None,
+        acceleration: Any = None,
+        period: Any = None,
+        tolerance: float = 1e-3,
+        order: int | None = None,
+    ) -> Recorded:
+        r"""A drive from samples of one or several periods of its relative position, velocity or acceleration.
+
+        The samples are fitted by least squares at the instants at which they were taken; these need not be evenly spaced, but
+        may not have gaps. Of an acceleration record the velocity is the one with mean zero.
+
+        Parameters
+        ----------
+        t : array (n,)
+            Instants [s], ascending, over at least one period. The first sample need not be at t = 0.
+        position, velocity, acceleration : array (n,)
+            The record, exactly one of them [m, m/s, m/s^2].
+        period : float
+            Period of the record [s].
+        tolerance : float
+            Harmonics are kept until what is left out is below this part of the r.m.s. of the record.
+        order : int, optional
+            How many harmonics to keep, instead of `tolerance`.
+
+        Returns
+        -------
+        Recorded
+            Its `order` is the number of harmonics kept; its `notes` say what they leave of the record.
+
+        Raises
+        ------
+        InputError
+            Records with gaps, of less than a period, that do not repeat, or of a velocity or acceleration that has a mean.
+        """
+        given = {"position": position, "velocity": velocity, "acceleration": acceleration}
+        record = checked(t, given, period, tolerance, order)
+        a, b, remark = fitted(record, tolerance, order)
+        return cls(record.period, *_position(a, b, 2 * math.pi / record.period, record.derivatives), notes=(remark,))
+
+    @classmethod
+    def example(cls) -> Recorded:
+        """A saw of five harmonics that moves the paper's robot."""
+        k = range(1, 6)
+        return cls(period=0.03, cosines=(0.0,) * 5, sines=tuple(4e-4 / i**2 for i in k))
+
+
+def _position(a: Any, b: Any, omega: float, derivatives: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Coefficients of the position from those of its first or second derivative."""
+    for _ in range(derivatives):
+        a, b = ([-y / (k * omega) for k, y in enumerate(b, 1)], [x / (k * omega) for k, x in enumerate(a, 1)])
+    if not a:
+        raise InputError("Recorded", ["no harmonic is left"])
+    return tuple(float(x) for x in a), tuple(float(x) for x in b)

@@ -1,0 +1,146 @@
+"""Three-phase acceleration control: push, quick return, brake."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.drive import PeriodicDrive, given_numbers, settled
+from stickslip.errors import Problems
+from stickslip.fields import _all, describe, positive
+from stickslip.maths import maximum, sqrt, where, within
+
+__all__ = ["ThreePhase"]
+
+_EXAMPLE = "type for example ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0)"
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class ThreePhase(PeriodicDrive):
+    r"""Relative accelerations :math:`+w_1, -w_2, +w_3`: from rest to :math:`+u_1`, on to :math:`-u_3`, and back to rest.
+
+    .. math:: u_3 = u_1\sqrt{\frac{1/w_1+1/w_2}{1/w_2+1/w_3}}
+
+    closes the motion. A period begins with :math:`\xi = \dot\xi = 0` and the phase of +w1. For large w2 the phase of -w2 is a jerk; the
+    change of velocity in it, u1 + u3, is kept to the last digit however short the phase is.
+
+    Parameters
+    ----------
+    u1 : float
+        Largest relative speed forwards [m/s]. Give it, or `stroke`, or `u3`; more must agree.
+    w1, w2, w3 : float
+        Sizes of the accelerations [m/s^2].
+    stroke : float, optional
+        Stroke, u1^2/2 (1/w1 + 1/w2) [m].
+    u3 : float, optional
+        Largest relative speed backwards [m/s].
+
+    References
+    ----------
+    F. L. Chernousko, On the motion of a body containing a movable internal mass; *Doklady Physics* 50 (2005) 593-597.
+
+    Examples
+    --------
+    >>> drive = ThreePhase(u1=0.3, w1=10.0, w2=60.0, w3=12.0)
+    >>> round(drive.stroke, 12), round(drive.u3, 6), [round(b, 6) for b in drive.breaks]
+    (0.00525, 0.324037, [0.03, 0.040401])
+    """
+
+    u1: float = field(metadata={"example": "0.3"})
+    w1: float = field(metadata={"example": "10.0"})
+    w2: float = field(metadata={"example": "60.0"})
+    w3: float = field(metadata={"example": "12.0"})
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "u1": (positive, "a positive speed [m/s]"),
+        "w1": (positive, "a positive acceleration [m/s^2]"),
+        "w2": (positive, "a positive acceleration [m/s^2]"),
+        "w3": (positive, "a positive acceleration [m/s^2]"),
+    }
+
+    def __init__(self, u1: Any = None, w1: Any = None, w2: Any = None, w3: Any = None, stroke: Any = None, u3: Any = None):
+        problems = Problems("ThreePhase")
+        known = given_numbers(problems, f"a positive number; {_EXAMPLE}", u1=u1, w1=w1, w2=w2, w3=w3, stroke=stroke, u3=u3)
+        for name, value in (("w1", w1), ("w2", w2), ("w3", w3)):
+            if value is None:
+                problems.add(f"{name} is missing; {_EXAMPLE}")
+        problems.check()
+        object.__setattr__(self, "u1", _push(known, problems))
+        for name in ("w1", "w2", "w3"):
+            object.__setattr__(self, name, known[name])
+        problems.check()
+        self.__post_init__()
+
+    def _check(self, problems: Problems) -> None:
+        if not problems.found and not _all(self._turned > self._pushed):
+            problems.add(f"w2 = {describe(self.w2)} makes a return too short for the digits of a number; allowed is less; type w2=1e12")
+
+    @property
+    def u3(self) -> Any:
+        """Largest relative speed backwards [m/s]."""
+        return self.u1 * sqrt((1 / self.w1 + 1 / self.w2) / (1 / self.w2 + 1 / self.w3))
+
+    @property
+    def _pushed(self) -> Any:
+        """End of the first phase [s]."""
+        return self.u1 / self.w1
+
+    @property
+    def _turned(self) -> Any:
+        """End of the second phase [s]."""
+        return self._pushed + (self.u1 + self.u3) / self.w2
+
+    @property
+    def _return(self) -> Any:
+        """Acceleration of the second phase, as its rounded ends have it: w2 to rounding, but exact in the change of velocity [m/s^2]."""
+        return (self.u1 + self.u3) / (self._turned - self._pushed)
+
+    @property
+    def period(self) -> Any:
+        """u1/w1 + (u1 + u3)/w2 + u3/w3 [s]."""
+        return self._turned + self.u3 / self.w3
+
+    @property
+    def breaks(self) -> tuple[Any, ...]:
+        """Where the acceleration jumps within a period [s]."""
+        return (self._pushed, self._turned)
+
+    @property
+    def stroke(self) -> Any:
+        """From end to end [m]."""
+        return 0.5 * self.u1**2 * (1 / self.w1 + 1 / self.w2)
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The larger of u1 and u3 [m/s]."""
+        return maximum(self.u1, self.u3)
+
+    def position(self, t: Any) -> Any:
+        """Relative position, from 0 to the stroke and back [m]."""
+        s = within(t, self.period)
+        r, left = s - self._pushed, self.period - s
+        middle = 0.5 * self.u1 * self._pushed + r * (self.u1 - 0.5 * self._return * r)
+        return where(s < self._pushed, 0.5 * self.w1 * s**2, where(s < self._turned, middle, 0.5 * self.w3 * left**2))
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity [m/s]."""
+        s = within(t, self.period)
+        middle, last = self.u1 - self._return * (s - self._pushed), -self.w3 * (self.period - s)
+        return where(s < self._pushed, self.w1 * s, where(s < self._turned, middle, last))
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration [m/s^2]; at a break it is that of the phase that begins."""
+        s = within(t, self.period)
+        return where(s < self._pushed, self.w1, where(s < self._turned, -self._return, self.w3))
+
+    @classmethod
+    def example(cls) -> ThreePhase:
+        """One that moves the paper's robot forwards."""
+        return cls(u1=0.3, w1=10.0, w2=60.0, w3=12.0)
+
+
+def _push(known: dict[str, Any], problems: Problems) -> Any:
+    """u1 from what was given for it."""
+    first, last = 1 / known["w1"] + 1 / known["w2"], 1 / known["w2"] + 1 / known["w3"]
+    ways = {"u1": lambda u: u, "stroke": lambda L: sqrt(2 * L / first), "u3": lambda u: u * sqrt(last / first)}
+    return settled(problems, known, ways, "m/s", _EXAMPLE)

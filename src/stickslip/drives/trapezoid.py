@@ -1,0 +1,175 @@
+"""A trapezoid of velocity with smooth ramps: what a controller makes of the two-phase drive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.drive import PeriodicDrive, given_numbers, settled, shown
+from stickslip.errors import Problems
+from stickslip.fields import _all, positive
+from stickslip.maths import maximum, where, within
+
+__all__ = ["Trapezoid"]
+
+_EXAMPLE = "type for example Trapezoid(u1=0.05, u2=0.4, ramp=0.01, period=0.25)"
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Trapezoid(PeriodicDrive):
+    r"""Relative velocity :math:`+u_1`, a ramp, :math:`-u_2`, a ramp back; it begins with the plateau of +u1.
+
+    On a ramp of duration r the velocity goes from one plateau to the other as :math:`S(\sigma) = 6\sigma^5-15\sigma^4+10\sigma^3`,
+    :math:`\sigma = t/r`. So the velocity has two and the acceleration one continuous derivative; the largest acceleration is
+    :math:`\tfrac{15}{8}(u_1+u_2)/r`. Without ramps it is a `TwoPhase`.
+
+    Parameters
+    ----------
+    u1, u2 : float
+        Relative speeds of the plateaus, forwards and backwards [m/s].
+    ramp : float
+        Duration of each ramp [s]; below T min(u1, u2)/(u1 + u2), so that both plateaus are left.
+    period : float
+        Period T [s]. Give it, or `frequency`, or `stroke`; more must agree.
+    frequency : float, optional
+        Frequency [Hz].
+    stroke : float, optional
+        Stroke of the inner mass [m].
+
+    Examples
+    --------
+    >>> drive = Trapezoid(u1=0.05, u2=0.4, ramp=0.01, period=0.25)
+    >>> [round(b, 6) for b in drive.breaks], round(drive.stroke, 6)
+    ([0.212222, 0.222222, 0.24], 0.010798)
+    """
+
+    u1: float = field(metadata={"example": "0.05"})
+    u2: float = field(metadata={"example": "0.4"})
+    ramp: float = field(metadata={"example": "0.01"})
+    period: float = field(metadata={"example": "0.25"})
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "u1": (positive, "a positive speed [m/s]"),
+        "u2": (positive, "a positive speed [m/s]"),
+        "ramp": (positive, "a positive duration [s] (without ramps it is a TwoPhase)"),
+        "period": (positive, "a positive period [s]"),
+    }
+
+    def __init__(self, u1: Any = None, u2: Any = None, ramp: Any = None, period: Any = None, frequency: Any = None, stroke: Any = None):
+        problems = Problems("Trapezoid")
+        allowed = f"a positive number; {_EXAMPLE}"
+        known = given_numbers(problems, allowed, u1=u1, u2=u2, ramp=ramp, period=period, frequency=frequency, stroke=stroke)
+        for name, value in (("u1", u1), ("u2", u2), ("ramp", ramp)):
+            if value is None:
+                problems.add(f"{name} is missing; {_EXAMPLE}")
+        problems.check()
+        for name in ("u1", "u2", "ramp"):
+            object.__setattr__(self, name, known[name])
+        ways = {"period": lambda T: T, "frequency": lambda f: 1 / f, "stroke": self._period_of}
+        object.__setattr__(self, "period", settled(problems, known, ways, "s", _EXAMPLE))
+        problems.check()
+        self.__post_init__()
+
+    def _check(self, problems: Problems) -> None:
+        if problems.found:
+            return
+        total = (self.u1 + self.u2) * self.ramp
+        if not _all((total < self.period * self.u1) & (total < self.period * self.u2)):
+            problems.add(
+                f"ramp = {shown(self.ramp)} with period = {shown(self.period)} leaves no plateau; allowed is below T u/(u1 + u2), u "
+                "being the smaller speed; type a shorter ramp, a longer period, or a MultiHarmonic"
+            )
+
+    @property
+    def breaks(self) -> tuple[Any, ...]:
+        """Ends of the first plateau, of the ramp and of the second plateau [s]."""
+        total = self.u1 + self.u2
+        turned = self.period * self.u2 / total
+        return (turned - self.ramp, turned, self.period - self.ramp)
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The larger of the two speeds [m/s]."""
+        return maximum(self.u1, self.u2)
+
+    @property
+    def _half_turn(self) -> Any:
+        """Way from the beginning of a ramp to the standstill in it, over its duration [m/s]."""
+        total = self.u1 + self.u2
+        sigma = _inverse(self.u1 / total)
+        return self.u1 * sigma - total * _risen(sigma)
+
+    @property
+    def stroke(self) -> Any:
+        """From end to end [m]."""
+        return self.u1 * self.breaks[0] + 2 * self.ramp * self._half_turn
+
+    def _period_of(self, stroke: Any) -> Any:
+        """The period with this stroke [s]."""
+        return ((stroke - 2 * self.ramp * self._half_turn) / self.u1 + self.ramp) * (self.u1 + self.u2) / self.u2
+
+    def _pieces(self, t: Any, first: Any, down: Any, second: Any, up: Any) -> Any:
+        """One of four functions: of the time s in the period, on a ramp of sigma."""
+        s, (e1, e2, e3) = within(t, self.period), self.breaks
+        ramps = down(s, (s - e1) / self.ramp), up(s, (s - e3) / self.ramp)
+        return where(s < e1, first(s), where(s < e2, ramps[0], where(s < e3, second(s), ramps[1])))
+
+    def position(self, t: Any) -> Any:
+        """Relative position, 0 where the period begins [m]."""
+        u1, u2, turn = self.u1, self.u2, (self.u1 + self.u2) * self.ramp
+        _, e2, e3 = self.breaks
+        crest = u1 * e2 - 0.5 * turn
+        last = crest - u2 * (e3 - e2)
+        return self._pieces(
+            t,
+            lambda s: u1 * s,
+            lambda s, sigma: u1 * s - turn * _risen(sigma),
+            lambda s: crest - u2 * (s - e2),
+            lambda s, sigma: last - u2 * (s - e3) + turn * _risen(sigma),
+        )
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity [m/s]."""
+        u1, u2, total = self.u1, self.u2, self.u1 + self.u2
+        return self._pieces(
+            t, lambda s: u1, lambda s, sigma: u1 - total * _rise(sigma), lambda s: -u2, lambda s, sigma: total * _rise(sigma) - u2
+        )
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration [m/s^2]."""
+        steep = (self.u1 + self.u2) / self.ramp
+        return self._pieces(
+            t, lambda s: 0.0, lambda s, sigma: -steep * _slope(sigma), lambda s: 0.0, lambda s, sigma: steep * _slope(sigma)
+        )
+
+    @classmethod
+    def example(cls) -> Trapezoid:
+        """One that moves the paper's robot forwards."""
+        return cls(u1=0.05, u2=0.4, ramp=0.01, period=0.25)
+
+
+def _rise(sigma: Any) -> Any:
+    """From 0 to 1 with two derivatives that are zero at both ends [-]."""
+    return sigma * sigma * sigma * ((6 * sigma - 15) * sigma + 10)
+
+
+def _risen(sigma: Any) -> Any:
+    """Integral of `_rise` [-]."""
+    square = sigma * sigma
+    return square * square * ((sigma - 3) * sigma + 2.5)
+
+
+def _slope(sigma: Any) -> Any:
+    """Derivative of `_rise` [-]."""
+    half = sigma * (1 - sigma)
+    return 30 * half * half
+
+
+def _inverse(level: Any) -> Any:
+    """Where `_rise` reaches a level between 0 and 1, by halving [-]."""
+    low, high = 0.0 * level, 0.0 * level + 1
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        below = _rise(middle) < level
+        low, high = where(below, middle, low), where(below, high, middle)
+    return 0.5 * (low + high)

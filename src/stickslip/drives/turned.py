@@ -1,0 +1,58 @@
+"""The same motion the other way round."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.drives.around import Around
+from stickslip.drives.two_phase import TwoPhase
+
+__all__ = ["Reversed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Reversed(Around):
+    r"""A drive whose relative motion is turned round: :math:`-\xi(t)`. Fast and slow phases change their direction.
+
+    Motion across the track stays as it is.
+
+    Parameters
+    ----------
+    drive : any drive
+        What is turned round.
+
+    Examples
+    --------
+    >>> Reversed(TwoPhase(stroke=0.01, u1=0.05, u2=0.4)).velocity(0.0)
+    -0.05
+    """
+
+    drive: Any
+
+    @property
+    def jumps(self) -> Any:
+        """Jumps of the relative velocity: (instant [s], jump [m/s])."""
+        return tuple((instant, -jump) for instant, jump in getattr(self.drive, "jumps", ()))
+
+    @property
+    def vertical_acceleration(self) -> Any:
+        """That of the drive, or None if it has none."""
+        return getattr(self.drive, "vertical_acceleration", None)
+
+    def position(self, t: Any) -> Any:
+        """Relative position [m]."""
+        return -self.drive.position(t)
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity [m/s]."""
+        return -self.drive.velocity(t)
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration [m/s^2]."""
+        return -self.drive.acceleration(t)
+
+    @classmethod
+    def example(cls) -> Reversed:
+        """The two-phase drive that pushes the other way."""
+        return cls(TwoPhase.example())

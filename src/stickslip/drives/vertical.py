@@ -1,0 +1,70 @@
+"""Vertical vibration beside the horizontal one: the normal force rises and falls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.around import Around
+from stickslip.drives.harmonic import Harmonic
+from stickslip.errors import Problems
+from stickslip.fields import at_least
+from stickslip.maths import pi, sin
+
+__all__ = ["VerticalVibration"]
+
+
+@dataclass(frozen=True, eq=False)
+class VerticalVibration(Around):
+    r"""A drive whose inner mass also moves up and down: :math:`\eta(t) = B \sin(n \omega t + \varphi)`, upwards positive.
+
+    .. math:: N(t) = (M+m)\,g\cos\theta + m\,\ddot\eta(t)
+
+    The load is largest where the inner mass is lowest. Where it falls to zero the contact is lost, and a run ends there with that
+    status: such a robot hops, which is another equation of motion.
+
+    Parameters
+    ----------
+    drive : any drive
+        The motion along the track.
+    amplitude : float
+        Amplitude B of the vertical motion [m].
+    phase : float
+        Phase against the start of the drive's period [rad]. To have :math:`N = W (1 + b \sin(\omega t + \varphi))` take phase
+        :math:`\varphi + \pi`.
+    harmonic : int
+        How many vertical vibrations there are in one period of the drive.
+
+    Examples
+    --------
+    >>> drive = VerticalVibration(Harmonic(amplitude=5e-4, omega=200.0), amplitude=1e-4, phase=pi)
+    >>> round(drive.vertical_acceleration(drive.period / 4), 9)
+    4.0
+    """
+
+    drive: Any
+    amplitude: float = field(metadata={"example": "1e-4"})
+    phase: float = field(default=0.0, metadata={"example": "1.57"})
+    harmonic: int = 1
+
+    _rules: ClassVar[dict[str, Any]] = {"amplitude": (at_least(0.0), "zero or more [m]"), "phase": (lambda x: x == x, "an angle [rad]")}
+
+    def _check(self, problems: Problems) -> None:
+        super()._check(problems)
+        if not isinstance(self.harmonic, int) or isinstance(self.harmonic, bool) or self.harmonic < 1:
+            problems.add(f"harmonic = {self.harmonic!r}; allowed is a whole number from 1; type for example harmonic=1")
+
+    def vertical_position(self, t: Any) -> Any:
+        """Relative position of the inner mass across the track [m]."""
+        return self.amplitude * sin(self.harmonic * self.omega * t + self.phase)
+
+    def vertical_acceleration(self, t: Any) -> Any:
+        """Relative acceleration of the inner mass across the track [m/s^2]."""
+        omega, inner = self.harmonic * self.omega, getattr(self.drive, "vertical_acceleration", None)
+        own = -self.amplitude * omega**2 * sin(omega * t + self.phase)
+        return own if inner is None else own + inner(t)
+
+    @classmethod
+    def example(cls) -> VerticalVibration:
+        """The paper's drive, and a load that rises and falls by a twentieth."""
+        return cls(Harmonic.example(), amplitude=1e-4, phase=0.5 * pi)

@@ -1,0 +1,169 @@
+"""Where a Taylor step ends: text between the series of `taylor.py` and the driver of lanes.py."""
+# ruff: noqa: F821
+# mypy: ignore-errors
+#
+# A polynomial's coefficients stand at S[at + m * L], m = 0 .. DEGREE, in powers of theta = (time since the start) / h.
+
+LOOKS = 4  # stretches of a step at whose ends a guard is looked at
+NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not below it
+NEWTON = 60  # iterations at most; a handful is usual
+
+
+@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+def at_theta(S, at, x):
+    """The polynomial at x."""
+    value = S[at + DEGREE * L]
+    for m in range(DEGREE - 1, -1, -1):
+        value = fma(value, x, S[at + m * L])
+    return value
+
+
+@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+def rate_at(S, at, x):
+    """Its slope."""
+    value = DEGREE * S[at + DEGREE * L]
+    for m in range(DEGREE - 1, 0, -1):
+        value = fma(value, x, m * S[at + m * L])
+    return value
+
+
+@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+def curve_at(S, at, x):
+    """Its second derivative."""
+    value = DEGREE * (DEGREE - 1) * S[at + DEGREE * L]
+    for m in range(DEGREE - 1, 1, -1):
+        value = fma(value, x, m * (m - 1) * S[at + m * L])
+    return value
+
+
+@njit("float64(float64[::1], int64, float64, float64)", **OPTIONS)
+def root(S, at, lo, hi):
+    """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
+    x = 0.5 * (lo + hi)
+    for _ in range(NEWTON):
+        value, rate = at_theta(S, at, x), rate_at(S, at, x)
+        if value > 0.0:
+            lo = x
+        else:
+            hi = x
+        new = x - value / rate if rate != 0.0 else lo
+        if not (new >= lo and new <= hi):
+            new = 0.5 * (lo + hi)
+        if abs(new - x) <= 1e-16 * x or new == x:
+            return new
+        x = new
+    return x
+
+
+@njit("float64(float64[::1], int64, float64, float64)", **OPTIONS)
+def lowest(S, at, lo, hi):
+    """Where a polynomial that falls at lo and rises at hi is lowest between them."""
+    x = 0.5 * (lo + hi)
+    for _ in range(NEWTON):
+        d, dd = rate_at(S, at, x), curve_at(S, at, x)
+        if d < 0.0:
+            lo = x
+        else:
+            hi = x
+        new = x - d / dd if dd != 0.0 else lo
+        if not (new >= lo and new <= hi):
+            new = 0.5 * (lo + hi)
+        if abs(new - x) <= 1e-9:
+            return new
+        x = new
+    return x
+
+
+@njit("float64(float64[::1], int64)", **OPTIONS)
+def first_zero(S, at):
+    """Where a polynomial that begins positive first falls below zero in [0, 1]; 2 if it does not."""
+    rest = 0.0
+    for m in range(1, DEGREE + 1):
+        rest += abs(S[at + m * L])
+    if S[at] > rest:
+        return 2.0
+    noise = NOISE * (abs(S[at]) + rest)
+    if S[at] < noise:
+        return 0.0
+    a, da = 0.0, S[at + L]
+    for j in range(LOOKS):
+        b = (j + 1.0) / LOOKS
+        db = rate_at(S, at, b)
+        if da < 0.0 and db > 0.0:
+            low = lowest(S, at, a, b)
+            if at_theta(S, at, low) < noise:
+                return root(S, at, a, low)
+        if at_theta(S, at, b) < noise:
+            return root(S, at, a, b)
+        a, da = b, db
+    return 2.0
+
+
+@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+def extremum(S, at, end):
+    """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
+    d0, d1 = S[at + L], rate_at(S, at, end)
+    if d0 * d1 >= 0.0:
+        return at_theta(S, at, end)
+    lo, hi = 0.0, end
+    for _ in range(30):
+        x = 0.5 * (lo + hi) if d0 == d1 else lo + (hi - lo) * d0 / (d0 - d1)
+        d = rate_at(S, at, x)
+        if d == 0.0 or hi - lo <= 1e-8:
+            break
+        if d * d0 > 0.0:
+            lo, d0, d1 = x, d, 0.5 * d1
+        else:
+            hi, d1, d0 = x, d, 0.5 * d0
+    return at_theta(S, at, x)
+
+
+@njit("void(int64, float64[::1], float64)", **OPTIONS)
+def land(lane, S, budget):
+    """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
+    theta, which = 2.0, 0
+    for k in range(1, GUARDS):
+        zero = first_zero(S, F_G + (k - 1) * (DEGREE + 1) * L + lane)
+        if zero < theta:
+            theta, which = zero, k
+    h, last = S[F_HH + lane], S[F_LAST + lane] > 0.5
+    part = min(theta, 1.0)
+    S[F_T0 + lane], S[F_X0 + lane], S[F_SIDE + lane] = S[F_T + lane], S[F_X + lane], S[F_SIGN + lane]
+    travel = S[F_K + DEGREE * L + lane] / (DEGREE + 1)
+    for m in range(DEGREE - 1, -1, -1):
+        travel = fma(travel, part, S[F_K + m * L + lane] / (m + 1))
+    S[F_TOP + lane] = extremum(S, F_K + lane, part)
+    bad = False
+    for i in range(STATES):
+        y = at_theta(S, F_K + i * (DEGREE + 1) * L + lane, part)
+        S[F_Y + i * L + lane] = y
+        bad = bad or y != y
+        if i > 0:
+            S[F_M + (i - 1) * L + lane] = max(S[F_M + (i - 1) * L + lane], abs(y))
+    S[F_X + lane] = S[F_X + lane] + h * part * travel if CYCLIC else S[F_Y + (STATES - 1) * L + lane]
+    S[F_NACC + lane] += 1.0
+    if bad:
+        S[F_STAT + lane] = 4.0
+        return
+    if theta <= 1.0:
+        S[F_T + lane] += part * h
+        status = switched(which, lane, S)
+        if status > 0:
+            S[F_STAT + lane] = status
+    elif last:
+        S[F_T + lane] = S[F_TEND + lane]
+        S[F_STAT + lane] = 1.0
+    else:
+        S[F_T + lane] += h
+        if h < 1e-15 * S[F_C + PERIOD * L + lane]:
+            S[F_STAT + lane] = 3.0
+    if S[F_NACC + lane] > budget and S[F_STAT + lane] < 0.5:
+        S[F_STAT + lane] = 2.0
+
+
+@njit("void(float64[::1], float64, float64)", **OPTIONS)
+def step(S, rtol, budget):
+    """One step of every lane."""
+    series(S)
+    for lane in range(L):
+        land(lane, S, budget)

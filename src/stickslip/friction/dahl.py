@@ -1,0 +1,78 @@
+"""The Dahl model: friction that follows displacement, not speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from stickslip.fields import positive
+from stickslip.friction.law import Law
+from stickslip.friction.sides import by_side, signed_power
+
+__all__ = ["Dahl"]
+
+
+@dataclass(frozen=True, eq=False)
+class Dahl(Law):
+    r"""Anisotropic Dahl friction, a dynamic law with one inner state z, the deflection of the contact.
+
+    .. math:: R = \sigma_0 z, \qquad \dot z = v\,|u|^i \operatorname{sgn} u, \qquad
+              u = 1 - \frac{\sigma_0 z}{\mu_\pm N}\operatorname{sgn} v
+
+    The force depends on the path alone, not on how fast it is travelled. There is no Stribeck effect, no static friction above the
+    kinetic one, and no true rest. With an exponent below 1 sliding is reached after a finite way; the curve is rounded
+    off where :math:`|u| < 10^{-12}`, so that it has a slope everywhere.
+
+    Parameters
+    ----------
+    mu_plus, mu_minus : float
+        Friction coefficients forwards and backwards [-].
+    sigma0 : float
+        Stiffness of the contact at rest [N/m].
+    exponent : float
+        Exponent i, the shape of the way into sliding [-]: 1 for ductile materials, less for brittle ones.
+
+    References
+    ----------
+    P. R. Dahl, A solid friction model, Aerospace Corporation TOR-0158(3107-18)-1, 1968;
+    P. R. Dahl, Solid friction damping of mechanical vibrations, AIAA Journal 14 (1976) 1675-1682.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.Dahl(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
+    >>> f"{law.rate(v=1e-3, z=0.0, load=0.7):.6f} {law.rate(v=1e-3, z=0.5 * 0.15 * 0.7 / 4e5, load=0.7):.6f}"
+    '0.001000 0.000500'
+    >>> round(law.force(v=1e-3, z=1e-7, zdot=0.0, load=0.7), 9)
+    0.04
+    """
+
+    mu_plus: float
+    mu_minus: float
+    sigma0: float
+    exponent: float = 1.0
+
+    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, sigma0=4e5, exponent=1.0)
+    _rules: ClassVar[dict[str, Any]] = {
+        "mu_plus": (positive, "a positive number"),
+        "mu_minus": (positive, "a positive number"),
+        "sigma0": (positive, "a positive stiffness [N/m]"),
+        "exponent": (positive, "a positive number, mostly 1"),
+    }
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rate of the deflection dz/dt [m/s]."""
+        signed = by_side(v, 1.0 / self.mu_plus, -1.0 / self.mu_minus)
+        return v * signed_power(1.0 - self.sigma0 * z * signed / load, self.exponent)
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """Friction force R [N]."""
+        return self.sigma0 * z
+
+    def scale(self, load: Any) -> Any:
+        """A typical deflection [m]."""
+        return 0.5 * (self.mu_plus + self.mu_minus) * load / self.sigma0
+
+    def notes(self, load: Any) -> list[str]:
+        """What a user should know about this law."""
+        return ["Dahl friction has no Stribeck effect and no static friction above the kinetic one: it makes no stick-slip by itself"]

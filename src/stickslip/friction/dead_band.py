@@ -1,0 +1,73 @@
+"""Coulomb friction with a linear piece around v = 0: an approximation, for comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from stickslip.fields import at_least, positive
+from stickslip.friction.law import Law
+from stickslip.friction.sides import by_side
+from stickslip.maths import where
+
+__all__ = ["DeadBand"]
+
+
+@dataclass(frozen=True, eq=False)
+class DeadBand(Law):
+    r"""Anisotropic Coulomb friction that is viscous inside a band around v = 0: an approximation.
+
+    .. math:: R = \mu_\pm N\,v/w \;(|v| < w), \qquad R = \pm\mu_\pm N \;(|v| \ge w)
+
+    It exists so that you can see how wrong it is. For friction that rests, take `Coulomb`, which is solved exactly.
+
+    Parameters
+    ----------
+    mu_plus, mu_minus : float
+        Friction coefficients forwards and backwards [-].
+    width : float
+        Half width w of the velocity band [m/s].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.DeadBand(mu_plus=0.15, mu_minus=0.21, width=1e-3)
+    >>> [round(law.force(v, z=(), zdot=(), load=1.0), 6) for v in (0.1, 5e-4, 0.0, -0.1)]
+    [0.15, 0.075, 0.0, -0.21]
+    """
+
+    mu_plus: float
+    mu_minus: float
+    width: float
+
+    states: ClassVar[int] = 0
+    approximation: ClassVar[str] = (
+        "dead-band Coulomb friction is a viscous film inside the band: under any force below break-away the body creeps, at up to width"
+    )
+    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, width=1e-3)
+    _rules: ClassVar[dict[str, Any]] = {
+        "mu_plus": (at_least(0.0), "zero or more"),
+        "mu_minus": (at_least(0.0), "zero or more"),
+        "width": (positive, "a positive velocity [m/s]"),
+    }
+
+    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """Friction force R [N]."""
+        share = where(v > self.width, 1.0, where(v < -self.width, -1.0, v / self.width))
+        return by_side(v, self.mu_plus, self.mu_minus) * load * share
+
+    def scale(self, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def velocity_scale(self) -> Any:
+        """The velocity over which friction changes [m/s]."""
+        return self.width
+
+    def notes(self, load: Any) -> list[str]:
+        """What is wrong with this law."""
+        return [self.approximation]

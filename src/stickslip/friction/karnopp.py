@@ -1,0 +1,91 @@
+"""Karnopp's model: inside a band around v = 0 friction balances the other forces. An approximation, for comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from stickslip.errors import Problems
+from stickslip.fields import at_least, positive
+from stickslip.friction.law import Law
+from stickslip.friction.sides import by_side, check_static, static
+from stickslip.maths import where
+
+__all__ = ["Karnopp"]
+
+
+@dataclass(frozen=True, eq=False)
+class Karnopp(Law):
+    r"""Anisotropic Karnopp friction: in a band around v = 0 the body is held as long as static friction can: an approximation.
+
+    .. math:: R = \pm\mu_\pm N \;(|v| > w), \qquad R = \min(\max(R_0, -f_- N), f_+ N) \;(|v| \le w)
+
+    R_0 is the friction force that would keep v constant. The body is not stopped inside the band but keeps the
+    velocity with which it came in. For friction that rests, take `Coulomb`, which is solved exactly.
+
+    Parameters
+    ----------
+    mu_plus, mu_minus : float
+        Kinetic friction coefficients forwards and backwards [-].
+    f_plus, f_minus : float or None
+        Static friction coefficients [-]; ``None`` means the kinetic ones.
+    width : float
+        Half width w of the velocity band [m/s].
+
+    References
+    ----------
+    D. Karnopp, Computer simulation of stick-slip friction in mechanical dynamic systems,
+    ASME J. Dynamic Systems, Measurement, and Control 107 (1985) 100-103.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.Karnopp(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, width=1e-3)
+    >>> [law.force(0.0, z=(), zdot=(), load=1.0, applied=applied) for applied in (0.1, 0.3, -0.3)]
+    [0.1, 0.18, -0.24]
+    """
+
+    mu_plus: float
+    mu_minus: float
+    f_plus: float | None
+    f_minus: float | None
+    width: float
+
+    states: ClassVar[int] = 0
+    approximation: ClassVar[str] = (
+        "Karnopp's model does not bring the body to rest: inside the band it keeps the velocity with which it came in, up to width"
+    )
+    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, width=1e-3)
+    _rules: ClassVar[dict[str, Any]] = {
+        "mu_plus": (at_least(0.0), "zero or more"),
+        "mu_minus": (at_least(0.0), "zero or more"),
+        "f_plus": (at_least(0.0), "zero or more, or None"),
+        "f_minus": (at_least(0.0), "zero or more, or None"),
+        "width": (positive, "a positive velocity [m/s]"),
+    }
+
+    def _check(self, problems: Problems) -> None:
+        check_static(self, problems)
+
+    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
+        """Friction force R; `applied` is the one that would keep v constant [N]."""
+        forward, backward = static(self.f_plus, self.mu_plus) * load, -static(self.f_minus, self.mu_minus) * load
+        held = where(applied > forward, forward, where(applied < backward, backward, applied))
+        sliding = by_side(v, self.mu_plus, -self.mu_minus) * load
+        return where(v > self.width, sliding, where(v < -self.width, sliding, held))
+
+    def scale(self, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def velocity_scale(self) -> Any:
+        """The velocity over which friction changes [m/s]."""
+        return self.width
+
+    def notes(self, load: Any) -> list[str]:
+        """What is wrong with this law."""
+        return [self.approximation]

@@ -1,0 +1,36 @@
+"""What every built-in law is: a record that can be added to another law and has an example."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from stickslip.fields import Record, is_array
+
+__all__ = ["Law", "several"]
+
+
+class Law(Record):
+    """Base of the built-in laws. A law of your own needs nothing from here."""
+
+    _example: ClassVar[dict[str, Any]] = {}
+
+    @classmethod
+    def example(cls) -> Any:
+        """The law with the numbers of an ordinary dry contact, for a load of about 1 N."""
+        return cls(**cls._example)
+
+    def __add__(self, other: Any) -> Any:
+        from stickslip.friction.sum import Sum
+
+        return Sum(self, other)
+
+    def __radd__(self, other: Any) -> Any:
+        from stickslip.friction.sum import Sum
+
+        return Sum(other, self)
+
+
+def several(values: Any) -> tuple[Any, ...]:
+    """A field of several numbers; () where there is none, or something else among them, which has been reported."""
+    good = isinstance(values, tuple) and all(isinstance(value, float) or is_array(value) for value in values)
+    return values if good else ()

@@ -1,0 +1,90 @@
+"""Dry friction that fades with speed: from static to kinetic friction, with a free exponent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from stickslip.errors import Problems
+from stickslip.fields import at_least, positive
+from stickslip.friction.law import Law
+from stickslip.friction.sides import by_side, check_static, fading, static
+
+__all__ = ["Stribeck"]
+
+
+@dataclass(frozen=True, eq=False)
+class Stribeck(Law):
+    r"""Anisotropic Stribeck friction, a set-valued law: friction falls from f at rest to mu at speed.
+
+    .. math:: R = \pm N\left(\mu_\pm + (f_\pm-\mu_\pm)\,e^{-|v/v_s|^\delta}\right) + c\,v \;(v \ne 0), \qquad
+              -f_- N \le R \le f_+ N \;(v = 0)
+
+    Measured curves want exponents between 1/2 and 2. With another exponent than 1 and 2 the curve is rounded off where
+    :math:`|v| < 10^{-12} v_s`, so that it has a slope everywhere.
+
+    Parameters
+    ----------
+    mu_plus, mu_minus : float
+        Kinetic friction coefficients forwards and backwards [-].
+    f_plus, f_minus : float or None
+        Static friction coefficients [-]; ``None`` means the kinetic ones.
+    v_s : float
+        Stribeck velocity [m/s].
+    exponent : float
+        Exponent of the Stribeck curve [-].
+    viscous : float
+        Viscous friction c, not times the load [N s/m].
+
+    References
+    ----------
+    L. C. Bo, D. Pavelescu, The friction-speed relation and its influence on the critical velocity of stick-slip motion,
+    Wear 82 (1982) 277-289.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.Stribeck(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, v_s=2e-3, exponent=1, viscous=0.4)
+    >>> [round(law.sliding(v, load=1.0), 6) for v in (1e-12, 2e-3, 0.1, -2e-3)]
+    [0.18, 0.161836, 0.19, -0.221836]
+    >>> law.breakaway(load=1.0)
+    (-0.24, 0.18)
+    """
+
+    mu_plus: float
+    mu_minus: float
+    f_plus: float | None
+    f_minus: float | None
+    v_s: float
+    exponent: float = 2.0
+    viscous: float = 0.0
+
+    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, v_s=2e-3, exponent=1.0, viscous=0.4)
+    _rules: ClassVar[dict[str, Any]] = {
+        "mu_plus": (at_least(0.0), "zero or more"),
+        "mu_minus": (at_least(0.0), "zero or more"),
+        "f_plus": (at_least(0.0), "zero or more, or None"),
+        "f_minus": (at_least(0.0), "zero or more, or None"),
+        "v_s": (positive, "a positive velocity [m/s]"),
+        "exponent": (positive, "a positive number, mostly 1 or 2"),
+        "viscous": (at_least(0.0), "zero or more [N s/m]"),
+    }
+
+    def _check(self, problems: Problems) -> None:
+        check_static(self, problems)
+
+    def coefficient(self, v: Any) -> Any:
+        """Steady friction coefficient without the viscous part, positive both ways [-]."""
+        return fading(self, v, self.exponent)
+
+    def sliding(self, v: Any, load: Any) -> Any:
+        """Friction force R while sliding with velocity v [N]."""
+        return by_side(v, 1.0, -1.0) * self.coefficient(v) * load + self.viscous * v
+
+    def breakaway(self, load: Any) -> tuple[Any, Any]:
+        """Friction forces (backward, forward) that rest can bear [N]."""
+        return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load
+
+    def velocity_scale(self) -> Any:
+        """The velocity over which friction changes [m/s]."""
+        return self.v_s

@@ -1,0 +1,177 @@
+"""Laws added up: dry friction and oil, a bristle and a film."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.errors import InputError, Problems
+from stickslip.fields import _all
+from stickslip.friction.law import Law
+from stickslip.maths import minimum
+
+__all__ = ["DynamicSum", "ModalSum", "SlidingSum", "Sum"]
+
+
+@dataclass(frozen=True, eq=False)
+class Sum(Law):
+    """Two laws that act on one contact at once; `a + b` makes one, and so does ``Sum(a, b)``.
+
+    Set-valued laws add to a set-valued law. A law with inner states takes any law that holds nothing at rest, such as `Viscous`.
+    Two laws with inner states, or one and a law that sticks, have no sum here.
+
+    Parameters
+    ----------
+    first, second : law
+        Any two laws, or sums of them; your own too.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.Coulomb(mu_plus=0.15, mu_minus=0.21) + ss.Viscous(viscous_plus=2.0, viscous_minus=4.0)
+    >>> f"{law.sliding(v=0.1, load=10.0):.3f} {law.sliding(v=-0.1, load=10.0):.3f}"
+    '1.700 -2.500'
+    >>> law.replace({"second.viscous_plus": 3.0}).sliding(v=0.1, load=10.0)
+    1.8
+    """
+
+    first: Any
+    second: Any
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
+        """A sum of the kind that the two laws make."""
+        if cls is Sum and (args or kwargs):
+            parts = [*args, *kwargs.values()]
+            cls = _kind(parts) if len(parts) == 2 else cls
+        return super().__new__(cls, *args, **kwargs)
+
+    def _check(self, problems: Problems) -> None:
+        _kind([self.first, self.second])
+
+    @classmethod
+    def example(cls) -> Any:
+        """Dry friction and oil."""
+        from stickslip.friction.stribeck import Stribeck
+        from stickslip.friction.viscous import Viscous
+
+        return Stribeck.example() + Viscous.example()
+
+    @property
+    def approximation(self) -> str:
+        """What is wrong with the parts; empty where nothing is."""
+        return "; ".join(filter(None, (getattr(part, "approximation", "") for part in (self.first, self.second))))
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The smaller of the parts' velocity scales; absent where they have none."""
+        methods = [part.velocity_scale for part in (self.first, self.second) if hasattr(part, "velocity_scale")]
+        if not methods:
+            raise AttributeError("velocity_scale")
+        return methods[0] if len(methods) == 1 else lambda: minimum(methods[0](), methods[1]())
+
+    def notes(self, load: Any) -> list[str]:
+        """The notes of both parts."""
+        return [note for part in (self.first, self.second) if hasattr(part, "notes") for note in part.notes(load)]
+
+
+class SlidingSum(Sum):
+    """A set-valued sum."""
+
+    def sliding(self, v: Any, load: Any) -> Any:
+        """Friction force R while sliding with velocity v [N]."""
+        return _moving(self.first, v, load) + _moving(self.second, v, load)
+
+    def breakaway(self, load: Any) -> tuple[Any, Any]:
+        """Friction forces (backward, forward) that rest can bear [N]."""
+        held = [part.breakaway(load) for part in (self.first, self.second) if hasattr(part, "breakaway")]
+        return sum(low for low, _ in held), sum(high for _, high in held)
+
+
+class DynamicSum(Sum):
+    """The sum of a dynamic law and one that holds nothing at rest."""
+
+    def _parts(self) -> tuple[Any, Any]:
+        return (self.first, self.second) if _memory(self.first) or not hasattr(self.second, "rate") else (self.second, self.first)
+
+    @property
+    def states(self) -> int:
+        """Number of inner states."""
+        return int(getattr(self._parts()[0], "states", 1))
+
+    @property
+    def scalar_only(self) -> bool:
+        """Whether the law cannot be compiled."""
+        return bool(getattr(self._parts()[0], "scalar_only", False))
+
+    @property
+    def scale(self) -> Any:
+        """Typical size of the inner states; absent where the dynamic law has none."""
+        return self._parts()[0].scale
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rates of the inner states."""
+        return self._parts()[0].rate(v, z, load)
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """Friction force R [N]."""
+        dynamic, other = self._parts()
+        return dynamic.force(v, z, zdot, load) + _moving(other, v, load)
+
+
+class ModalSum(DynamicSum):
+    """The same where the dynamic law has discrete memory."""
+
+    @property
+    def modes(self) -> int:
+        """Number of memories."""
+        return int(self._parts()[0].modes)
+
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:  # type: ignore[override]
+        """Rates of the inner states."""
+        return self._parts()[0].rate(v, z, load, mode)
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:  # type: ignore[override]
+        """Friction force R [N]."""
+        dynamic, other = self._parts()
+        return dynamic.force(v, z, zdot, load, mode) + _moving(other, v, load)
+
+    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+        """What ends a mode."""
+        return self._parts()[0].switches(v, z, load, mode)
+
+
+def _moving(law: Any, v: Any, load: Any) -> Any:
+    """Force of a law without memory at velocity v [N]."""
+    return law.sliding(v, load) if hasattr(law, "sliding") else law.force(v, (), (), load)
+
+
+def _memory(law: Any) -> bool:
+    return hasattr(law, "rate") and (getattr(law, "states", 1) > 0 or getattr(law, "modes", 0) > 0)
+
+
+def _sticks(law: Any) -> bool:
+    return hasattr(law, "breakaway") and not all(_all(force == 0) for force in law.breakaway(1.0))
+
+
+def _kind(parts: list[Any]) -> type:
+    """Which sum two laws make; `InputError` where they make none."""
+    problems, names = Problems("Sum"), [type(part).__name__ for part in parts]
+    for part, name in zip(parts, names, strict=True):
+        if isinstance(part, type) or (not (hasattr(part, "sliding") and hasattr(part, "breakaway")) and not hasattr(part, "force")):
+            problems.add(f"{part!r} is no friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)")
+        elif hasattr(part, "force") and "applied" in inspect.signature(part.force).parameters:
+            problems.add(f"{name} balances the other forces at rest, so nothing can be added to it; use ss.Coulomb, solved exactly")
+    problems.check()
+    memory, sticks = [_memory(part) for part in parts], [_sticks(part) for part in parts]
+    if all(memory):
+        raise InputError("Sum", [f"{names[0]} and {names[1]} both have inner states; allowed is one such law; write one law with both"])
+    if any(memory) and any(sticks):
+        raise InputError(
+            "Sum",
+            [f"{names[0]} and {names[1]}: one has inner states and the other sticks; allowed beside a law with memory is one that holds "
+             "nothing at rest, such as ss.Viscous"],
+        )  # fmt: skip
+    if any(getattr(part, "modes", 0) for part in parts):
+        return ModalSum
+    return DynamicSum if any(hasattr(part, "rate") for part in parts) and not any(sticks) else SlidingSum

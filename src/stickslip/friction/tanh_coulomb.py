@@ -1,0 +1,72 @@
+"""Coulomb friction smoothed by tanh: an approximation, for comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from stickslip.fields import at_least, positive
+from stickslip.friction.law import Law
+from stickslip.friction.sides import by_side
+from stickslip.maths import tanh
+
+__all__ = ["TanhCoulomb"]
+
+
+@dataclass(frozen=True, eq=False)
+class TanhCoulomb(Law):
+    r"""Anisotropic Coulomb friction whose step at v = 0 is replaced by a steep curve: an approximation.
+
+    .. math:: R = \mu_\pm N \tanh(v/w)
+
+    It exists so that you can see how wrong it is. For friction that rests, take `Coulomb`, which is solved exactly.
+
+    Parameters
+    ----------
+    mu_plus, mu_minus : float
+        Friction coefficients forwards and backwards [-].
+    width : float
+        Velocity w over which friction builds up [m/s].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.TanhCoulomb(mu_plus=0.15, mu_minus=0.21, width=1e-3)
+    >>> [round(law.force(v, z=(), zdot=(), load=1.0), 6) for v in (0.1, 1e-3, 0.0, -0.1)]
+    [0.15, 0.114239, 0.0, -0.21]
+    """
+
+    mu_plus: float
+    mu_minus: float
+    width: float
+
+    states: ClassVar[int] = 0
+    approximation: ClassVar[str] = (
+        "tanh-smoothed Coulomb friction holds nothing at rest: under any force below break-away the body creeps, at a speed near width"
+    )
+    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, width=1e-3)
+    _rules: ClassVar[dict[str, Any]] = {
+        "mu_plus": (at_least(0.0), "zero or more"),
+        "mu_minus": (at_least(0.0), "zero or more"),
+        "width": (positive, "a positive velocity [m/s]"),
+    }
+
+    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """Friction force R [N]."""
+        return by_side(v, self.mu_plus, self.mu_minus) * load * tanh(v / self.width)
+
+    def scale(self, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def velocity_scale(self) -> Any:
+        """The velocity over which friction changes [m/s]."""
+        return self.width
+
+    def notes(self, load: Any) -> list[str]:
+        """What is wrong with this law."""
+        return [self.approximation]

@@ -1,0 +1,89 @@
+"""A block on a spring, carried by a belt that moves at constant speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.maths import pi, sqrt
+from stickslip.mechanisms.mechanism import RULES, Mechanism
+
+__all__ = ["BlockOnBelt"]
+
+
+@dataclass(frozen=True, eq=False)
+class BlockOnBelt(Mechanism):
+    r"""A block held by a spring on a moving belt: the textbook's self-excited oscillator.
+
+    .. math:: m\ddot x = -k x - c\,\dot x - R(\dot x - u)
+
+    The belt moves at speed u; friction sees the velocity of the block over the belt. Stuck means that the block rides along.
+    It has no period: type ``ss.solve(bench, duration=...)``. A run starts at rest, so on the moving belt it starts slipping,
+    unless the start says ``v=u``.
+
+    Parameters
+    ----------
+    mass : float
+        Mass m of the block [kg].
+    stiffness : float
+        Stiffness k of the spring [N/m].
+    speed : float
+        Speed u of the belt [m/s].
+    friction : Coulomb or LuGre or any law
+        How the block rubs on the belt; plus is a block that moves faster than the belt.
+    load : float
+        Normal force [N]; with 1 the coefficients of the law are forces.
+    damping : float
+        Damping c of the spring [N s/m].
+
+    References
+    ----------
+    J. P. Den Hartog, Mechanical Vibrations, 4th ed., McGraw-Hill 1956, section 7.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> bench = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+    >>> bench.contact_velocity(0.0), bench.acceleration(t=0.0, x=0.0, v=0.0, R=-1.0)
+    (-0.1, 1.0)
+    """
+
+    mass: float = field(metadata={"example": "1.0"})
+    stiffness: float = field(metadata={"example": "2.0"})
+    speed: float = field(metadata={"example": "0.1"})
+    friction: Any
+    load: float = field(default=1.0, metadata={"example": "1.0"})
+    damping: float = field(default=0.0, metadata={"example": "0.0"})
+
+    kind: ClassVar[str] = "block_on_belt"
+    _rules: ClassVar[dict[str, Any]] = RULES
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The speed of the belt, against which errors are measured [m/s]."""
+        return abs(self.speed)
+
+    @property
+    def time_scale(self) -> Any:
+        """Period of the free oscillation [s]."""
+        return 2 * pi * sqrt(self.mass / self.stiffness)
+
+    def contact_velocity(self, v: Any) -> Any:
+        """Velocity of the block over the belt [m/s]."""
+        return v - self.speed
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the block [m/s^2]."""
+        return (-self.stiffness * x - self.damping * v - R) / self.mass
+
+    def potential(self, t: Any, x: Any) -> Any:
+        """Energy in the spring [J]."""
+        return 0.5 * self.stiffness * x**2
+
+    def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Power that the motor of the belt delivers [W]."""
+        return -R * self.speed
+
+    def damping_power(self, t: Any, x: Any, v: Any) -> Any:
+        """Power that the damping takes [W]."""
+        return self.damping * v**2

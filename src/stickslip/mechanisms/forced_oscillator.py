@@ -1,0 +1,99 @@
+"""A mass on a spring with dry friction under a harmonic force; without the force, free decay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.fields import at_least, positive
+from stickslip.maths import pi, sin
+from stickslip.mechanisms.mechanism import RULES, Mechanism
+
+__all__ = ["ForcedOscillator"]
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedOscillator(Mechanism):
+    r"""A harmonically forced oscillator with dry friction: Den Hartog's and Shaw's problem.
+
+    .. math:: m\ddot x + c\,\dot x + k x + R = F \sin\omega t + F_0
+
+    With ``force=0`` it decays freely; with ``stiffness=0`` it is a mass that a given force pushes over the track.
+
+    Parameters
+    ----------
+    mass : float
+        Mass m [kg].
+    stiffness : float
+        Stiffness k [N/m]; 0 is no spring.
+    damping : float
+        Viscous damping c [N s/m].
+    force : float
+        Amplitude F of the force [N].
+    omega : float
+        Angular frequency of the force [rad/s]. Also without a force it says what one period is.
+    friction : Coulomb or LuGre or any law
+        How the mass rubs.
+    load : float
+        Normal force [N]; with 1 the coefficients of the law are forces.
+    bias : float
+        Constant part F_0 of the force [N].
+
+    References
+    ----------
+    J. P. Den Hartog, Forced vibrations with combined Coulomb and viscous friction, Trans. ASME 53 (1930) 107-115.
+    S. W. Shaw, On the dynamic response of a system with dry friction, J. Sound and Vibration 108 (1986) 305-325.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> bench = ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=ss.Coulomb(0.3, 0.3))
+    >>> round(bench.period, 6), bench.acceleration(t=0.0, x=2.0, v=0.0, R=0.3)
+    (8.975979, -2.3)
+    """
+
+    mass: float = field(metadata={"example": "1.0"})
+    stiffness: float = field(metadata={"example": "1.0"})
+    damping: float = field(metadata={"example": "0.0"})
+    force: float = field(metadata={"example": "1.0"})
+    omega: float = field(metadata={"example": "0.7"})
+    friction: Any
+    load: float = field(default=1.0, metadata={"example": "1.0"})
+    bias: float = field(default=0.0, metadata={"example": "0.0"})
+
+    kind: ClassVar[str] = "forced_oscillator"
+    _rules: ClassVar[dict[str, Any]] = {
+        **RULES,
+        "stiffness": (at_least(0.0), "zero or more [N/m]"),
+        "omega": (positive, "a positive angular frequency [rad/s]"),
+    }
+
+    @property
+    def period(self) -> Any:
+        """Period of the force [s]."""
+        return 2 * pi / self.omega
+
+    @property
+    def velocity_scale(self) -> Any:
+        """What the force, and a friction force of the size of the load, do in 1/omega [m/s]."""
+        return (abs(self.force) + self.load) / (self.mass * self.omega)
+
+    def given_force(self, t: Any) -> Any:
+        """The force from outside [N]."""
+        return self.force * sin(self.omega * t) + self.bias
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the mass [m/s^2]."""
+        return (self.given_force(t) - self.stiffness * x - self.damping * v - R) / self.mass
+
+    def potential(self, t: Any, x: Any) -> Any:
+        """Energy in the spring [J]."""
+        return 0.5 * self.stiffness * x**2
+
+    def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Power of the force from outside [W]."""
+        return self.given_force(t) * v
+
+    def damping_power(self, t: Any, x: Any, v: Any) -> Any:
+        """Power that the damping takes [W]."""
+        return self.damping * v**2

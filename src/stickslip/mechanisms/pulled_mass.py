@@ -1,0 +1,88 @@
+"""A mass on a track, pulled by a spring whose end moves at constant speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.maths import pi, sqrt
+from stickslip.mechanisms.mechanism import RULES, Mechanism
+
+__all__ = ["PulledMass"]
+
+
+@dataclass(frozen=True, eq=False)
+class PulledMass(Mechanism):
+    r"""A mass pulled by a spring: the bench on which stick-slip was first measured.
+
+    .. math:: m\ddot x = k\,(u t - x) + c\,(u - \dot x) - R
+
+    x is the position of the mass; the far end of the spring is at :math:`u t`, and the spring is relaxed at the start.
+    It has no period: type ``ss.solve(bench, duration=...)``.
+
+    Parameters
+    ----------
+    mass : float
+        Mass m [kg].
+    stiffness : float
+        Stiffness k of the spring [N/m].
+    speed : float
+        Speed u of its far end [m/s].
+    friction : Coulomb or LuGre or any law
+        How the mass rubs on the track.
+    load : float
+        Normal force [N]; with 1 the coefficients of the law are forces.
+    damping : float
+        Damping c of the spring [N s/m].
+
+    References
+    ----------
+    F. P. Bowden, L. Leben, The nature of sliding and the analysis of friction, Proc. R. Soc. London A 169 (1939) 371-391.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> bench = ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+    >>> bench.acceleration(t=5.0, x=0.1, v=0.0, R=0.5), bench.period
+    (0.3, None)
+    """
+
+    mass: float = field(metadata={"example": "1.0"})
+    stiffness: float = field(metadata={"example": "2.0"})
+    speed: float = field(metadata={"example": "0.1"})
+    friction: Any
+    load: float = field(default=1.0, metadata={"example": "1.0"})
+    damping: float = field(default=0.0, metadata={"example": "0.0"})
+
+    kind: ClassVar[str] = "pulled_mass"
+    _rules: ClassVar[dict[str, Any]] = RULES
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The speed of the pull, against which errors are measured [m/s]."""
+        return abs(self.speed)
+
+    @property
+    def time_scale(self) -> Any:
+        """Period of the free oscillation [s]."""
+        return 2 * pi * sqrt(self.mass / self.stiffness)
+
+    def spring_force(self, t: Any, x: Any, v: Any) -> Any:
+        """Force of the spring on the mass [N]."""
+        return self.stiffness * (self.speed * t - x) + self.damping * (self.speed - v)
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the mass [m/s^2]."""
+        return (self.spring_force(t, x, v) - R) / self.mass
+
+    def potential(self, t: Any, x: Any) -> Any:
+        """Energy in the spring [J]."""
+        return 0.5 * self.stiffness * (self.speed * t - x) ** 2
+
+    def drive_power(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Power that the far end of the spring takes in [W]."""
+        return self.spring_force(t, x, v) * self.speed
+
+    def damping_power(self, t: Any, x: Any, v: Any) -> Any:
+        """Power that the damping takes [W]."""
+        return self.damping * (self.speed - v) ** 2

@@ -1,0 +1,55 @@
+"""scipy's integrators on the same law object, in plain Python floats: the independent judge. Slow, and nothing in it is ours.
+
+Every stretch is integrated on one side of the contact's velocity and with the law's memories held, and ends where that velocity comes
+back to zero, where a memory switches, where the load falls to zero, or at an instant that is known beforehand (a break or an impulse
+of the drive). So no step crosses the kink of a dynamic law or the jump of a set-valued one. A set-valued law has a third mode, stuck,
+which ends where the offered force reaches break-away. It takes every law, every drive and every mechanism.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from stickslip.batch import rows_of
+from stickslip.errors import SolveError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.solvers import strobes
+from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.plain.march import march
+from stickslip.solvers.plain.reduction import reduced
+from stickslip.solvers.plain.stretch import NAMES
+from stickslip.solvers.request import Request
+from stickslip.summary import Summary
+from stickslip.trajectory import Trajectory
+
+__all__ = ["NAMES", "solve"]
+
+
+def solve(todo: Request) -> Trajectory | Summary:
+    """Solve as asked, case by case."""
+    method = "dop853" if todo.method == "auto" else todo.method
+    if todo.keep == "summary":
+        return gather(todo, method, _parts(todo))
+    pieces, counts, status = march(todo, _case(todo, 0), 0)
+    return trajectory(todo, method, pieces, counts, status)
+
+
+def _case(todo: Request, i: int) -> Any:
+    """One case of the batch, its numbers plain floats."""
+    names = tuple(name for name, _ in leaves(todo.model))
+    return replace_leaf(todo.model, dict(zip(names, map(float, rows_of(todo.model, names)[i]), strict=True)))
+
+
+def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], Raw]]:
+    """Raw results case by case; a case that fails has a status."""
+    for i in range(todo.cases):
+        model = _case(todo, i)
+        try:
+            pieces, _, status = march(todo, model, i)
+            found = {**strobes.NOTHING, "status": status} if status else reduced(todo, model, pieces, i)
+        except SolveError:
+            found = {**strobes.NOTHING, "status": 3}
+        yield (i, i + 1), strobes.raw([found])
+        if todo.progress is not None:
+            todo.progress(i + 1, todo.cases)

@@ -1,0 +1,45 @@
+"""From the dense output of one case to its row of a summary."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.pieces import PolynomialPieces
+from stickslip.solvers import strobes
+from stickslip.solvers.request import Request
+from stickslip.trajectory import Trajectory
+
+__all__ = ["reduced"]
+
+_LOOKS = 5000  # per period
+
+
+def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> dict[str, Any]:
+    """Raw results of one case."""
+    T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
+    strobe = _strobe(todo, model, pieces)
+    period = strobes.period_of(model, strobe, 30 * todo.rtol)
+    settle = todo.periods - period if todo.auto and period else todo.settle
+    displacement, window = strobes.window_of(strobe, settle, period)
+    count = _LOOKS * (period or 1)
+    t = pieces.t[-1] - (period or 1) * T * (1 - (np.arange(count) + 0.5) / count)
+    index = np.clip(np.searchsorted(pieces.t, t, side="right") - 1, 0, len(pieces.mode) - 1)
+    x, v, z = pieces.evaluate(t, index)
+    mode, memory = np.asarray(pieces.mode)[index].astype(int), tuple(pieces.memory[index].T)
+    codes = strobes.codes_of(model, v, z, mode, todo.slip_ratio, t, x, memory)
+    number, seg_time, seg_code = strobes.segments_of(np.full(count, (period or 1) * T / count), codes)
+    return {
+        "displacement": displacement, "window": window, "period": period, "periods_run": todo.periods, "status": 0,
+        "v_min": v.min(), "v_max": v.max(),
+        "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
+    }  # fmt: skip
+
+
+def _strobe(todo: Request, model: Any, pieces: PolynomialPieces) -> Any:
+    """States at the borders of the periods, or at both ends of a run that has none."""
+    run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
+    if model.period is None:
+        return np.column_stack(pieces.evaluate(pieces.t[[0, -1]], np.array([0, len(pieces.mode) - 1])))
+    return np.column_stack([run.strobe_x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])

@@ -1,0 +1,112 @@
+"""From a request to the engine's lanes and back: rows, starts, chunks and threads, and the dense output of a single case."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import rows_of, spread
+from stickslip.engine import lanes, trace
+from stickslip.engine.tableaux import Tableau
+from stickslip.errors import SolveError
+from stickslip.forces import rest_velocity
+from stickslip.pieces import PolynomialPieces
+from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.request import Request
+from stickslip.summary import STATUS, Summary
+from stickslip.trajectory import Trajectory
+
+__all__ = ["run"]
+
+#: Steps that a case may take, for each period it should run.
+BUDGET = 200_000
+CHUNK = 4096
+
+
+def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Summary:
+    """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
+    kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
+    method = "exact" if tableau is None else tableau.name
+    job = lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, BUDGET * todo.periods)
+    table = _Table(todo, kernel)
+    if todo.keep == "summary":
+        return gather(todo, method, _parts(todo, kernel, table, job))
+    results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
+    status = int(results.status[0])
+    if status > 1 and status != trace.LOST:
+        trace.check_numbers(todo.model)
+        raise SolveError(
+            f"the run stopped after {results.periods_run[0]} of {todo.periods} periods: {STATUS[status]}; "
+            f"the state was x, v, z = {results.end[0].tolist()}. Try another rtol (now {todo.rtol:g}) or start, and check the law's numbers"
+        )
+    counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
+    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
+
+
+class _Table:
+    """The cases as the kernel takes them: rows of numbers, starts (x, then the states), and what to add to get v."""
+
+    def __init__(self, todo: Request, kernel: lanes.Kernel):
+        model, labels = todo.model, todo.labels
+        names = [n for n in kernel.names if n != trace.SPAN]
+        self.rows = rows_of(model, tuple(names))
+        self.span = np.broadcast_to(todo.span, (todo.cases,))
+        if len(names) < len(kernel.names):
+            self.rows = np.column_stack([self.rows, self.span])
+        self.offset = spread(rest_velocity(model), labels)  # velocity of the body less that at the contact
+        x, v, z = todo.start[:, :1], todo.start[:, 1:2] - self.offset[:, None], todo.start[:, 2:]
+        self.cyclic = bool(getattr(model, "cyclic", False))
+        self.start = np.ascontiguousarray(np.hstack([x, v, z] if self.cyclic else [x, v, z, x]))
+
+
+def _parts(todo: Request, kernel: lanes.Kernel, table: _Table, job: lanes.Job) -> Any:
+    """Raw results chunk by chunk, in order; threads share the chunks."""
+    bounds = _bounds(todo.cases, todo.workers)
+    begun = [0] * len(bounds)
+
+    def work(i: int) -> Raw:
+        first, last = bounds[i]
+
+        def tell(count: int) -> None:
+            begun[i] = count
+            if todo.progress is not None:
+                todo.progress(sum(begun), todo.cases)
+
+        return _raw(lanes.run(kernel, table.rows[first:last], table.start[first:last], job, progress=tell), table.offset[first:last])
+
+    if todo.workers == 1 or len(bounds) == 1:
+        yield from zip(bounds, map(work, range(len(bounds))), strict=True)
+        return
+    with ThreadPoolExecutor(todo.workers) as pool:
+        yield from zip(bounds, pool.map(work, range(len(bounds))), strict=True)
+
+
+def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
+    """Chunks of cases: large enough for full lanes, small enough that threads finish together."""
+    size = min(CHUNK, max(128, -(-cases // (workers * 2)))) if workers > 1 else CHUNK
+    return [(i, min(i + size, cases)) for i in range(0, cases, size)]
+
+
+def _raw(r: lanes.Results, offset: Any) -> Raw:
+    return Raw(
+        displacement=r.displacement, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
+        v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
+        margin_force=np.full(len(r.status), np.inf),
+    )  # fmt: skip
+
+
+def _pieces(pieces: Any, kernel: lanes.Kernel, table: _Table, periods: int) -> PolynomialPieces:
+    """The recorded steps of one case as dense output."""
+    period = float(table.span[0])
+    pieces = pieces[pieces[:, 0] < periods]
+    ends = np.where(pieces[:, 2] >= period, (pieces[:, 0] + 1) * period, pieces[:, 0] * period + pieces[:, 2])
+    t = np.concatenate([[0.0], ends])
+    good = np.diff(t) > 0
+    t, pieces = np.concatenate([[0.0], ends[good]]), pieces[good]
+    first = 5 + kernel.modes
+    coefficients = pieces[:, first:].reshape(len(pieces), kernel.states, kernel.degree + 1).copy()
+    coefficients[:, 0, 0] += table.offset[0]
+    memory = pieces[:, 5:first].astype(np.int32)
+    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), pieces[:, 3], coefficients, memory, holds_x=not table.cyclic)

@@ -1,0 +1,255 @@
+"""The claims about a law, each a function that measures it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.fields import is_array, leaves
+from stickslip.testing.motions import burst, shaken
+from stickslip.testing.probe import Probe, mirrored
+from stickslip.testing.reports import Claim, LawReport
+from stickslip.testing.symbol_values import traced
+from stickslip.testing.unit_change import FACTORS, in_other_units
+
+__all__ = ["check_law"]
+
+#: Rounding of formulas that are equal on paper, and of integrals with a relative tolerance of 1e-8.
+_SAME, _SAME_WORK = 1e-11, 1e-5
+#: Strokes in typical deflections and largest velocities in typical velocities; velocities of a burst.
+MOTIONS = ((0.3, 1.0), (3.0, 1.0), (3.0, 0.1), (3.0, 10.0), (10.0, 1.0))
+BURSTS = (10.0, 1000.0)
+
+
+def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
+    """Run on a law the claims that the built-in laws are tested for.
+
+    That its numbers are finite; that a contact at rest stays at rest; that sliding friction opposes motion; that a closed cycle
+    costs energy; that plus and minus are exchanged when one looks from the other side; that the formula survives a change of units
+    (where the docstring gives them in brackets, as in ``[N/m]``); and that numbers, arrays and the engine's symbols give the same.
+    How much energy the law gives back beyond what it got, starting fresh, is measured: a passive law gives none.
+
+    Parameters
+    ----------
+    law : law, or its class
+        A class gives an example by a classmethod ``example()``, or by ``field(metadata={"example": "0.15"})`` and defaults.
+    load : float
+        Normal force [N].
+    raise_ : bool
+        Whether to raise an error where claims fail.
+
+    Returns
+    -------
+    LawReport
+
+    Raises
+    ------
+    InputError
+        Names all claims that fail, with what to do.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> report = ss.testing.check_law(ss.Dahl)
+    >>> report.passed, report["energy given back"].value
+    (True, 0.0)
+    """
+    law = _instance(law)
+    probe = Probe(law, float(load))
+    found = [_finite(probe)]
+    if found[0].passed:
+        runs = _cycles(probe)
+        claims = [_rest(probe), _opposes(probe), _costs(runs), _gives_back(probe, runs)]
+        claims += [make(probe) for make in (_mirror, _other_units, _arrays, _symbols)]
+        found += [claim for claim in claims if claim is not None]
+    report = LawReport(type(law).__name__, tuple(found))
+    if raise_ and report.failures:
+        raise InputError(report.law, [f"{c.name}: {c.value:.3g} {c.meaning}; {c.remedy}" for c in report.failures])
+    return report
+
+
+def _instance(law: Any) -> Any:
+    if isinstance(law, type):
+        law = law.example() if hasattr(law, "example") else _from_metadata(law)
+    if not dataclasses.is_dataclass(law) or not (hasattr(law, "sliding") or hasattr(law, "rate")):
+        raise InputError(
+            "check_law", [f"{law!r} is no law; allowed is a dataclass with rate and force or with sliding and breakaway; type "
+                          "for example check_law(MyLaw(mu=0.2))"],
+        )  # fmt: skip
+    many = [name for name, value in leaves(law) if is_array(value)]
+    if many:
+        raise InputError("check_law", [f"{', '.join(many)} of the law are arrays; allowed is one law, no batch; take one case of it"])
+    return law
+
+
+def _from_metadata(cls: type) -> Any:
+    """A law from the examples in its fields."""
+    if not dataclasses.is_dataclass(cls):
+        raise InputError("check_law", [f"{cls.__name__} is not a dataclass; write @dataclass(frozen=True) above the class"])
+    given = {f.name: float(f.metadata["example"]) for f in dataclasses.fields(cls) if "example" in f.metadata}
+    lacking = [
+        f.name
+        for f in dataclasses.fields(cls)
+        if f.name not in given and f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
+    ]
+    if lacking:
+        numbers = ", ".join(f"{name}=..." for name in lacking)
+        raise InputError("check_law", [f"{cls.__name__} is a class without example numbers; type check_law({cls.__name__}({numbers}))"])
+    return cls(**given)
+
+
+def _points(probe: Probe, count: int = 60) -> list[tuple[float, tuple[float, ...], tuple[int, ...], float]]:
+    """Velocities, states, memories and applied forces across what is typical of the law; always the same ones."""
+    draw = random.Random(1)
+    points = []
+    for k in range(count):
+        v = (-1) ** k * probe.velocity_scale * 10 ** draw.uniform(-2, 1)
+        z = tuple(draw.uniform(-1.2, 1.2) * size for size in probe.scale)
+        points.append((v, z, (k // 2 % 2,) * probe.modes, draw.uniform(-0.5, 0.5) * probe.load))
+    return points
+
+
+def _all_values(probe: Probe, v: Any, z: Any, mode: Any, applied: Any) -> tuple[Any, ...]:
+    return (probe.force(v, z, mode, applied), *probe.rate(v, z, mode))
+
+
+def _difference(these: Any, those: Any) -> float:
+    """Largest difference of numbers that should be equal, relative to the larger of 1e-9 and their size."""
+    return max((abs(a - b) / max(abs(a), abs(b), 1e-9) for a, b in zip(these, those, strict=True)), default=0.0)
+
+
+def _finite(probe: Probe) -> Claim:
+    bad = total = 0
+    at_rest = [(0.0, z, mode, applied) for _, z, mode, applied in _points(probe, 8)]
+    for point in [*_points(probe), *at_rest]:
+        try:
+            values = [float(value) for value in _all_values(probe, *point)]
+        except (ValueError, ZeroDivisionError, OverflowError):
+            values = [math.nan]
+        bad, total = bad + sum(not math.isfinite(value) for value in values), total + len(values)
+    return Claim(
+        "numbers are finite", bad == 0, bad, f"of {total} values are not finite",
+        "look at divisions, logarithms and powers at v = 0 and z = 0",
+    )  # fmt: skip
+
+
+def _rest(probe: Probe) -> Claim | None:
+    """A contact that does not move does not change; what rest can bear contains no force at all, and what sliding takes."""
+    if probe.dynamic:
+        if not probe.states:
+            return None
+        rates = [probe.rate(0.0, z, (0,) * probe.modes) for _, z, _, _ in _points(probe)]
+        worst = max(abs(float(r)) for rate in rates for r in rate) / probe.velocity_scale
+        return Claim(
+            "rest at v = 0", worst <= _SAME, worst, "largest rate of a state at v = 0, in typical velocities",
+            "the rate of every state has to vanish at v = 0",
+        )  # fmt: skip
+    low, high = probe.law.breakaway(probe.load)
+    tiny = 1e-9 * probe.velocity_scale
+    lack = max(low, -high, probe.force(tiny, (), ()) - high, low - probe.force(-tiny, (), ()), 0.0)
+    return Claim(
+        "rest at v = 0", lack <= 1e-6 * probe.load, lack, "N that rest cannot bear, though slow sliding does",
+        "breakaway gives (backward, forward) as (negative, positive) forces, not below those of slow sliding",
+    )  # fmt: skip
+
+
+def _opposes(probe: Probe) -> Claim | None:
+    if probe.states or probe.needs_applied:
+        return None
+    wrong = max(max(-math.copysign(1.0, v) * probe.force(v, z, mode) for v, z, mode, _ in _points(probe)), 0.0)
+    return Claim(
+        "friction opposes motion", wrong <= 0, wrong, "N of friction along the motion",
+        "R is positive for v > 0 and negative for v < 0",
+    )  # fmt: skip
+
+
+def _cycles(probe: Probe) -> list[dict[str, float]]:
+    """To and fro over several strokes at several velocities, beginning forwards and backwards."""
+    reach, motions = max(probe.scale, default=0.01), MOTIONS[:2] if getattr(probe.law, "scalar_only", False) else MOTIONS
+    return [shaken(probe, a * reach, side * w * probe.velocity_scale) for a, w in motions for side in (1.0, -1.0)]
+
+
+def _costs(runs: list[dict[str, float]]) -> Claim:
+    least = min(run["loss"] / max(run["loss_turned"], 1e-300) for run in runs)
+    return Claim(
+        "a closed cycle costs energy", least >= -1e-4, least, "J lost for each J turned over, at least",
+        "friction that drives for ever is none: look at the signs of force and rate",
+    )  # fmt: skip
+
+
+def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
+    """To and fro, and a slow push with a sudden burst after it: what Barabanov and Ortega's condition forbids shows there."""
+    reach, speed = 4.0 * max(probe.scale, default=0.01), probe.velocity_scale
+    bursts = [burst(probe, reach, 0.01 * side * speed, fast * side * speed) for fast in BURSTS for side in (1.0, -1.0)]
+    most = max(-run["least"] / max(run["turned"], 1e-300) for run in [*runs, *bursts])
+    most = most if most > 1e-9 else 0.0
+    return Claim("energy given back", None, most, "J beyond what it got, for each J turned over, at most (0: passive in these motions)")
+
+
+def _mirror(probe: Probe) -> Claim:
+    other, worst = Probe(mirrored(probe.law), probe.load), 0.0
+    for v, z, _, applied in _points(probe):
+        rest = (0,) * probe.modes
+        here, there = _all_values(probe, v, z, rest, applied), _all_values(other, -v, tuple(-zi for zi in z), rest, -applied)
+        worst = max(worst, _difference(here, [-value for value in there]))
+    if probe.modes:
+        stroke = 3.0 * max(probe.scale, default=0.01)
+        one, two = (shaken(p, stroke, side * probe.velocity_scale, cycles=1) for p, side in ((probe, 1.0), (other, -1.0)))
+        apart = abs(one["turned"] - two["turned"]) / one["turned"]
+        worst = max(worst, apart if apart > _SAME_WORK else 0.0)
+    return Claim(
+        "mirror symmetry", worst <= _SAME, worst, "difference of the law from its mirror image, relative",
+        "every number of a direction is a pair of fields that end with _plus and _minus, chosen by where(v > 0, ...)",
+    )  # fmt: skip
+
+
+def _other_units(probe: Probe) -> Claim:
+    try:
+        law = in_other_units(probe.law)
+    except LookupError as error:
+        return Claim("change of units", None, math.nan, f"not measured: the docstring has no unit that is known for {error}")
+    other, worst = Probe(law, FACTORS["N"] * probe.load), 0.0
+    own = hasattr(law, "scale")
+    sizes = [new / old if own else FACTORS["m"] for new, old in zip(other.scale, probe.scale, strict=True)]
+    for v, z, mode, applied in _points(probe):
+        here = _all_values(probe, v, z, mode, applied)
+        moved = tuple(size * zi for size, zi in zip(sizes, z, strict=True))
+        there = _all_values(other, v * FACTORS["m"] / FACTORS["s"], moved, mode, FACTORS["N"] * applied)
+        by = [FACTORS["N"], *(size / FACTORS["s"] for size in sizes)]
+        worst = max(worst, _difference([b * value for b, value in zip(by, here, strict=True)], there))
+    return Claim(
+        "change of units", worst <= 1e-9, worst, "difference after a change of newton, metre and second, relative",
+        "two terms of the formula have different units, or the docstring gives a wrong one",
+    )  # fmt: skip
+
+
+def _arrays(probe: Probe) -> Claim | None:
+    import numpy as np
+
+    if getattr(probe.law, "scalar_only", False):
+        return None
+    points = _points(probe)
+    v, applied = (np.array([point[k] for point in points]) for k in (0, 3))
+    z, mode = (tuple(np.array(column) for column in zip(*(point[k] for point in points), strict=True)) for k in (1, 2))
+    found = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
+    single = np.array([_all_values(probe, *point) for point in points], float).T
+    worst = _difference(np.ravel(found), np.ravel(single))
+    return Claim(
+        "arrays agree with numbers", worst <= _SAME, worst, "difference, relative",
+        "write with where, maximum, exp, ... of stickslip.maths, never `if`",
+    )  # fmt: skip
+
+
+def _symbols(probe: Probe) -> Claim | None:
+    if getattr(probe.law, "scalar_only", False):
+        return None
+    worst = 0.0
+    for v, z, mode, applied in _points(probe):
+        worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law, probe.load, v, z, mode, applied)))
+    return Claim(
+        "symbols agree with numbers", worst <= 1e-9, worst, "difference, relative",
+        "write with where, maximum, exp, ... of stickslip.maths, and use nothing but fields",
+    )  # fmt: skip

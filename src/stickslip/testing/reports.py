@@ -1,0 +1,69 @@
+"""What a check of a law found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Claim", "LawReport"]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim about a law.
+
+    Parameters
+    ----------
+    name : str
+        What is claimed.
+    passed : bool or None
+        Whether it holds; None where it is only measured, or could not be.
+    value : float
+        What was measured.
+    meaning : str
+        What the value is.
+    remedy : str
+        What to do where the claim does not hold.
+    """
+
+    name: str
+    passed: bool | None
+    value: float
+    meaning: str
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        mark = {True: "holds", False: "FAILS", None: "-"}[self.passed]
+        return f"{mark:6}{self.name:34}{self.value:9.2g}  {self.meaning}"
+
+
+@dataclass(frozen=True)
+class LawReport:
+    """The claims about one law, and whether they hold; `print` shows them as a table.
+
+    Parameters
+    ----------
+    law : str
+        What the law is called.
+    claims : tuple of Claim
+        In the order in which they were looked at.
+    """
+
+    law: str
+    claims: tuple[Claim, ...]
+
+    @property
+    def failures(self) -> tuple[Claim, ...]:
+        """The claims that do not hold."""
+        return tuple(claim for claim in self.claims if claim.passed is False)
+
+    @property
+    def passed(self) -> bool:
+        """Whether no claim fails."""
+        return not self.failures
+
+    def __getitem__(self, name: str) -> Claim:
+        """The claim of this name."""
+        return next(claim for claim in self.claims if claim.name == name)
+
+    def __str__(self) -> str:
+        return "\n".join([self.law, *(f"  {claim}" for claim in self.claims)])
