@@ -257,8 +257,7 @@ def test_held_out_records_have_a_say():
     fits, outside = {}, {}
     for law, free in (("coulomb", {"mu0": (0.05, 0.3)}), ("lugre", FREE)):
         fits[law] = ss.identify(train, rig, free=free, tilt_deg=1.7, amplitude=TWO, law=law)
-        other = ss.identify(test, rig, free=free, tilt_deg=1.7, amplitude=[6e-4, 1e-3], law=law, starts=8)
-        outside[law] = ss.prediction_errors(fits[law], other)
+        outside[law] = ss.prediction_errors(fits[law], test, tilt_deg=1.7, amplitude=[6e-4, 1e-3], law=law)
     found = ss.rank(fits, held_out=outside)
     assert found.decided and found.best.label == "lugre" and "2 of 2 held-out" in found.verdict
     assert found.best.held_out == pytest.approx(1e-4, rel=0.1)

@@ -88,17 +88,31 @@ def identify(
     >>> low < 0.18 < high, high - low < 0.01
     (True, True)
     """
-    records = list(records) if isinstance(records, (list, tuple)) else [records]
+    records = as_list(records)
     _check(records, using, noise, starts)
-    of = parameters(make, free, tied, arguments, len(records))
-    forced = using == "force" or (using == "auto" and _makes_laws(of, seed))
-    problem = _driven(records, of, load, noise) if forced else _steady(records, of, using, noise, frequency, rtol)
-    notes = _notes(records, problem, forced)
+    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments)
+    notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, progress)
     best = polished(problem, best.place)
     problem.solves += rough.solves
     return _fit(problem, best, starts, agree, notes, noise is not None, seed)
+
+
+def as_list(records: Any) -> list[Any]:
+    """One record, or several."""
+    return list(records) if isinstance(records, (list, tuple)) else [records]
+
+
+def problem_of(
+    records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
+    frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
+) -> SteadyProblem | DrivenProblem:  # fmt: skip
+    """The least-squares problem of these records."""
+    of = parameters(make, free, tied, arguments, len(records))
+    if using == "force" or (using == "auto" and _makes_laws(of)):
+        return _driven(records, of, load, noise)
+    return _steady(records, of, using, noise, frequency, rtol)
 
 
 def _check(records: list[Any], using: str, noise: float | None, starts: int) -> None:
@@ -117,11 +131,11 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     problems.check()
 
 
-def _makes_laws(of: Parameters, seed: int) -> bool:
+def _makes_laws(of: Parameters) -> bool:
     """Whether the models are laws and not robots, told from the first place between the bounds that makes one."""
     from scipy.stats import qmc
 
-    for place in qmc.Sobol(len(of.free), seed=seed).random_base2(6):
+    for place in qmc.Sobol(len(of.free), seed=0).random_base2(6):
         try:
             return not hasattr(of.model(of.values(place), 0), "friction")
         except InputError:
@@ -141,9 +155,9 @@ def _driven(records: list[Any], of: Parameters, load: float | None, noise: float
     return DrivenProblem(of, motions, noise or 0.01 * spread or 1.0, thin)
 
 
-def _notes(records: list[Any], problem: Any, forced: bool) -> list[str]:
+def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
-    if forced:
+    if isinstance(problem, DrivenProblem):
         notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if m.flipped]
     return notes
 

@@ -89,7 +89,7 @@ class Ranking:
     __repr__ = __str__
 
 
-def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: Sequence[Sequence[Fit]] | dict[str, Sequence[Any]] | None = None) -> Ranking:
+def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
     """Order fits of several laws to the same records by information criteria and by records that were held out.
 
     Residuals that are correlated say less than their number: all criteria count the independent ones, as those of the best fit are. If
@@ -100,7 +100,7 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: Sequence[Sequence[Fit]]
     fits : list or dict of label -> Fit
         From `identify`, all to the same records in the same way.
     held_out : dict of label -> list of numbers, optional
-        For each law the rms on each held-out record (see `Fit` and `prediction_errors`).
+        For each label the rms on each held-out record, from `prediction_errors`.
 
     Returns
     -------
@@ -125,9 +125,7 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: Sequence[Sequence[Fit]]
     least = {k: min(p[k] for p in parts.values()) for k in (0, 1)}
     weights = {label: np.exp(-0.5 * min(p[0] - least[0], 1400.0)) for label, p in parts.items()}
     total = sum(weights.values())
-    outside = {
-        label: _mean_square(held_out[label]) if isinstance(held_out, dict) and label in held_out else float("nan") for label in named
-    }
+    outside = {label: _mean_square(held_out[label]) if held_out and label in held_out else float("nan") for label in named}
     rows = sorted(
         (
             Ranked(
@@ -143,15 +141,44 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: Sequence[Sequence[Fit]]
         ),
         key=lambda r: r.aicc,
     )
-    decided, verdict = _verdict(rows, held_out if isinstance(held_out, dict) else None)
+    decided, verdict = _verdict(rows, held_out)
     return Ranking(tuple(rows), decided, verdict, independent, count)
 
 
-def prediction_errors(fit: Fit, other: Fit) -> list[float]:
-    """Rms of a fit's values on the records of another fit, one for each record [SI]; only the phases are fitted there."""
-    problem = other.problem.only(fit.values)
+def prediction_errors(
+    fit: Fit, records: Any, *, load: float | None = None, frequency: float | None = None, **arguments: Any
+) -> list[float]:
+    """How well a fit predicts records that it has not seen: rms for each record [SI]. Only the drive's phase is fitted there.
+
+    Parameters
+    ----------
+    fit : Fit
+    records : Record or list of them
+    load, frequency
+        As for `identify`.
+    **arguments
+        Arguments of the model for these records, as for `identify`.
+
+    Returns
+    -------
+    list of float
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> one, two = (ss.virtual_rig(ss.presets.piezo_rig(1.7, A, law="coulomb"), noise=1e-4, seed=1) for A in (6e-4, 8e-4))
+    >>> fit = ss.identify(one, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    >>> [round(e, 4) for e in ss.prediction_errors(fit, two, tilt_deg=1.7, amplitude=8e-4, law="coulomb")]
+    [0.0001]
+    """
+    from stickslip.identifying.fitting import as_list, problem_of
     from stickslip.identifying.search import polished
 
+    of = fit.problem.parameters
+    free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
+    using = fit.problem.targets[0].kind
+    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments)
+    problem = whole.only(fit.values)
     found = polished(problem, problem.aligned(np.empty(0)))
     edges = np.cumsum([0, *(t.count for t in problem.targets)])
     rest = found.residuals * problem.sigma

@@ -178,12 +178,13 @@ def remarks(fit: Fit) -> list[str]:
             found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: widen the bound, or these data cannot tell it")
         elif not _inner_error(fit, k) < 0.3:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
-    for q in fit.quality:
+    for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
             why = f"residuals of {q.rms:.3g}" + (f" where the noise is {q.noise:.3g}" if np.isfinite(q.noise) else "")
+            narrow = np.sqrt(q.count / effective(rest))
             found.append(
-                f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: "
-                "the law or the drive is not that of the record; intervals are too narrow"
+                f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: the law or the drive is not that of the record; "
+                f"intervals are too narrow, by a factor of about {max(narrow, 1.0):.2g}"
             )
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1 and not fit.cost < fit.problem.quiet:
         found.append("only one polished start ended here; type starts= with a larger number to look for a better place")
