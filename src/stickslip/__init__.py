@@ -50,10 +50,7 @@ if TYPE_CHECKING:
     from stickslip.friction import Tabulated as Tabulated
     from stickslip.friction import TanhCoulomb as TanhCoulomb
     from stickslip.friction import Viscous as Viscous
-    from stickslip.identifying import Comparison as Comparison
-    from stickslip.identifying import Design as Design
     from stickslip.identifying import Fit as Fit
-    from stickslip.identifying import Ranking as Ranking
     from stickslip.identifying import compare as compare
     from stickslip.identifying import design as design
     from stickslip.identifying import identify as identify
@@ -81,13 +78,11 @@ _HOMES = {
     "BangBang": "drives",
     "BlockOnBelt": "mechanisms",
     "Bristle": "friction",
-    "Comparison": "identifying",
     "Coulomb": "friction",
     "CoulombViscous": "friction",
     "DRIVES": "drives",
     "Dahl": "friction",
     "DeadBand": "friction",
-    "Design": "identifying",
     "DimensionlessRobot": "nondimensional",
     "ElastoPlastic": "friction",
     "Fit": "identifying",
@@ -104,7 +99,6 @@ _HOMES = {
     "MultiHarmonic": "drives",
     "PiezoBeam": "drives",
     "PulledMass": "mechanisms",
-    "Ranking": "identifying",
     "Record": "records",
     "Recorded": "drives",
     "ResetIntegrator": "friction",

@@ -114,7 +114,7 @@ def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, per
     mean = np.bincount(index, v, bins) / safe
     level = noise(v)
     mean = np.where(count > 0, mean, np.interp(np.arange(bins), np.flatnonzero(count), mean[count > 0]))
-    return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, periods)
+    return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, float(periods))
 
 
 def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
