@@ -80,6 +80,23 @@ def test_damaged_files_are_errors_or_told(tmp_path):
     endure(made(tmp_path), tmp_path, 2000, seed=1)
 
 
+def test_damaged_files_of_other_libraries_are_errors_or_told(tmp_path):
+    """HDF5, netCDF, TDMS and XLSX are read by libraries of their own."""
+    nptdms = pytest.importorskip("nptdms", reason="the extra [io] is not installed")
+    import h5py
+    import xarray as xr
+
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["t"], file["v"] = T, V
+        file.create_dataset("z", data=V, compression="gzip")
+    data = xr.Dataset({"v": ("time", V, {"units": "mm/s"})}, {"time": ("time", T, {"units": "s"})})
+    data.to_netcdf(tmp_path / "3.nc", engine="scipy")
+    data.to_netcdf(tmp_path / "4.nc", engine="h5netcdf")
+    with nptdms.TdmsWriter(tmp_path / "a.tdms") as file:
+        file.write_segment([nptdms.ChannelObject("g", "v", V, properties={"wf_increment": 1e-3})])
+    endure([(tmp_path / name).read_bytes() for name in ("a.h5", "3.nc", "4.nc", "a.tdms")], tmp_path, 1000, seed=4)
+
+
 @pytest.mark.slow
 def test_ten_thousand_damaged_files_are_errors_or_told(tmp_path):
     endure(made(tmp_path), tmp_path, 10_000, seed=2)

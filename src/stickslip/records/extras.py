@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import io
+import logging
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -30,7 +33,8 @@ def parse_tdms(data: bytes) -> Raw:
     """The channels of a TDMS file, each over the time that its properties give."""
     nptdms, raw = _library("nptdms", "TDMS"), Raw("TDMS")
     try:
-        file = nptdms.TdmsFile.read(io.BytesIO(data))
+        with _heard("nptdms", raw.notes):
+            file = nptdms.TdmsFile.read(io.BytesIO(data))
         several = len(file.groups()) > 1
         raw.info |= {str(name): str(value) for name, value in file.properties.items()}
         for group in file.groups():
@@ -50,6 +54,19 @@ def parse_tdms(data: bytes) -> Raw:
     if not raw.columns:
         raise InputError("read", ["the TDMS file holds no channel of numbers"])
     return raw
+
+
+@contextlib.contextmanager
+def _heard(name: str, notes: list[str]) -> Iterator[None]:
+    """What a library writes to its log becomes notes, instead of lines on the terminal."""
+    logger, handler = logging.getLogger(name), logging.Handler(logging.WARNING)
+    handler.emit = lambda record: notes.append(f"{name}: {record.getMessage()[:160]}")  # type: ignore[method-assign]
+    before = logger.handlers, logger.propagate
+    logger.handlers, logger.propagate = [handler], False
+    try:
+        yield
+    finally:
+        logger.handlers, logger.propagate = before
 
 
 def _waveform_axis(channel: Any, count: int) -> Column | None:

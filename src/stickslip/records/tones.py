@@ -13,6 +13,7 @@ __all__ = ["Frequency", "drive_frequency", "harmonics", "spectrum"]
 
 _MOST = 40_000  # samples that a refinement looks at
 _HARMONICS = 8
+_MOST_FALLING = 0.01  # part of the samples that may lie at times that do not rise
 
 
 @dataclass(frozen=True)
@@ -50,12 +51,24 @@ def spectrum(c: Any) -> tuple[Any, Any]:
 
 
 def _finite(c: Any) -> tuple[Any, Any]:
-    """Times [s] and values [SI] of the samples that were measured."""
+    """Times [s] and values [SI] of the samples that were measured, at rising times."""
     t, y = c.time, c.si
     good = np.isfinite(t) & np.isfinite(y)
-    if good.sum() < 8 or not t[good][-1] > t[good][0]:
-        raise InputError("record", [f"{c.name!r} has {int(good.sum())} samples that can be used; allowed are 8 or more, over rising times"])
-    return t[good], y[good]
+    t, y = t[good], y[good]
+    rises = np.concatenate([np.ones(min(len(t), 1), bool), t[1:] > np.maximum.accumulate(t)[:-1]])
+    if (~rises).sum() > _MOST_FALLING * len(t):
+        raise InputError("record", [f"the times of {c.name!r} do not rise at {int((~rises).sum())} of {len(t)} samples; mend the file"])
+    if rises.sum() < 8:
+        raise InputError(
+            "record", [f"{c.name!r} has {int(rises.sum())} samples that can be used; allowed are 8 or more, over rising times"]
+        )
+    return t[rises], y[rises]
+
+
+def _without_drift(t: Any, y: Any) -> Any:
+    """Values less the straight line through them."""
+    T, Y = (t - t.mean()) / np.ptp(t), y - y.mean()
+    return Y - T * ((T @ Y) / (T @ T))
 
 
 def harmonics(t: Any, y: Any, frequency: float, count: int = _HARMONICS) -> tuple[Any, Any]:
@@ -88,7 +101,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
     t, y = _finite(c)
     if len(t) > _MOST:
         t, y = t[:_MOST], y[:_MOST]
-    lines, amplitude = spectrum(_Cut(c.name, t, y - np.polyval(np.polyfit(t - t[0], y, 1), t - t[0])))
+    lines, amplitude = spectrum(_Cut(c.name, t, _without_drift(t, y)))
     near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1
     if not near.any() or not amplitude[near].max() > 0:
         raise InputError("record", [f"no drive frequency is found in {c.name!r}; type frequency=... [Hz], or a longer record"])
