@@ -123,4 +123,4 @@ def test_a_changed_digit_changes_that_number_alone(tmp_path):
         place = tmp_path / "one.csv"
         place.write_text("\n".join(changed) + "\n")
         c = ss.read(place)["v"]
-        assert np.sum((c.values != V) | ~np.isclose(c.t, T, atol=1e-9)) == 1
+        assert np.sum((c.values != V) | ~np.isclose(c.t, T, rtol=0.0, atol=1e-9)) == 1
