@@ -358,3 +358,29 @@ def test_the_commands_do_what_the_functions_do(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["values"] == told["values"]
     assert main(["identify", *robot, "amplitude=5e-4"]) == 2
     assert "--record" in capsys.readouterr().err
+
+
+# any law ----------------------------------------------------------------------------------------------------------
+
+
+def fittable():
+    """Every law with a kinetic coefficient that the compiled solvers take."""
+    from stickslip.friction import LAWS
+
+    return [
+        cls
+        for cls in LAWS.values()
+        if not getattr(cls, "scalar_only", False) and "mu_plus" in {k for k, v in cls._example.items() if isinstance(v, float)}
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", fittable(), ids=lambda cls: cls.__name__)
+def test_the_friction_of_every_law_is_found(law):
+    robot = rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law(**law._example))
+    true = robot.friction.mu_plus
+    fit = ss.identify(ss.virtual_rig(robot, noise=1e-4, seed=1), robot, free={"friction.mu_plus": (0.7 * true, 1.15 * true)}, starts=8)
+    assert (
+        abs(fit.values["friction.mu_plus"] - true) < 4.5 * fit.errors["friction.mu_plus"] and fit.errors["friction.mu_plus"] < 1e-3 * true
+    )
+    assert not fit.quality[0].suspicious

@@ -197,6 +197,8 @@ class Fit:
     @property
     def _remedy(self) -> str:
         count = len(self.problem.targets)
+        if self.problem.targets[0].kind == "force":
+            return "add a record with another stroke or speed"
         return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
 
     @property

@@ -73,7 +73,7 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
     Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again.
     """
     spent, periods = 0, _FIRST
-    scale = float(robot.free_velocity or robot.velocity_scale or 1.0)
+    scale = float(getattr(robot, "free_velocity", None) or robot.velocity_scale or 1.0)
     tolerance = min(30 * rtol, 1e-5) * scale
     while True:
         try:
