@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import io
-import warnings
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.matlab_bytes import version4, version5
 from stickslip.records.raw import Column, Raw
 
 __all__ = ["parse", "vectors"]
@@ -16,22 +15,19 @@ __all__ = ["parse", "vectors"]
 
 def parse(data: bytes) -> Raw:
     """The vectors of a MATLAB file; single numbers and texts are kept as what else the file says."""
-    from scipy.io import loadmat
-
     raw = Raw("MATLAB", table=True)
+    old = data[126:128] not in (b"IM", b"MI") and data[:6] != b"MATLAB"
     try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            found = loadmat(io.BytesIO(data), squeeze_me=False, struct_as_record=True, chars_as_strings=True)
+        found = version4(data) if old else version5(data, raw.notes)
     except MemoryError:
         raise _broken("it asks for more memory than there is") from None
-    except Exception as error:  # a damaged file meets scipy at any place
-        raise _broken(f"{type(error).__name__}: {str(error)[:120]}") from None
-    raw.notes += [f"the file is unusual: {w.message}" for w in caught]
-    head = found.pop("__header__", b"")
-    raw.info["header"] = head.decode("latin-1").strip() if isinstance(head, bytes) else str(head)
-    units = _units(found.pop("units", None))
-    vectors({name: value for name, value in found.items() if not name.startswith("__")}, units, raw)
+    except ValueError as error:
+        raise _broken(str(error)) from None
+    if not old:
+        raw.info["header"] = data[:116].decode("latin-1").strip(" \0")
+    units = found.get("units")
+    units = found.pop("units") if isinstance(units, dict) else {}
+    vectors(found, {name: str(unit) for name, unit in units.items()}, raw)
     if not raw.columns:
         raise InputError("read", ["the MATLAB file holds no vector of numbers; save the time and the channels as vectors"])
     return raw
@@ -45,10 +41,8 @@ def vectors(found: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str 
     """Add every vector to the columns, and every single number or text to what else the file says."""
     for name, value in found.items():
         array, full = np.asarray(value), prefix + name
-        if array.dtype.names:
-            for field in array.dtype.names:
-                if array.size == 1:
-                    vectors({field: array.ravel()[0][field]}, units, raw, f"{full}.")
+        if isinstance(value, dict):
+            vectors(value, units, raw, f"{full}.")
         elif array.dtype.kind in "US":
             raw.info[full] = " ".join(str(part) for part in array.ravel())[:4000]
         elif array.dtype.kind not in "biufc":
@@ -66,11 +60,3 @@ def vectors(found: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str 
 
 def _numbers(array: Any) -> Any:
     return array.astype(complex if array.dtype.kind == "c" else float)
-
-
-def _units(value: Any) -> dict[str, str]:
-    """Units that the file keeps as a struct named units."""
-    array = np.asarray(value)
-    if value is None or not array.dtype.names or array.size != 1:
-        return {}
-    return {name: " ".join(str(x) for x in np.ravel(array.ravel()[0][name])) for name in array.dtype.names}
