@@ -185,10 +185,10 @@ def _layout(eq: Equations, step: Step, lanes: int, record: bool) -> dict[str, An
     named = {
         "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "RECORD": record, "PERIOD": first, "FREE": first + 2, "SCALE_AT": tuple(scale_at),
-        "SET_VALUED": not eq.dynamic, "OFFERED": eq.offered is not None, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "KEPT_MODES": len(eq.modes) if eq.dynamic else 0,
-        "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks, "BREAK_AT": constants - len(eq.impulses) - breaks,
-        "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))), "F_C": len(offsets) * lanes, "F_Y": offsets["y0"],
-        "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
+        "SET_VALUED": not eq.dynamic, "OFFERED": eq.offered is not None, "CYCLIC": eq.cyclic, "MODES": len(eq.modes),
+        "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
+        "BREAK_AT": constants - len(eq.impulses) - breaks, "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
+        "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
     firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
@@ -317,6 +317,6 @@ def run(
     if progress is not None:
         progress(cases)
     return Results(
-        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5:], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3], seg_time, seg_code,
-        count[:, 4], count[:, 5], np.concatenate(kept) if keep_pieces else None,
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5:], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3], seg_time,
+        seg_code, count[:, 4], count[:, 5], np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip
