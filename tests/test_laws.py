@@ -13,7 +13,7 @@ from stickslip.fields import leaves
 from stickslip.maths import where
 from stickslip.testing import check_law
 from stickslip.testing.motions import burst, moved, shaken
-from stickslip.testing.probe import Probe
+from stickslip.friction.probe import Probe
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
 EVERY = {name: cls.example() for name, cls in ss.LAWS.items()} | {
