@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from stickslip.analysis.motion import motion as motion
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
+    from stickslip.benching import Bench as Bench
+    from stickslip.benching import Benches as Benches
+    from stickslip.benching import bench as bench
     from stickslip.checking import check as check
     from stickslip.drives import DRIVES as DRIVES
     from stickslip.drives import BangBang as BangBang
@@ -67,6 +70,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "BangBang": "drives",
+    "Bench": "benching",
+    "Benches": "benching",
     "BlockOnBelt": "mechanisms",
     "Bristle": "friction",
     "Coulomb": "friction",
@@ -106,6 +111,7 @@ _HOMES = {
     "VaryingFriction": "tracks",
     "VerticalVibration": "drives",
     "Viscous": "friction",
+    "bench": "benching",
     "cantilever_eigenvalues": "drives",
     "check": "checking",
     "dimensionless": "nondimensional",

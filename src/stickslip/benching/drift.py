@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.benching.records import Curve, Experiment, Quantity
-from stickslip.benching.setup import HELD, Setup
+from stickslip.benching.setup import HELD, Setup, shorter
 from stickslip.mechanisms import ForcedOscillator
 
 __all__ = ["drift"]
@@ -18,11 +18,13 @@ BIAS, FORCE = 0.4 / 1.5, 0.2 / 1.5
 #: Periods run, of which the second half counts.
 PERIODS, PERIOD = 40, 1.0
 _SAMPLES, _SHOWN = 400, 20
+_RTOL = 1e-9
 
 
+@shorter
 def drift(bench: Setup) -> Experiment:
     """Drift below break-away."""
-    periods, T = (10, 50.0 * 2.0 * math.pi / bench.pace) if bench.random else (PERIODS, PERIOD)
+    periods, T = (8, 20.0 * 2.0 * math.pi / bench.pace) if bench.short else (PERIODS, PERIOD)
     pushed = not bench.remembers
     push = ForcedOscillator(
         mass=bench.mass, stiffness=0.0, damping=0.0, force=FORCE * bench.force, omega=2.0 * math.pi / T,
@@ -38,9 +40,6 @@ def drift(bench: Setup) -> Experiment:
         {"bias": (push.bias, "N"), "force": (push.force, "N"), "omega": (push.omega, "rad/s"), "mass": (bench.mass, "kg")},
         _remark(bench, pushed),
     )  # fmt: skip
-
-
-_RTOL = 1e-9
 
 
 def _per_period(run: Any, periods: int, T: float) -> float:

@@ -87,4 +87,4 @@ def _loss(bench: Setup, amplitude: float) -> float:
         loss = moved.done - done
         if abs(loss - before) < 1e-9 * abs(loss):
             break
-    return loss if abs(loss) > 1e-9 * bench.probe_force * amplitude else 0.0
+    return loss if abs(loss) > 1e-6 * bench.probe_force * amplitude else 0.0

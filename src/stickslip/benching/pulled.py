@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.benching.records import Curve, Experiment, Quantity
-from stickslip.benching.setup import FAST, HELD, Setup
+from stickslip.benching.setup import FAST, HELD, Setup, shorter
 from stickslip.mechanisms import PulledMass
 
 __all__ = ["breakaway", "stick_slip"]
@@ -22,9 +22,10 @@ PULL, CYCLES, STILL = 0.05, 12, 1e-3
 _RTOL = 1e-9
 
 
+@shorter
 def breakaway(bench: Setup) -> Experiment:
     """Break-away force against force rate."""
-    rates = [r * bench.force * bench.pace for r in (RATES[3:6] if bench.random else RATES)]
+    rates = [r * bench.force * bench.pace for r in (RATES[3:6] if bench.short else RATES)]
     forces = [bench.holds[1] if bench.set_valued else _breakaway(bench, rate) for rate in rates]
     return Experiment(
         "breakaway", "break-away", ("force rate", "N/s"), ("break-away force", "N"), (Curve("forwards", rates, forces),),
@@ -69,14 +70,15 @@ def _largest(run: Any, t: Any) -> float:
     return float(R.max())
 
 
+@shorter
 def stick_slip(bench: Setup) -> Experiment:
     """Stick-slip of a mass that is pulled by a spring."""
-    stiffness = bench.stiffness or (0.05 * bench.contact_stiffness if bench.random else 2.0)
+    stiffness = bench.stiffness or (0.05 * bench.contact_stiffness if bench.short else 2.0)
     speed = bench.speed or PULL * bench.force / math.sqrt(stiffness * bench.mass)
     pull = PulledMass(mass=bench.mass, stiffness=stiffness, speed=speed, friction=bench.law, load=bench.load)
     reach = max(bench.holds[1], bench.force)
     cycle = pull.time_scale + 2.0 * bench.fall / (stiffness * speed)
-    run = bench.solved(pull, _RTOL, duration=reach / (stiffness * speed) + (0.5 if bench.random else 1.0) * CYCLES * cycle)
+    run = bench.solved(pull, _RTOL, duration=reach / (stiffness * speed) + (0.5 if bench.short else 1.0) * CYCLES * cycle)
     period, peak, still = _cycle(run, pull, max(STILL, 2 * stiffness / bench.contact_stiffness if bench.contact_stiffness else STILL))
     sticks = bool(still > 0)
     end, shown = float(run.pieces.t[-1]), 3.2 * (period if math.isfinite(period) else pull.time_scale)

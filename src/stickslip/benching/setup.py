@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 from stickslip.benching.contact import Contact, steady
+from stickslip.benching.records import Experiment
 from stickslip.errors import SolveError
 from stickslip.friction.probe import Probe
 from stickslip.solvers import solve
 
-__all__ = ["FAST", "HELD", "SLOW", "Setup"]
+__all__ = ["FAST", "HELD", "SLOW", "Setup", "shorter"]
 
 #: Quasi-static motions have this share of the typical velocity; several times it is sliding.
 SLOW, FAST = 0.01, 3.0
@@ -35,6 +38,8 @@ class Setup:
         Mass that is pulled and pushed [kg].
     stiffness, speed : float or None
         Spring [N/m] and speed of its end [m/s] of the stick-slip experiment.
+    plain : bool
+        Whether mechanisms are solved in plain Python, and therefore moved less far.
     """
 
     law: Any
@@ -42,6 +47,7 @@ class Setup:
     mass: float
     stiffness: float | None = None
     speed: float | None = None
+    plain: bool = False
 
     @cached_property
     def probe(self) -> Probe:
@@ -65,7 +71,9 @@ class Setup:
 
     @property
     def typical_speed(self) -> float:
-        """Velocity over which friction changes [m/s]."""
+        """Velocity over which friction changes [m/s]; of a law that has none, that of the mass ringing on the contact."""
+        if self.remembers and not hasattr(self.law, "velocity_scale"):
+            return self.pace * self.length
         return self.probe.velocity_scale
 
     @property
@@ -144,13 +152,32 @@ class Setup:
             stretch, before = 2.0 * stretch, now
         return now
 
+    @property
+    def short(self) -> bool:
+        """Whether runs of mechanisms have to be short."""
+        return self.plain or self.random
+
     def solved(self, mechanism: Any, rtol: float, **arguments: Any) -> Any:
         """A run of a mechanism, compiled; a set-valued law goes to the plain solver, which is as sure of its switches and compiles nothing."""
         if self.set_valued:
             return solve(mechanism, rtol=1e-11, method="dop853", **arguments)
-        if not self.random:
-            try:
-                return solve(mechanism, rtol=rtol, **arguments)
-            except SolveError:  # the plain solver holds each memory on its own
-                pass
-        return solve(mechanism, rtol=1e-6 if self.random else 1e-8, method="dop853" if self.random else "lsoda", **arguments)
+        return solve(mechanism, rtol=1e-6 if self.short else rtol, method="dop853" if self.short else "auto", **arguments)
+
+
+def shorter(experiment: Callable[[Setup], Experiment]) -> Callable[[Setup], Experiment]:
+    """The experiment, once more with a short run in plain Python where the compiled solver gives up."""
+
+    @functools.wraps(experiment)
+    def tried(bench: Setup) -> Experiment:
+        try:
+            return experiment(bench)
+        except SolveError:
+            if bench.short:
+                raise
+            found = experiment(replace(bench, plain=True))
+            return replace(found, remark="; ".join(filter(None, (found.remark, _SHORT))))
+
+    return tried
+
+
+_SHORT = "the compiled solver gave up, so this is a short run in plain Python"

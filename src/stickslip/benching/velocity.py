@@ -25,15 +25,21 @@ def steady_friction(bench: Setup) -> Experiment:
     low, high = bench.holds
     return Experiment(
         "steady", "steady friction", ("speed |v|", "m/s"), ("friction force |R|", "N"),
-        (Curve("forwards", speeds, forward), Curve("backwards", speeds, [-R for R in backward])),
+        (Curve("forwards", speeds, forward), Curve("backwards", speeds, [-R for R in backward]), *_at_rest(bench, speeds[0])),
         (
-            Quantity("holds_forward", "holds forwards", high, "N", _holding(bench)),
-            Quantity("holds_backward", "holds backwards", -low, "N", "the same for motion backwards"),
+            Quantity("slow_forward", "static or slow, forwards", high, "N", _holding(bench)),
+            Quantity("slow_backward", "static or slow, backwards", -low, "N", "the same for motion backwards"),
             Quantity("fall", "fall with speed", bench.fall, "N", "from there to the least steady friction of sliding forwards"),
         ),
         {"slowest": (speeds[0], "m/s"), "fastest": (speeds[-1], "m/s")},
         _steady_remark(bench), "x",
     )  # fmt: skip
+
+
+def _at_rest(bench: Setup, place: float) -> tuple[Curve, ...]:
+    """The limits of rest where rest is exact; a logarithmic axis has no place for speed 0, so they stand at its end."""
+    low, high = bench.holds
+    return (Curve("at rest", (place, place), (high, -low)),) if bench.set_valued and high - low > 0 else ()
 
 
 def _shown(bench: Setup, v: float) -> float:
@@ -64,16 +70,22 @@ def lag(bench: Setup) -> Experiment:
     frequencies = [f * middle / bench.length for f in (FREQUENCIES[-1:] if bench.random else FREQUENCIES)]
     loops = [_loop(bench, middle, swing, omega) for omega in frequencies]
     widths = [_area(loop) / (2.0 * swing) if bench.remembers else 0.0 for loop in loops]
+    told = max(range(len(widths)), key=lambda k: abs(widths[k]))
     curves = [
         Curve(f"{omega:.3g} rad/s", *zip(*loop, strict=True)) for omega, loop in zip(frequencies, loops, strict=True)
     ] if bench.remembers else [Curve("any frequency", *zip(*loops[0], strict=True))]  # fmt: skip
     lagging = "rising minus falling velocity, mean over the swing of the velocity"
     return Experiment(
         "lag", "frictional lag", ("velocity v", "m/s"), ("friction force R", "N"), tuple(curves),
-        (Quantity("lag", "lag", widths[-1], "N", f"{lagging}, at {frequencies[-1]:.3g} rad/s"),),
-        {"middle": (middle, "m/s"), "swing": (swing, "m/s"), "omega": (frequencies[-1], "rad/s")},
+        (Quantity("lag", "lag", _zero(widths[told], bench), "N", f"{lagging}, at {frequencies[told]:.3g} rad/s, the largest of {len(widths)}"),),
+        {"middle": (middle, "m/s"), "swing": (swing, "m/s"), "omega": (frequencies[told], "rad/s")},
         "" if bench.remembers else "the law has no memory: the same curve up and down, at every frequency",
     )  # fmt: skip
+
+
+def _zero(force: float, bench: Setup) -> float:
+    """A force, or 0 where it is rounding [N]."""
+    return force if abs(force) > 1e-9 * bench.force else 0.0
 
 
 def _loop(bench: Setup, middle: float, swing: float, omega: float) -> list[tuple[float, float]]:

@@ -20,6 +20,7 @@ COMMANDS = {
     "run": ("run", "simulate one robot and say how it moves"),
     "check": ("check", "let several methods solve one robot: how many digits are certain?"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
+    "bench": ("bench", "put friction laws on the bench: what each does, alone"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
     "presets": ("lists", "published robots, with the arguments they take"),
     "laws": ("lists", "friction laws"),
@@ -45,6 +46,7 @@ examples
   stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png --data run.nc
   stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
+  stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
   stickslip paper
 
 `stickslip COMMAND --help` explains one command; every command takes --json.

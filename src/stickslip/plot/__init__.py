@@ -1,6 +1,7 @@
-"""Pictures of runs. They take runs that were solved before; nothing here solves."""
+"""Pictures of runs and benches. They take what was computed before; nothing here solves."""
 
+from stickslip.plot.benches import bench
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
 
-__all__ = ["forces", "phase", "publication", "velocity"]
+__all__ = ["bench", "forces", "phase", "publication", "velocity"]
