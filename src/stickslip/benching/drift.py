@@ -35,7 +35,7 @@ def drift(bench: Setup) -> Experiment:
     way = _per_period(run, periods, T)
     t = np.linspace(0.0, periods * T, periods * _SHOWN + 1)
     return Experiment(
-        "drift", "drift below break-away", ("time", "s"), ("displacement x", "m"), (Curve("mass", t, run.at(t)["x"]),),
+        "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, run.at(t)["x"]),),
         (Quantity("drift", "drift", way, "m", f"way per period of {T:.3g} s, mean of the last {periods // 2}"),),
         {"bias": (push.bias, "N"), "force": (push.force, "N"), "omega": (push.omega, "rad/s"), "mass": (bench.mass, "kg")},
         _remark(bench, pushed),

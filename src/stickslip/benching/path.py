@@ -25,7 +25,7 @@ def hysteresis(bench: Setup) -> Experiment:
         points += [(place, R) for _, place, _, R in moved.follow(time, velocity, samples=80)]
         x = turn * reach
         marks.append((moved.done, points[-1][1]))
-    stiffness = math.inf if bench.set_valued else bench.contact_stiffness
+    stiffness = math.inf if bench.set_valued and bench.holds[1] > 0 else bench.contact_stiffness
     return Experiment(
         "hysteresis", "pre-sliding hysteresis", ("displacement x", "m"), ("friction force R", "N"),
         (Curve("to and fro", *zip(*points, strict=True)),),
@@ -63,7 +63,7 @@ def dissipation(bench: Setup) -> Experiment:
         (
             Quantity("loss", "loss per cycle", losses[told], "J", f"at an amplitude of {amplitudes[told]:.3g} m, slowly"),
             Quantity("loss_share", "share of full sliding", losses[told] / box, "", "the same by that of sliding all the way"),
-            Quantity("loss_exponent", "exponent at small amplitude", _exponent(amplitudes, losses), "", "loss ~ amplitude to this power"),
+            Quantity("loss_exponent", "exponent at small amplitude", _exponent(amplitudes, losses), "", "loss ~ amplitude to this power, between the two smallest"),
         ),
         {"peak velocity": (bench.crawl, "m/s")}, _path_remark(bench) if not bench.set_valued else "", "xy",
     )  # fmt: skip

@@ -18,7 +18,7 @@ RATES = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2)
 #: The spring of the ramps is so soft that its end moves this many typical deflections until the typical force is reached (and fast).
 SOFT = 1e4
 #: Speed of the pull, a share of force / sqrt(stiffness mass); free oscillations that a run lasts; stillness, a share of the pull's speed.
-PULL, CYCLES, STILL = 0.05, 12, 1e-3
+PULL, CYCLES, STILL = 0.05, 12, 0.01
 _RTOL = 1e-9
 
 
@@ -28,7 +28,7 @@ def breakaway(bench: Setup) -> Experiment:
     rates = [r * bench.force * bench.pace for r in (RATES[3:6] if bench.short else RATES)]
     forces = [bench.holds[1] if bench.set_valued else _breakaway(bench, rate) for rate in rates]
     return Experiment(
-        "breakaway", "break-away", ("force rate", "N/s"), ("break-away force", "N"), (Curve("forwards", rates, forces),),
+        "breakaway", "break-away", ("force rate dF/dt", "N/s"), ("break-away force", "N"), (Curve("forwards", rates, forces),),
         (
             Quantity("breakaway_slow", "break-away, slow", forces[0], "N", f"largest friction before sliding, force rising by {rates[0]:.3g} N/s"),
             Quantity("breakaway_fast", "break-away, fast", forces[-1], "N", f"the same by {rates[-1]:.3g} N/s"),
@@ -84,7 +84,7 @@ def stick_slip(bench: Setup) -> Experiment:
     end, shown = float(run.pieces.t[-1]), 3.2 * (period if math.isfinite(period) else pull.time_scale)
     t = np.linspace(max(end - shown, 0.0), end, 700)
     return Experiment(
-        "stick_slip", "stick-slip", ("time", "s"), ("velocity v", "m/s"),
+        "stick_slip", "stick-slip, stiff spring" if bench.short and bench.stiffness is None else "stick-slip", ("time t", "s"), ("velocity v", "m/s"),
         (Curve("mass", t - t[0], run.at(t)["v"]), Curve("pull", (0.0, float(t[-1] - t[0])), (speed, speed))),
         (
             Quantity("stick_slip", "stick-slip", sticks, "", "whether the mass stays still for a part of each cycle"),

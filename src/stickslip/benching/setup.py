@@ -105,9 +105,9 @@ class Setup:
 
     @cached_property
     def fall(self) -> float:
-        """From what it holds forwards to the least that slides, up to a hundred times the typical velocity [N]."""
+        """From what it holds forwards to the least that slides, up to thirty times the typical velocity [N]."""
         held = self.holds[1]
-        slides = (self.steady_force(v * self.typical_speed) for v in (1.5, FAST, 10.0, 100.0))
+        slides = (self.steady_force(v * self.typical_speed) for v in (1.5, FAST, 10.0, 30.0))
         return max(held - min(slides), 0.0) if held > 0 else 0.0
 
     @cached_property

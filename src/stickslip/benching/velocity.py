@@ -11,7 +11,7 @@ from stickslip.benching.setup import Setup
 __all__ = ["lag", "steady_friction"]
 
 #: Speeds of the steady curve, and angular frequencies of the lag, in units of what is typical of the law.
-SPEEDS, FREQUENCIES = (0.01, 100.0), (0.01, 0.05, 0.25)
+SPEEDS, FREQUENCIES = (0.01, 30.0), (0.01, 0.05, 0.25)
 #: Middle and swing of the velocity in the lag experiment, in typical velocities.
 MIDDLE, SWING = 1.5, 1.2
 
@@ -28,8 +28,8 @@ def steady_friction(bench: Setup) -> Experiment:
         (Curve("forwards", speeds, forward), Curve("backwards", speeds, [-R for R in backward]), *_at_rest(bench, speeds[0])),
         (
             Quantity("slow_forward", "static or slow, forwards", high, "N", _holding(bench)),
-            Quantity("slow_backward", "static or slow, backwards", -low, "N", "the same for motion backwards"),
-            Quantity("fall", "fall with speed", bench.fall, "N", "from there to the least steady friction of sliding forwards"),
+            Quantity("slow_backward", "static or slow, backwards", abs(low), "N", "the same for motion backwards"),
+            Quantity("fall", "fall with speed", _zero(bench.fall, bench), "N", "from there to the least steady friction of sliding forwards"),
         ),
         {"slowest": (speeds[0], "m/s"), "fastest": (speeds[-1], "m/s")},
         _steady_remark(bench), "x",

@@ -102,7 +102,7 @@ def _scales(ax: Any, experiment: Any) -> None:
     if "y" in experiment.logarithmic:
         ax.set_yscale("log")
     if experiment.key in ("steady", "breakaway"):
-        ax.set_ylim(0.0, 1.25 * max(float(ax.dataLim.y1), 1e-12))
+        ax.set_ylim(0.0, 1.25 * float(ax.dataLim.y1) if ax.dataLim.y1 > 0 else 1.0)
     if experiment.key in ("hysteresis", "stick_slip", "drift"):
         ax.axhline(0.0, color=INK, linewidth=0.4, zorder=1)
     if experiment.key in ("lag", "drift"):
@@ -183,4 +183,5 @@ def _in_units(formatter: Any, factor: float) -> Any:
 
 
 def _heading(experiment: Any) -> str:
-    return f"{experiment.title}\n{experiment.y[0]} over {experiment.x[0]}"
+    across, up = (label.rpartition(" ")[2] for label in (experiment.x[0], experiment.y[0]))
+    return f"{experiment.title.partition(',')[0]}\n{up} over {across}"
