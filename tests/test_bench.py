@@ -170,7 +170,9 @@ def test_a_swing_goes_its_distance():
     assert moved.done == pytest.approx(0.15 * 2e-3 + 0.21 * 5e-4, rel=1e-9)
 
 
-@pytest.mark.parametrize("law", [LUGRE_1995, ss.GMS.example(), ss.Dahl.example(), ss.ElastoPlastic.example()], ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize(
+    "law", [LUGRE_1995, ss.GMS.example(), ss.Dahl.example(), ss.ElastoPlastic.example()], ids=lambda law: type(law).__name__
+)
 def test_contact_stiffness_is_sigma0(law):
     assert Setup(law, 1.0, 1.0).contact_stiffness == pytest.approx(law.sigma0, rel=1e-9)
 

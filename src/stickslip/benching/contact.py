@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from stickslip.errors import SolveError
 from stickslip.friction.probe import Probe
 
 __all__ = ["Contact", "Motion", "steady", "swing"]
@@ -62,13 +63,15 @@ class Contact:
 
     def follow(self, length: float, velocity: Motion, samples: int = 0) -> list[tuple[float, float, float, float]]:
         """Go through one stretch; returns about as many samples of (time, position, velocity, force) as asked for."""
-        t, found = 0.0, []
+        t, found, idle = 0.0, [], 0
         self._side = math.copysign(1.0, velocity(0.5 * length))
         while t < length:
             run = self._run(t, length, velocity, dense=samples > 0)
             if samples:
                 found += self._sampled(run, velocity, max(int(samples * (run.t[-1] - t) / length), 2))
             before = [g for g, _, _ in self.probe.switches(velocity(0.5 * (t + run.t[-1])), self.z, self.mode)]
+            idle = self._idle(idle + 1 if run.t[-1] <= t else 0)
+            before = [max(g, self.probe.load) for g in before] if idle else before  # what has fallen before it could be seen to fall
             t, y = float(run.t[-1]), [float(value) for value in run.y[:, -1]]
             self.z, self.x, self.done, self.turned = tuple(y[:-3]), *y[-3:]
             self.least = min(self.least, float(run.y[-2].min()))
@@ -76,6 +79,12 @@ class Contact:
             stopped = t >= length and abs(v) < 1e-9 * abs(velocity(0.5 * length))
             self._switch(0.0 if stopped else v, before, t < length)
         return found
+
+    def _idle(self, count: int) -> int:
+        """How many stretches in a row took no time; an error if the memories of the law switch for ever."""
+        if count > 100:
+            raise SolveError(f"{type(self.probe.law).__name__} switches its memories for ever at one instant; check its switches")
+        return count
 
     def _run(self, t: float, length: float, velocity: Motion, dense: bool) -> Any:
         """LSODA may miss that it is too stiff, where rates are next to nothing."""

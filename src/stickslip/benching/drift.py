@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.benching.records import Curve, Experiment, Quantity
-from stickslip.benching.setup import HELD, Setup, shorter
+from stickslip.benching.setup import Setup, shorter
 from stickslip.mechanisms import ForcedOscillator
 
 __all__ = ["drift"]

@@ -58,7 +58,7 @@ def dissipation(bench: Setup) -> Experiment:
     told = amplitudes.index(TOLD * bench.length)
     box = 2.0 * amplitudes[told] * (bench.steady_force(bench.crawl) - bench.steady_force(-bench.crawl))
     return Experiment(
-        "dissipation", "loss per cycle", ("amplitude a", "m"), ("loss per cycle", "J"),
+        "dissipation", "loss per cycle", ("amplitude a", "m"), ("loss per cycle W", "J"),
         (Curve("slow cycles", amplitudes, losses), Curve("sliding all the way", amplitudes, [box * a / amplitudes[told] for a in amplitudes])),
         (
             Quantity("loss", "loss per cycle", losses[told], "J", f"at an amplitude of {amplitudes[told]:.3g} m, slowly"),

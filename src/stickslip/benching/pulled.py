@@ -28,7 +28,7 @@ def breakaway(bench: Setup) -> Experiment:
     rates = [r * bench.force * bench.pace for r in (RATES[3:6] if bench.short else RATES)]
     forces = [bench.holds[1] if bench.set_valued else _breakaway(bench, rate) for rate in rates]
     return Experiment(
-        "breakaway", "break-away", ("force rate dF/dt", "N/s"), ("break-away force", "N"), (Curve("forwards", rates, forces),),
+        "breakaway", "break-away", ("force rate dF/dt", "N/s"), ("break-away force F", "N"), (Curve("forwards", rates, forces),),
         (
             Quantity("breakaway_slow", "break-away, slow", forces[0], "N", f"largest friction before sliding, force rising by {rates[0]:.3g} N/s"),
             Quantity("breakaway_fast", "break-away, fast", forces[-1], "N", f"the same by {rates[-1]:.3g} N/s"),

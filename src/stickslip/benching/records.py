@@ -118,6 +118,13 @@ class Bench:
         Also by name: ``found["hysteresis"]``.
     notes : tuple of str
         What the law says of itself, such as that it is an approximation.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.bench(ss.Coulomb, experiments=["steady"])
+    >>> found, found.numbers["slow_forward"], found["steady"].curves[0].name
+    (<Bench of Coulomb: 3 numbers from 1 experiments>, 0.18, 'forwards')
     """
 
     law: Any
@@ -193,6 +200,15 @@ class Benches:
     ----------
     benches : tuple of Bench
         In the order asked for; also by number or name: ``found[0]``, ``found["LuGre"]``.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> print(ss.bench([ss.Coulomb, ss.Tabulated], experiments=["steady"]).table)
+    law                           Coulomb  Tabulated
+    static or slow, forwards [N]  0.18     0.18
+    static or slow, backwards [N] 0.24     0.24
+    fall with speed [N]           0.03     0.0297
     """
 
     benches: tuple[Bench, ...]

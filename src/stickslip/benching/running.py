@@ -12,7 +12,7 @@ from stickslip.benching.pulled import breakaway, stick_slip
 from stickslip.benching.records import Bench, Benches, Experiment
 from stickslip.benching.setup import Setup
 from stickslip.benching.velocity import lag, steady_friction
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import is_array, leaves
 from stickslip.forces import check_law
 from stickslip.friction import LAWS
@@ -90,10 +90,11 @@ def bench(
     laws = _laws(law if many else [law])
     names = _names(experiments)
     _check(load, mass, stiffness, speed)
-    found, whole = [], len(laws) * len(names)
+    found: list[Bench] = []
+    whole = len(laws) * len(names)
     for one in laws:
         setup = Setup(one, float(load), float(mass), stiffness, speed)
-        done = []
+        done: list[Experiment] = []
         for name in names:
             if progress is not None:
                 progress(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)

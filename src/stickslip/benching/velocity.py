@@ -106,5 +106,3 @@ def _loop(bench: Setup, middle: float, swing: float, omega: float) -> list[tuple
 def _area(loop: list[tuple[float, float]]) -> float:
     """Integral of the force over the velocity around a loop; [N m/s]."""
     return math.fsum(0.5 * (R0 + R1) * (v1 - v0) for (v0, R0), (v1, R1) in pairwise(loop))
-
-

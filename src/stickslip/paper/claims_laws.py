@@ -139,6 +139,11 @@ def bristle_is_slow(study: Study) -> Claim:
             f"The motion itself is LuGre's to {percent(away)} there ({speed(runs['bristle'].v[-1])} and {speed(last.v[-1])}).",
         ),
         "high for the steps: they follow from the stiffness of the bristles; the second sentence names no measure",
-        {"counts": {k: {n: int(c) for n, c in v.items()} for k, v in counts.items()}, "snaps": snaps, "path": path, "path_of_a_period": whole},
+        {
+            "counts": {k: {n: int(c) for n, c in v.items()} for k, v in counts.items()},
+            "snaps": snaps,
+            "path": path,
+            "path_of_a_period": whole,
+        },
         parts,
     )

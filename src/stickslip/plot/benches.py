@@ -98,7 +98,10 @@ def _finite(y: Any) -> Any:
 def _scales(ax: Any, experiment: Any) -> None:
     """Logarithms where they are asked for, and a y axis on which a constant looks constant."""
     if "x" in experiment.logarithmic:
+        from matplotlib.ticker import NullFormatter
+
         ax.set_xscale("log")
+        ax.xaxis.set_minor_formatter(NullFormatter())
     if "y" in experiment.logarithmic:
         ax.set_yscale("log")
     if experiment.key in ("steady", "breakaway"):
