@@ -153,7 +153,7 @@ def test_a_law_that_rests_exactly_says_what_is_trivial(coulomb):
 )
 @pytest.mark.slow
 def test_approximations_creep(law, least, most):
-    """In a period of 1 s: w artanh(F/mu N) and w F/mu N with F = 4/15 of the friction force; Karnopp's keeps w, where it entered its band."""
+    """In a period of 1 s: w artanh(F/mu N) and w F/mu N with F = 4/15 of the friction force; Karnopp's goes on with w."""
     found = ss.bench(law, experiments=["drift"])
     assert least < found.numbers["drift"] < most and "creeps on" in found["drift"].remark
     assert any("does not bring" in note or "creeps" in note for note in found.notes)

@@ -59,11 +59,15 @@ def dissipation(bench: Setup) -> Experiment:
     box = 2.0 * amplitudes[told] * (bench.steady_force(bench.crawl) - bench.steady_force(-bench.crawl))
     return Experiment(
         "dissipation", "loss per cycle", ("amplitude a", "m"), ("loss per cycle W", "J"),
-        (Curve("slow cycles", amplitudes, losses), Curve("sliding all the way", amplitudes, [box * a / amplitudes[told] for a in amplitudes])),
+        (
+            Curve("slow cycles", amplitudes, losses),
+            Curve("sliding all the way", amplitudes, [box * a / amplitudes[told] for a in amplitudes]),
+        ),
         (
             Quantity("loss", "loss per cycle", losses[told], "J", f"at an amplitude of {amplitudes[told]:.3g} m, slowly"),
             Quantity("loss_share", "share of full sliding", losses[told] / box, "", "the same by that of sliding all the way"),
-            Quantity("loss_exponent", "exponent at small amplitude", _exponent(amplitudes, losses), "", "loss ~ amplitude to this power, between the two smallest"),
+            Quantity("loss_exponent", "exponent at small amplitude", _exponent(amplitudes, losses), "",
+                     "loss ~ amplitude to this power, between the two smallest"),
         ),
         {"peak velocity": (bench.crawl, "m/s")}, _path_remark(bench) if not bench.set_valued else "", "xy",
     )  # fmt: skip

@@ -30,7 +30,8 @@ def breakaway(bench: Setup) -> Experiment:
     return Experiment(
         "breakaway", "break-away", ("force rate dF/dt", "N/s"), ("break-away force F", "N"), (Curve("forwards", rates, forces),),
         (
-            Quantity("breakaway_slow", "break-away, slow", forces[0], "N", f"largest friction before sliding, force rising by {rates[0]:.3g} N/s"),
+            Quantity("breakaway_slow", "break-away, slow", forces[0], "N",
+                     f"largest friction before sliding, force rising by {rates[0]:.3g} N/s"),
             Quantity("breakaway_fast", "break-away, fast", forces[-1], "N", f"the same by {rates[-1]:.3g} N/s"),
         ),
         {"sliding from": (FAST * bench.typical_speed, "m/s")}, _breakaway_remark(bench), "x",
@@ -84,11 +85,13 @@ def stick_slip(bench: Setup) -> Experiment:
     end, shown = float(run.pieces.t[-1]), 3.2 * (period if math.isfinite(period) else pull.time_scale)
     t = np.linspace(max(end - shown, 0.0), end, 700)
     return Experiment(
-        "stick_slip", "stick-slip, stiff spring" if bench.short and bench.stiffness is None else "stick-slip", ("time t", "s"), ("velocity v", "m/s"),
+        "stick_slip", "stick-slip, stiff spring" if bench.short and bench.stiffness is None else "stick-slip",
+        ("time t", "s"), ("velocity v", "m/s"),
         (Curve("mass", t - t[0], run.at(t)["v"]), Curve("pull", (0.0, float(t[-1] - t[0])), (speed, speed))),
         (
             Quantity("stick_slip", "stick-slip", sticks, "", "whether the mass stays still for a part of each cycle"),
-            Quantity("stick_slip_period", "its period", period if sticks else math.nan, "s", "from one passage of the pull's speed to the next"),
+            Quantity("stick_slip_period", "its period", period if sticks else math.nan, "s",
+                     "from one passage of the pull's speed to the next"),
             Quantity("peak_velocity", "peak velocity", peak, "m/s", "in the last cycle"),
             Quantity("stick_share", "share at rest", still, "", f"of a cycle, slower than {STILL:g} of the pull"),
         ),

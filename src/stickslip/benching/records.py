@@ -50,7 +50,7 @@ class Quantity:
             return "yes" if self.value else "no"
         if math.isnan(self.value):
             return "-"
-        return f"{'unbounded' if math.isinf(self.value) else f'{self.value:.{digits}g}'} {self.unit if math.isfinite(self.value) else ''}".rstrip()
+        return "unbounded" if math.isinf(self.value) else f"{self.value:.{digits}g} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)

@@ -158,7 +158,7 @@ class Setup:
         return self.plain or self.random
 
     def solved(self, mechanism: Any, rtol: float, **arguments: Any) -> Any:
-        """A run of a mechanism, compiled; a set-valued law goes to the plain solver, which is as sure of its switches and compiles nothing."""
+        """A run of a mechanism, compiled; a set-valued law goes to the plain solver, as sure of its switches, which compiles nothing."""
         if self.set_valued:
             return solve(mechanism, rtol=1e-11, method="dop853", **arguments)
         return solve(mechanism, rtol=1e-6 if self.short else rtol, method="dop853" if self.short else "auto", **arguments)

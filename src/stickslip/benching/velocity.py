@@ -29,7 +29,7 @@ def steady_friction(bench: Setup) -> Experiment:
         (
             Quantity("slow_forward", "static or slow, forwards", high, "N", _holding(bench)),
             Quantity("slow_backward", "static or slow, backwards", abs(low), "N", "the same for motion backwards"),
-            Quantity("fall", "fall with speed", _zero(bench.fall, bench), "N", "from there to the least steady friction of sliding forwards"),
+            Quantity("fall", "fall with speed", _zero(bench.fall, bench), "N", "from there to the least in sliding forwards"),
         ),
         {"slowest": (speeds[0], "m/s"), "fastest": (speeds[-1], "m/s")},
         _steady_remark(bench), "x",
@@ -77,7 +77,7 @@ def lag(bench: Setup) -> Experiment:
     lagging = "rising minus falling velocity, mean over the swing of the velocity"
     return Experiment(
         "lag", "frictional lag", ("velocity v", "m/s"), ("friction force R", "N"), tuple(curves),
-        (Quantity("lag", "lag", _zero(widths[told], bench), "N", f"{lagging}, at {frequencies[told]:.3g} rad/s, the largest of {len(widths)}"),),
+        (Quantity("lag", "lag", _zero(widths[told], bench), "N", f"{lagging}, at {frequencies[told]:.3g} rad/s"),),
         {"middle": (middle, "m/s"), "swing": (swing, "m/s"), "omega": (frequencies[told], "rad/s")},
         "" if bench.remembers else "the law has no memory: the same curve up and down, at every frequency",
     )  # fmt: skip
