@@ -9,6 +9,6 @@ from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
 
 __all__ = [
-    "basins", "bench", "bifurcation", "chaos_map", "comparison", "continuation", "convergence", "fitted", "forces", "line_cut", "motion_map",
-    "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
+    "basins", "bench", "bifurcation", "chaos_map", "comparison", "continuation", "convergence", "fitted", "forces", "line_cut",
+    "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
 ]  # fmt: skip
