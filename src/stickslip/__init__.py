@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from stickslip.analysis.motion import motion as motion
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
+    from stickslip.benching import Bench as Bench
+    from stickslip.benching import Benches as Benches
+    from stickslip.benching import bench as bench
     from stickslip.checking import check as check
     from stickslip.drives import DRIVES as DRIVES
     from stickslip.drives import BangBang as BangBang
@@ -110,6 +113,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "BangBang": "drives",
     "Basins": "dynamics.attractors",
+    "Bench": "benching",
+    "Benches": "benching",
     "BlockOnBelt": "mechanisms",
     "Branch": "dynamics.branches",
     "Bristle": "friction",
@@ -161,6 +166,7 @@ _HOMES = {
     "VerticalVibration": "drives",
     "Viscous": "friction",
     "basins": "dynamics.attractors",
+    "bench": "benching",
     "bifurcation": "dynamics.diagrams",
     "cantilever_eigenvalues": "drives",
     "chaos_map": "dynamics.maps",

@@ -20,6 +20,7 @@ COMMANDS = {
     "run": ("run", "simulate one robot and say how it moves"),
     "check": ("check", "let several methods solve one robot: how many digits are certain?"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
+    "bench": ("bench", "put friction laws on the bench: what each does, alone"),
     "map": ("plane", "simulate a robot over a plane and draw the map"),
     "merge": ("studies", "put the shards of a sweep together"),
     "export": ("studies", "write the results of a sweep as one .nc, .mat, .csv or .parquet file"),
@@ -54,6 +55,7 @@ examples
   stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png --data run.nc
   stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
+  stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
   stickslip paper
 
 `stickslip COMMAND --help` explains one command; every command takes --json.
