@@ -21,6 +21,7 @@ COMMANDS = {
     "check": ("check", "let several methods solve one robot: how many digits are certain?"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
+    "explore": ("explore", "open a page on which a robot's numbers are dragged"),
     "presets": ("lists", "published robots, with the arguments they take"),
     "laws": ("lists", "friction laws"),
     "drives": ("lists", "drives of the inner mass"),
