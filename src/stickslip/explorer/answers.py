@@ -88,11 +88,11 @@ def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any
         runs[law] = run_of(state, law, asked.fine, robot)
         entry["mean_velocity"] = _mean(runs[law])
     header: dict[str, Any] = {"kind": "curves", "fine": asked.fine, "laws": laws, "period": float(robot.period), "samples": SAMPLES}
-    header |= {"figures": None, "shown": 3}
+    header |= {"figures": None, "shown": 3, "once": 3}
     if state.law in runs:
         header["figures"] = _figures(runs[state.law])
         count = header["figures"]["period_number"] or LONGEST
-        header["shown"] = 3 if count == 1 else min(2 * count, LONGEST)
+        header |= {"once": min(count, LONGEST), "shown": 3 if count == 1 else min(2 * count, LONGEST)}
     arrays = {}
     for law, run in runs.items():
         arrays |= {f"{law}.{name}": column for name, column in _columns(run, header["shown"], law == state.law).items()}
