@@ -15,7 +15,7 @@ from stickslip.explorer.asked import Message, Plane, State
 from stickslip.explorer.code import python
 from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import Kernels
-from stickslip.explorer.models import FRICTION
+from stickslip.explorer.models import DRIVES, FRICTION
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.solvers import solve
 
@@ -57,21 +57,14 @@ def _sentence(problem: str) -> str:
 
 
 def _compiling(law: str, state: State) -> str:
-    return f"compiling {FRICTION[law].label} × {state.drive}, once: this takes some seconds, and is kept for later"
+    return f"preparing {FRICTION[law].label} × {DRIVES[state.drive].label}: compiled once, which takes some seconds, and kept for later"
 
 
 # ---- curves ----
-def periods_of(state: State, law: str, fine: bool) -> int:
-    """How many drive periods to run; a law that cannot be compiled gets few."""
-    if law == "bristle":
-        return 12 if fine else 6
-    return FINE if fine else COARSE
-
-
 def run_of(state: State, law: str, fine: bool, robot: Any = None) -> Any:
     """The run of one law."""
     made = state.robot(law) if robot is None else robot
-    return solve(made, periods=periods_of(state, law, fine), rtol=RTOL, keep="trajectory", samples=400 if fine else 48)
+    return solve(made, periods=FINE if fine else COARSE, rtol=RTOL, keep="trajectory", samples=400 if fine else 48)
 
 
 def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -148,8 +141,6 @@ def _map(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], 
     state, plane = asked.state, asked.plane
     assert plane is not None
     header = _axes(plane) | {"kind": "map", "law": state.law}
-    if state.robot().friction.__class__.__name__ == "Bristle":
-        raise InputError("map", ["the bristle law is solved in plain Python, which is too slow for a map; choose another law"])
     if not kernels.ready(state, state.law, state.robot(), True):
         return header | {"kind": "waits", "waits": _compiling(state.law, state)}, {}
     x, y = (np.linspace(*span, n) for span, n in zip(plane.spans, plane.cells, strict=True))
@@ -215,8 +206,6 @@ def _strip(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any]
     assert plane is not None
     header = _axes(plane) | {"kind": "strip", "law": state.law}
     (name,), ((low, high),), (count,) = plane.names, plane.spans, plane.cells
-    if state.law == "bristle":
-        raise InputError("strip", ["the bristle law is solved in plain Python, which is too slow for a strip; choose another law"])
     if not kernels.ready(state, state.law, state.robot(), False):
         return header | {"kind": "waits", "waits": _compiling(state.law, state)}, {}
     watch, kept = _watch(stop), 16

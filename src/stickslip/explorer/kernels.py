@@ -58,8 +58,6 @@ class Kernels:
 
     def ready(self, found: State, law: str, robot: Any, many: bool) -> bool:
         """Whether this kind of robot can be solved at once; if not, its kernel is being prepared from now on."""
-        if getattr(robot.friction, "scalar_only", False):
-            return True
         key = key_of(robot, many)
         with self._changed:
             if key in self._ready:
@@ -95,7 +93,7 @@ class Kernels:
                     self._changed.wait()
                 if self._ended:
                     return
-                key = next(reversed(self._wanted))
+                key = min(reversed(self._wanted), key=lambda key: key[0])  # single runs first, of these the newest
                 found, law = self._wanted[key]
             if self._beside:
                 self._compile(found, law, key[0])

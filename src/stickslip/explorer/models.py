@@ -169,9 +169,11 @@ def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
 
 
 FRICTION: dict[str, Part] = {
-    name: Part("Tabulated (a Stribeck curve)", ("v_s",), _tabulated) if name == "tabulated" else _law(name) for name in LAWS
+    name: Part("Tabulated (a Stribeck curve)", ("v_s",), _tabulated) if name == "tabulated" else _law(name)
+    for name, law in LAWS.items()
+    if not getattr(law, "scalar_only", False)
 }
-"""The laws of the page."""
+"""The laws of the page: all but those that cannot be compiled (the bristle model), whose runs take minutes and cannot be dragged."""
 
 
 def _contact(kind: str, track: str, p: Values) -> dict[str, Any]:

@@ -23,9 +23,9 @@ const link = new Link(take, (how) => {
 function changed(name = null) {
   if (name !== null && name !== state.vary && active(state).includes(name)) state.vary = name;
   settled(state);
+  link.ask("curves", { state: table(state), fine: false }); // first of all: the rest is done while the answer is computed
   controls.show(state);
   options();
-  link.ask("curves", { state: table(state), fine: false });
   map.place(state);
   strip.place(state);
   clearTimeout(resting);
@@ -73,7 +73,7 @@ function curve(header, law, arrays) {
 
 function draw() {
   if (!last) return;
-  const { header, curves } = last, waiting = last.waiting.map((law) => ({ ...velocity.look(header.laws.indexOf(law)), waits: `${law.label}: compiling …` }));
+  const { header, curves } = last, waiting = last.waiting.map((law) => ({ ...velocity.look(header.laws.indexOf(law)), waits: `${law.label}: preparing …` }));
   const extra = dropped && curves.length ? measured(header, curves[0]) : [];
   velocity.draw([...curves, ...extra], waiting, header.shown * header.period);
   if (curves.length) portraits.draw(curves, header.once * header.samples + 1);
@@ -93,7 +93,8 @@ function measured(header, main) {
 function figures(f, fine) {
   const put = (name, text) => { const out = document.querySelector(`[data-quantity="${name}"]`); if (out.value !== text) out.value = text; };
   put("mean_velocity", `${digits(1e3 * f.mean_velocity)} mm/s`);
-  put("motion_type", `${f.motion_type} ${f.pattern.replaceAll("-", "−")}`);
+  put("motion_type", f.motion_type);
+  $("pattern").textContent = $("pattern").title = f.pattern.replaceAll("-", "−");
   put("margin", Number.isFinite(f.margin) ? digits(f.margin, 3) : "none");
   put("stick_fraction", `${digits(100 * f.stick_fraction, 3)} %`);
   put("period", f.period_number ? String(f.period_number) : fine ? `none in ${f.periods}` : "not yet");

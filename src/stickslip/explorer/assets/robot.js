@@ -12,7 +12,7 @@ export function show(curve, tilt) {
   if (run) clock = ((clock / run.end) % 1) * end;
   const size = Math.max(...curve.xi) - Math.min(...curve.xi), reach = Math.max(...curve.x) - Math.min(...curve.x);
   run = { ...curve, end, tilt, advance: curve.x[n] - curve.x[0], size: Math.max(size, 1e-12), reach };
-  if (!playing) frame();
+  if (!playing || !inView()) frame();
 }
 
 function at(column) {
@@ -103,8 +103,13 @@ function advance(seconds) {
   if (laps * Math.abs(run.advance) > 1e3 * run.size) laps = 0;
 }
 
+function inView() {
+  const { top, bottom } = canvas.getBoundingClientRect();
+  return bottom > 0 && top < innerHeight;
+}
+
 function tick(now) {
-  if (playing && run && canvas.getBoundingClientRect().bottom > 0 && canvas.getBoundingClientRect().top < innerHeight) {
+  if (playing && run && inView()) {
     advance(Math.min((now - before) / 1e3, 0.1) * Number(speed.value));
     frame();
   }

@@ -4,14 +4,14 @@ import { parameters, span } from "./state.js";
 import { axisLabel, digits, shown } from "./words.js";
 
 const canvas = document.getElementById("strip");
-let state = null, found = null, said = "", go = null;
+let state = null, found = null, go = null;
 const plane = new Plane(canvas, () => draw());
 
 export const axesOf = (s) => { const [from, to] = span(s.vary, s); return [{ name: s.vary, from, to, cells: 120 }]; };
 export function listen(action) { go = action; }
 export function place(s) { state = s; draw(); }
 export function show({ header, arrays }) {
-  said = header.kind === "strip" ? "" : header.waits ?? header.problems.join("; ");
+  document.getElementById("strip-said").textContent = header.kind === "strip" ? "" : header.waits ?? header.problems.join("; ");
   if (header.kind === "strip") found = { ...header, ...arrays };
   draw();
 }
@@ -36,9 +36,6 @@ function draw() {
   }
   const x = plane.x(state.values[state.vary] * p.factor);
   plane.stroke([[x, plane.top], [x, plane.bottom]], colour("ink"), 1.5);
-  pen.textAlign = "left";
-  pen.fillStyle = colour("ink");
-  if (said) pen.fillText(said, plane.left + 8, plane.top + 16, plane.right - plane.left - 16);
 }
 
 canvas.addEventListener("click", (event) => {
