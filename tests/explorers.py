@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -51,7 +52,7 @@ class Explorer:
 
     def memory(self):
         """Resident memory of the server [bytes]."""
-        pages = int(open(f"/proc/{self.process.pid}/statm").read().split()[1])
+        pages = int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
 

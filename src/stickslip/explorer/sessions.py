@@ -38,6 +38,7 @@ class Workshop:
         self.pages: set[Session] = set()
         self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
         self._gates = {"curves": asyncio.Semaphore(n), "behind": asyncio.Semaphore(max(n - 1, 1))}
+        self.prepared = 0  # kernels that became ready
         self._loop = asyncio.get_running_loop()
         kernels.listen(self._kernel_ready)
 
@@ -63,6 +64,7 @@ class Workshop:
             self._loop.call_soon_threadsafe(self._ask_again)
 
     def _ask_again(self) -> None:
+        self.prepared += 1
         for page in self.pages:
             page.ask_again()
 
@@ -154,11 +156,14 @@ class Session:
                 asked, slot.stop = slot.newest, threading.Event()
                 slot.wake.clear()
                 assert asked is not None
+                prepared = self._workshop.prepared
                 data = await self._computed(asked, slot.stop)
             if data is None:
                 continue
             if _waits(data) and slot.newest is asked:
                 slot.waiting = asked
+                if self._workshop.prepared != prepared:  # a kernel became ready meanwhile: perhaps this one
+                    slot.put(asked)
             await self._send(data)
 
     async def _computed(self, asked: Message, stop: threading.Event) -> bytes | None:

@@ -63,7 +63,7 @@ function take({ header, arrays }) {
   draw();
   if (header.figures) figures(header.figures, header.fine);
   if (header.python) $("python").textContent = header.python;
-  document.documentElement.dataset.drawn = `${header.id}${header.fine ? " fine" : ""}`;
+  document.documentElement.dataset.drawn = `${header.id}${header.fine && !waiting ? " fine" : ""}`;
 }
 
 function curve(header, law, arrays) {

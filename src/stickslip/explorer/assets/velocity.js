@@ -22,7 +22,7 @@ function made(curves) {
     scales: { x: { time: false, range: () => zoomed ?? [0, last.end] }, y: { range: () => range } },
     axes: [axis("time [ms]", 1.6), axis("velocity v [mm/s]", 3)],
     series: [{}, ...series(curves)],
-    hooks: { setSelect: [(u) => { if (u.select.width > 4) zoomed = [u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")]; }] },
+    hooks: { setSelect: [(u) => { if (u.select.width > 4) zoomed = [u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")]; tell(); }] },
   }, data(curves), box);
   chart.over.addEventListener("dblclick", () => zoom(0));
 }
@@ -61,6 +61,7 @@ export function draw(curves, waiting, end) {
   if (now !== kinds || !chart) made(curves);
   else chart.setData(data(curves));
   kinds = now;
+  tell();
   key([...curves, ...waiting]);
   box.setAttribute("aria-label", `velocity over time: ${curves.map((c) => `${c.label}, ${words(extent(c.v)[0], 3)} to ${words(extent(c.v)[1], 3)}, mean ${words(c.mean, 3)}`).join("; ")}`);
 }
@@ -70,9 +71,14 @@ export function zoom(factor) {
   const [a, b] = zoomed ?? [0, last.end], middle = (a + b) / 2, half = ((b - a) / 2) * factor;
   zoomed = factor === 0 || 2 * half >= last.end ? null : [Math.max(middle - half, 0), Math.min(middle + half, last.end)];
   chart.setData(chart.data);
+  tell();
 }
 
-export const zoomedTo = () => zoomed;
+// From where to where [ms] the chart reaches, for whoever looks at the page without eyes.
+function tell() {
+  const [a, b] = zoomed ?? [0, last.end];
+  box.dataset.shows = `${a} ${b}`;
+}
 
 export function restyle() {
   kinds = "";
