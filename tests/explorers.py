@@ -79,7 +79,8 @@ def answer(socket, channel="curves", id=None):
 
 def chromium():
     """Where Chromium is, or a sentence that says what is missing."""
-    found = os.environ.get("STICKSLIP_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    names = ("chromium", "chromium-browser", "google-chrome")
+    found = os.environ.get("STICKSLIP_CHROMIUM") or next(filter(None, map(shutil.which, names)), None)
     if not found:
         pytest.skip("no Chromium was found: install Debian's package chromium, or set STICKSLIP_CHROMIUM to one")
     return found

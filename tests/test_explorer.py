@@ -107,7 +107,8 @@ def test_no_parameter_goes_beyond_its_bounds(name):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", "{", "null", "1", '"x"', "[" * 5000, '{"channel": "files", "id": 1}', '{"channel": "curves"}', '{"channel": "curves", "id": 1e3}',
+    ["", "[]", "{", "null", "1", '"x"', "[" * 5000, '{"channel": "files", "id": 1}', '{"channel": "curves"}',
+     '{"channel": "curves", "id": 1e3}',
      '{"channel": "curves", "id": true}', '{"channel": "map", "id": 1}', '{"channel": "curves", "id": 1, "state": []}',
      '{"channel": "curves", "id": 1, "state": {"also": ["coulomb", "gms", "dahl", "lugre", "viscous"]}}',
      '{"channel": "curves", "id": 1, "state": {"also": [["coulomb"]]}}', '{"channel": ["curves"], "id": 1}'],
@@ -139,10 +140,10 @@ def test_curves_and_figures_are_those_of_the_solver(explorer):
     assert [law["name"] for law in header["laws"]] == ["lugre", "coulomb"]
     assert arrays["lugre.v"].size == 3 * header["samples"] + 1
     start = run.strobe_times[-1] - 3 * run.period_time
-    expected = run.at(start + np.linspace(0, 0.999, 5) * 3 * run.period_time)["v"]
-    t = arrays["lugre.t"].astype(float)
+    instants = np.linspace(0, 0.999, 5) * 3 * run.period_time
+    shown = np.interp(instants, arrays["lugre.t"].astype(float), arrays["lugre.v"])
     # the page draws 256 instants a period: straight lines between them are off by h^2 v''/8, a thousandth of the amplitude of v
-    assert np.interp(np.linspace(0, 0.999, 5) * 3 * run.period_time, t, arrays["lugre.v"]) == pytest.approx(expected, abs=1e-3 * abs(run.v).max())
+    assert shown == pytest.approx(run.at(start + instants)["v"], abs=1e-3 * abs(run.v).max())
 
 
 def test_power_is_the_actuators_of_the_energy_balance(explorer):
@@ -319,7 +320,9 @@ def test_only_files_of_the_page_are_served(explorer):
 # strangers --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "192.168.0.1", "localhost@evil.example", "[::2]"])
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "192.168.0.1", "localhost@evil.example", "[::2]"]
+)
 def test_another_host_is_refused(explorer, host):
     assert explorer.ask(Host=host)[0] == 403
 
@@ -347,10 +350,9 @@ def test_pages_run_no_script_but_ours(explorer):
 
 
 def test_a_message_that_is_too_long_ends_the_connection(explorer):
-    with explorer.page() as socket:
-        with pytest.raises(ConnectionClosed):
-            socket.send("x" * 100_000)
-            socket.recv(timeout=30)
+    with explorer.page() as socket, pytest.raises(ConnectionClosed):
+        socket.send("x" * 100_000)
+        socket.recv(timeout=30)
     assert explorer.ask()[0] == 200
 
 

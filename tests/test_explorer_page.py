@@ -381,7 +381,8 @@ def test_a_link_brings_everything_back(page, browser, explorer):
 
 
 @pytest.mark.parametrize(
-    "hash", ["law=__proto__&drive=constructor&amplitude=NaN&mu0=-1&map=toString,a,b,c&vary=x&also=,,a", "law=%00&omega=1e99", "%%%", "&&&=&="]
+    "hash",
+    ["law=__proto__&drive=constructor&amplitude=NaN&mu0=-1&map=toString,a,b,c&vary=x&also=,,a", "law=%00&omega=1e99", "%%%", "&&&=&="],
 )
 def test_an_address_of_nonsense_gives_the_first_page(page, hash):
     page.open(hash)
@@ -474,7 +475,8 @@ def test_nothing_sticks_out_sideways(browser, explorer, width):
     page = Page(browser, explorer, viewport={"width": width, "height": 900})
     page.open()
     assert page.page.evaluate("document.documentElement.scrollWidth") <= width
-    cut = page.page.locator(".merits output").evaluate_all("all => all.filter(el => el.scrollWidth > el.parentElement.clientWidth + 1).length")
+    wider = "all => all.filter(el => el.scrollWidth > el.parentElement.clientWidth + 1).length"
+    cut = page.page.locator(".merits output").evaluate_all(wider)
     assert cut == 0
     page.context.close()
 

@@ -37,7 +37,8 @@ def act(command: str, words: list[str]) -> int:
 
 def _whole(option: str, text: str, least: int, most: int, example: str) -> int:
     if not text.isascii() or not text.isdigit() or not least <= int(text) <= most:
-        raise InputError("explore", [f"{option} {text}; allowed is a whole number from {least} to {most}; type for example {option} {example}"])
+        allowed = f"a whole number from {least} to {most}"
+        raise InputError("explore", [f"{option} {text}; allowed is {allowed}; type for example {option} {example}"])
     return int(text)
 
 

@@ -86,7 +86,7 @@ def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any
         header["figures"] = _figures(runs[state.law])
         count = header["figures"]["period_number"] or LONGEST
         header |= {"once": min(count, LONGEST), "shown": 3 if count == 1 else min(2 * count, LONGEST)}
-    arrays = {}
+    arrays: dict[str, Any] = {}
     for law, run in runs.items():
         arrays |= {f"{law}.{name}": column for name, column in _columns(run, header["shown"], law == state.law).items()}
     if state.law in runs:
@@ -167,7 +167,7 @@ def _batch(state: State, names: tuple[str, ...], grid: list[Any]) -> tuple[Any, 
         pass
     for cell in np.ndindex(good.shape):
         try:
-            state.robot(**{name: float(a[cell]) for name, a in zip(names, grid, strict=True)})
+            state.robot(None, **{name: float(a[cell]) for name, a in zip(names, grid, strict=True)})
         except InputError as error:
             good[cell], last = False, error
     if not good.any():
@@ -195,7 +195,8 @@ def _watch(stop: Stop) -> Callable[[int, int], None]:
         if stop():
             raise Stopped
         if time.perf_counter() - began > PATIENCE:
-            raise InputError("map", [f"{done} of {whole} cases took {PATIENCE:g} s, which is the most that is given; zoom in, or ease the numbers"])
+            took = f"{done} of {whole} cases took {PATIENCE:g} s"
+            raise InputError("map", [f"{took}, which is the most that is given; zoom in, or ease the numbers"])
 
     return tell
 
@@ -214,7 +215,7 @@ def _strip(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any]
     for i, value in enumerate(values):
         watch(i, count)
         try:
-            run = solve(state.robot(**{name: float(value)}), periods=64, rtol=RTOL, keep="trajectory")
+            run = solve(state.robot(None, **{name: float(value)}), periods=64, rtol=RTOL, keep="trajectory")
         except StickslipError:
             continue
         last = run.strobe_v[-kept:]

@@ -204,5 +204,3 @@ def _short(value: Any) -> str:
     """What was given, as far as it fits a sentence."""
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
-
-

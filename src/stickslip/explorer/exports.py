@@ -90,7 +90,8 @@ def _report(state: State) -> bytes:
     for label, run in zip(labels, runs, strict=True):
         m, balance = motion(run), energy(run)
         works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
-        found.append({"label": label, "velocity": float(mean_velocity(run)), "motion": m, "works": works, "worst": balance.worst, "run": run})
+        figures = {"velocity": float(mean_velocity(run)), "motion": m, "works": works, "worst": balance.worst}
+        found.append({"label": label, "run": run, **figures})
     numbers = [{"p": PARAMETERS[name], "shown": PARAMETERS[name].shown(state.values[name])} for name in state.active]
     return page(
         "explored.html",

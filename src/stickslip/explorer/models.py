@@ -21,7 +21,7 @@ from stickslip.drives import (
     VerticalVibration,
 )
 from stickslip.fields import is_number_field
-from stickslip.friction import LAWS
+from stickslip.friction import LAWS, Tabulated
 from stickslip.maths import cos, exp, maximum, sin
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, VaryingFriction
@@ -142,7 +142,8 @@ def _fields(name: str) -> dict[str, str]:
 
 
 def _law(name: str) -> Part:
-    cls, numbers = LAWS[name], _fields(name)
+    cls: Any = LAWS[name]
+    numbers = _fields(name)
     own = {f.name for f in dataclasses.fields(cls)}
 
     def make(p: Values, contact: dict[str, Any]) -> Any:
@@ -165,7 +166,7 @@ def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
         return tuple(mu + (f - mu) * exp(-(u * u)) for u in _TABLE)
 
     speed = tuple(u * p["v_s"] for u in _TABLE)
-    return LAWS["tabulated"](speed=speed, mu_plus=column("plus"), mu_minus=column("minus"))
+    return Tabulated(speed=speed, mu_plus=column("plus"), mu_minus=column("minus"))
 
 
 FRICTION: dict[str, Part] = {

@@ -10,7 +10,8 @@ __all__ = ["PRESETS"]
 
 
 def _entry(label: str, values: dict[str, float], also: tuple[str, ...] = ("coulomb",), **choices: str) -> dict[str, Any]:
-    return {"label": label, "state": {"drive": "harmonic", "track": "folded", "law": "lugre", "also": list(also), **choices, "values": values}}
+    first = {"drive": "harmonic", "track": "folded", "law": "lugre", "also": list(also)}
+    return {"label": label, "state": {**first, **choices, "values": values}}
 
 
 def _of_the_paper() -> dict[str, dict[str, Any]]:

@@ -31,7 +31,12 @@ from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
 
 __all__ = ["application", "page", "serve"]
 
-_TYPES = {".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml", ".txt": "text/plain; charset=utf-8"}
+_TYPES = {
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+}
 _GROUPS = {
     "Drive": {name for part in DRIVES.values() for name in part.parameters},
     "Track": {name for part in TRACKS.values() for name in part.parameters} | {"gravity"},
@@ -65,7 +70,9 @@ def _told() -> dict[str, Any]:
     choices = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
     return {
         "parameters": {name: vars(p) for name, p in PARAMETERS.items()},
-        "choices": {kind: {name: {"label": p.label, "parameters": p.parameters} for name, p in parts.items()} for kind, parts in choices.items()},
+        "choices": {
+            kind: {name: {"label": p.label, "parameters": p.parameters} for name, p in parts.items()} for kind, parts in choices.items()
+        },
         "always": active("harmonic", "level", "isotropic", ()),
         "presets": PRESETS,
         "first": {"drive": DEFAULT.drive, "track": DEFAULT.track, "contact": DEFAULT.contact, "law": DEFAULT.law, "also": DEFAULT.also},
