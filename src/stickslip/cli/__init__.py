@@ -31,6 +31,7 @@ COMMANDS = {
     "compare": ("compare", "a measured record beside what friction laws give"),
     "identify": ("identify", "parameters of a robot or a law from measured records"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
+    "explore": ("explore", "open a page on which a robot's numbers are dragged"),
     "presets": ("lists", "published robots, with the arguments they take"),
     "laws": ("lists", "friction laws"),
     "drives": ("lists", "drives of the inner mass"),
