@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from stickslip.analysis.motion import motion as motion
     from stickslip.analysis.steady import mean_velocity as mean_velocity
     from stickslip.analysis.steady import periodic_mean_velocity as periodic_mean_velocity
+    from stickslip.benching import Bench as Bench
+    from stickslip.benching import Benches as Benches
+    from stickslip.benching import bench as bench
     from stickslip.checking import check as check
     from stickslip.drives import DRIVES as DRIVES
     from stickslip.drives import BangBang as BangBang
@@ -78,12 +81,21 @@ if TYPE_CHECKING:
     from stickslip.friction import Tabulated as Tabulated
     from stickslip.friction import TanhCoulomb as TanhCoulomb
     from stickslip.friction import Viscous as Viscous
+    from stickslip.identifying import Fit as Fit
+    from stickslip.identifying import compare as compare
+    from stickslip.identifying import design as design
+    from stickslip.identifying import identify as identify
+    from stickslip.identifying import prediction_errors as prediction_errors
+    from stickslip.identifying import rank as rank
+    from stickslip.identifying import virtual_rig as virtual_rig
     from stickslip.io import load as load
     from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
     from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
     from stickslip.mechanisms import PulledMass as PulledMass
     from stickslip.nondimensional import DimensionlessRobot as DimensionlessRobot
     from stickslip.nondimensional import dimensionless as dimensionless
+    from stickslip.records import Record as Record
+    from stickslip.records import read as read
     from stickslip.robot import Robot as Robot
     from stickslip.robot import mirrored as mirrored
     from stickslip.solvers import solve as solve
@@ -101,6 +113,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "BangBang": "drives",
     "Basins": "dynamics.attractors",
+    "Bench": "benching",
+    "Benches": "benching",
     "BlockOnBelt": "mechanisms",
     "Branch": "dynamics.branches",
     "Bristle": "friction",
@@ -112,6 +126,7 @@ _HOMES = {
     "DeadBand": "friction",
     "DimensionlessRobot": "nondimensional",
     "ElastoPlastic": "friction",
+    "Fit": "identifying",
     "FlowOrbit": "dynamics.flow_orbits",
     "ForcedOscillator": "mechanisms",
     "GMS": "friction",
@@ -129,6 +144,7 @@ _HOMES = {
     "PiezoBeam": "drives",
     "Progress": "sweeps",
     "PulledMass": "mechanisms",
+    "Record": "records",
     "Recorded": "drives",
     "ResetIntegrator": "friction",
     "Reversed": "drives",
@@ -150,16 +166,20 @@ _HOMES = {
     "VerticalVibration": "drives",
     "Viscous": "friction",
     "basins": "dynamics.attractors",
+    "bench": "benching",
     "bifurcation": "dynamics.diagrams",
     "cantilever_eigenvalues": "drives",
     "chaos_map": "dynamics.maps",
     "check": "checking",
+    "compare": "identifying",
     "continuation": "dynamics.branches",
     "coulomb_borders": "analysis.coulomb_borders",
+    "design": "identifying",
     "dimensionless": "nondimensional",
     "energy": "analysis.energy",
     "export": "sweeps",
     "flow_orbit": "dynamics.flow_orbits",
+    "identify": "identifying",
     "largest_exponents": "dynamics.exponents",
     "latex": "engine.latex",
     "load": "io",
@@ -176,6 +196,9 @@ _HOMES = {
     "periodic_mean_velocity": "analysis.steady",
     "periodic_orbit": "dynamics.orbits",
     "poincare": "dynamics.sections",
+    "prediction_errors": "identifying",
+    "rank": "identifying",
+    "read": "records",
     "solve": "solvers",
     "special_curve": "dynamics.curves",
     "spectrum": "dynamics.sections",
@@ -183,6 +206,7 @@ _HOMES = {
     "sweep": "sweeps",
     "switching_flow": "dynamics.flow_orbits",
     "verdict": "dynamics.exponents",
+    "virtual_rig": "identifying",
 }
 _MODULES = ("designs", "drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
 

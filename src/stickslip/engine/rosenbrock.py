@@ -75,9 +75,9 @@ class _StepWriter:
         fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
         fields += [f"mode{i}" for i in range(len(self.eq.modes))] + [f"clk{k}" for k in range(len(self.eq.clocks))]
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
+        fields += ["t0", "hh", *(f"k{i}_{m}" for i in (n if self.record else (0,)) for m in range(self.degree + 1))]
         if self.record:
-            fields += ["t0", "hh", "x0", *(f"k{i}_{m}" for i in n for m in range(self.degree + 1)), "side"]
-            fields += [f"held{i}" for i in range(len(self.eq.modes))]
+            fields += ["x0", "side", *(f"held{i}" for i in range(len(self.eq.modes)))]
         self._slopes()
         self._length()
         self._matrix()
@@ -411,9 +411,10 @@ class _StepWriter:
         integral = horner([f"{literal(1 / (m + 1))} * _k0_{m}" for m in range(self.degree + 1)], "_part")
         offset = w.value(self.eq.offset, self.start)
         integral = integral if offset == "0.0" else f"(({integral}) + {offset})"
+        w.line("_t0", "1.0 * _t")
         if self.record:
             kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
-            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0"), *kept):
+            for name, value in (("x0", "_x"), ("side", "_b0"), *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
             if i:

@@ -72,6 +72,8 @@ class Equations:
     stribeck_velocity: Sym | None
     cyclic: bool
     contact: Contact | None  # of a set-valued law
+    mass: Sym  # all that moves with the contact [kg]
+    offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it
 
     @property
     def dynamic(self) -> bool:
@@ -251,7 +253,7 @@ def _trace(model: Any) -> Equations:
         free_velocity=_velocity_scale(m, getattr(m.model, "free_velocity", m.model.velocity_scale), speed),
         scales=(*motion.scales, *(() if m.cyclic else (None,))),
         stribeck_velocity=None if speed is None else m.lift(speed()),
-        cyclic=m.cyclic, contact=motion.contact,
+        cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
     )  # fmt: skip
 
 
@@ -317,6 +319,12 @@ def _set_valued(m: _Mechanics) -> _Motion:
 def _lost(m: _Mechanics, states: int, modes: tuple[Sym, ...]) -> list[tuple[Sym, Switch]]:
     """The end of the run, where a load that varies falls to zero."""
     return [(m.load, Switch(modes, (None,) * states, LOST))] if m.graph.varies(m.load) else []
+
+
+def _offered(m: _Mechanics) -> Sym | None:
+    """What all forces but friction add up to [N]: the drive's and gravity's share, for a robot."""
+    total = m.lift(m.model.total_mass) * m.acceleration(0.0)
+    return total if m.graph.varies(total) <= {"t"} else None
 
 
 def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:

@@ -16,7 +16,7 @@ from stickslip.batch import rows_of
 from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import exact
 from stickslip.solvers.arcs import handles, reduced
-from stickslip.solvers.gather import Raw, gather
+from stickslip.solvers.gather import NEEDED, Raw, gather
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 
@@ -109,7 +109,7 @@ def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     _scale(raw, np.where(driven, arcs.drive, 1.0), arcs.omega, arcs.period)
     if len(hard):
         _wait_for(raw, hard, todo)
-    summary = gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in Raw.__dataclass_fields__}))])
+    summary = gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in NEEDED}))])
     return summary, {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
 
 
@@ -129,7 +129,7 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
     model = replace_leaf(todo.model, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
     found, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
     seconds = found["seg_time"] * arcs.period[:, None]
-    for name in Raw.__dataclass_fields__:
+    for name in NEEDED:
         raw[name][hard] = seconds if name == "seg_time" else found[name]
     drive = np.where(arcs.drive > 0, arcs.drive, np.nan)
     rows, _ = exact._rows(arcs, found["v_end"])

@@ -12,7 +12,7 @@ from stickslip.errors import InputError
 from stickslip.forces import is_dynamic, states_of
 from stickslip.solvers import exact, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
-from stickslip.solvers.gather import Raw, gather
+from stickslip.solvers.gather import NEEDED, Raw, gather
 from stickslip.solvers.request import Request, request
 from stickslip.summary import Summary
 from stickslip.sweeps.columns import COLUMNS, empty
@@ -49,7 +49,7 @@ def _stepped(todo: Request, tableau: Any, rtol: float) -> tuple[Summary, dict[st
 
 def _exact(todo: Request, start: dict[str, Any]) -> tuple[Summary, dict[str, Array]]:
     raw = exact.solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, start, todo.workers)
-    parts = Raw(**{n: raw[n] * np.reshape(todo.span, (-1, 1)) if n == "seg_time" else raw[n] for n in Raw.__dataclass_fields__})
+    parts = Raw(**{n: raw[n] * np.reshape(todo.span, (-1, 1)) if n == "seg_time" else raw[n] for n in NEEDED})
     return gather(todo, "exact", [((0, todo.cases), parts)]), {"v": raw["v_end"]}
 
 

@@ -147,18 +147,22 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
 
 def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dict[str, Array]:
     """Mean power of the actuator: what friction takes along both ways, less what gravity gives. Known where the ways are."""
-    if "forward_way" not in more:
+    if not hasattr(robot, "track") or not ("forward_way" in more or "friction_power" in columns):
         return {}
-    shape = np.shape(columns["mean_velocity"])
-    load, law = robot.load(0.0, 0.0), robot.friction
-    duration = robot.period * np.maximum(columns["period"], 1)
-    ahead, back = (np.reshape(more[name], shape) for name in ("forward_way", "backward_way"))
     with np.errstate(invalid="ignore", divide="ignore"):
-        lost = (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / duration
-        fall = robot.total_mass * np.reshape(more["along"], shape) * columns["mean_velocity"]
+        lost = _along_the_ways(robot, columns, more) if "forward_way" in more else columns["friction_power"]
+        fall = robot.total_mass * robot.track.along(robot.gravity) * columns["mean_velocity"]
         power = np.where(columns["period"] > 0, lost - fall, np.nan)
         cost = power / (robot.total_mass * robot.gravity * abs(columns["mean_velocity"]))
     return {"drive_power": power, "cost_of_transport": np.where(columns["direction"] != 0, cost, np.nan)}
+
+
+def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> Array:
+    """Mean power that Coulomb friction takes [W]: constant forces along both ways."""
+    shape = np.shape(columns["mean_velocity"])
+    load, law = robot.load(0.0, 0.0), robot.friction
+    ahead, back = (np.reshape(more[name], shape) for name in ("forward_way", "backward_way"))
+    return (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / (robot.period * np.maximum(columns["period"], 1))
 
 
 def _alphas(robot: Any) -> dict[str, Array]:

@@ -1,0 +1,232 @@
+// The page: what is changed is asked for, what is answered is drawn.
+import * as controls from "./controls.js";
+import { Link } from "./link.js";
+import * as map from "./map.js";
+import * as portraits from "./portraits.js";
+import * as record from "./record.js";
+import * as robot from "./robot.js";
+import { active, defaults, fromHash, parameters, settled, table, toHash, withPreset } from "./state.js";
+import * as strip from "./strip.js";
+import * as velocity from "./velocity.js";
+import { digits, quantity } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+const RESTS = 140; // [ms] without a change: the slider rests
+let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {};
+
+const link = new Link(take, (how) => {
+  $("link").dataset.state = how;
+  $("link").textContent = how === "open" ? "connected" : "connection lost, trying again …";
+});
+
+// ---- asking ----
+function changed(name = null) {
+  if (name !== null && name !== state.vary && active(state).includes(name)) state.vary = name;
+  settled(state);
+  link.ask("curves", { state: table(state), fine: false }); // first of all: the rest is done while the answer is computed
+  controls.show(state);
+  options();
+  map.place(state);
+  strip.place(state);
+  clearTimeout(resting);
+  resting = setTimeout(rest, RESTS);
+  clearTimeout(saving);
+  saving = setTimeout(() => history.replaceState(null, "", toHash(state)), 250);
+}
+
+// The slider rests: longer runs, and what lies around them.
+function rest() {
+  link.ask("curves", { state: table(state), fine: true });
+  around("map", map.axesOf(state));
+  around("strip", strip.axesOf(state));
+}
+
+// A map or a strip, if it is not the one that is there: it does not depend on the parameters along its axes.
+function around(channel, axes) {
+  const asked = table({ ...state, also: [] });
+  const rest = { ...asked, values: { ...asked.values } };
+  axes.forEach((axis) => delete rest.values[axis.name]);
+  const key = JSON.stringify([rest, axes]);
+  if (keys[channel] === key) return;
+  keys[channel] = key;
+  link.ask(channel, { state: asked, axes });
+}
+
+// ---- answers ----
+function take({ header, arrays }) {
+  if (header.channel === "map") return map.show({ header, arrays });
+  if (header.channel === "strip") return strip.show({ header, arrays });
+  if (header.kind === "problems") return say(header.problems.join("; "));
+  const waiting = header.laws.find((law) => law.waits);
+  say(waiting ? waiting.waits : "", "wait");
+  last = { header, curves: header.laws.filter((law) => !law.waits).map((law) => curve(header, law, arrays)), waiting: header.laws.filter((law) => law.waits) };
+  draw();
+  if (header.figures) figures(header.figures, header.fine);
+  if (header.python) $("python").textContent = header.python;
+  document.documentElement.dataset.drawn = `${header.id}${header.fine && !waiting ? " fine" : ""}`;
+}
+
+function curve(header, law, arrays) {
+  const own = Object.fromEntries(Object.entries(arrays).filter(([name]) => name.startsWith(law.name + ".")).map(([name, column]) => [name.slice(law.name.length + 1), column]));
+  return { ...own, ...velocity.look(header.laws.indexOf(law)), name: law.name, label: law.label, mean: law.mean_velocity, shown: header.shown };
+}
+
+function draw() {
+  if (!last) return;
+  const { header, curves } = last, waiting = last.waiting.map((law) => ({ ...velocity.look(header.laws.indexOf(law)), waits: `${law.label}: preparing …` }));
+  const extra = dropped && curves.length ? measured(header, curves[0]) : [];
+  velocity.draw([...curves, ...extra], waiting, header.shown * header.period);
+  if (curves.length) portraits.draw(curves, header.once * header.samples + 1);
+  if (curves[0]?.name === state.law) robot.show(curves[0], state.track === "level" ? 0 : state.values.tilt_deg);
+}
+
+function measured(header, main) {
+  const v = record.fitted(dropped, main, header.period, header.samples);
+  if (!v) {
+    say(`the record is shorter than one drive period of ${digits(1e3 * header.period)} ms`);
+    return [];
+  }
+  const t = Float32Array.from(v, (_, i) => (i * header.period) / header.samples);
+  return [{ t, v, label: dropped.name, mean: dropped.mean, ...velocity.look(0), dash: [1, 2], colour: getComputedStyle(document.documentElement).getPropertyValue("--record").trim() }];
+}
+
+function figures(f, fine) {
+  const put = (name, text) => { const out = document.querySelector(`[data-quantity="${name}"]`); if (out.value !== text) out.value = text; };
+  put("mean_velocity", `${digits(1e3 * f.mean_velocity)} mm/s`);
+  put("motion_type", f.motion_type);
+  $("pattern").textContent = $("pattern").title = f.pattern.replaceAll("-", "−");
+  put("margin", Number.isFinite(f.margin) ? digits(f.margin, 3) : "none");
+  put("stick_fraction", `${digits(100 * f.stick_fraction, 3)} %`);
+  put("period", f.period_number ? String(f.period_number) : fine ? `none in ${f.periods}` : "not yet");
+  put("power", quantity(f.power, "W"));
+  if (!fine) return;
+  $("note-count").textContent = f.notes.length;
+  $("notes").replaceChildren(...f.notes.map((note) => Object.assign(document.createElement("li"), { textContent: note })));
+  if (f.status !== "finished") say(f.status);
+}
+
+function say(sentence, kind = "bad") {
+  if ($("said").textContent !== sentence) $("said").textContent = sentence;
+  $("said").dataset.state = kind;
+}
+
+// ---- changing ----
+controls.listen({
+  change(name, value) { state.values[name] = value; $("preset").value = ""; changed(name); },
+  choose(kind, value) { state[kind] = value; state.also = state.also.filter((law) => law !== state.law); $("preset").value = ""; changed(); },
+  compare(laws) { state.also = laws.filter((law) => law !== state.law).slice(0, 4); changed(); },
+  refuse: say,
+});
+$("preset").addEventListener("change", (event) => {
+  if (!event.target.value) return;
+  state = { ...withPreset(event.target.value), map: { ...state.map, spans: null } };
+  changed();
+});
+$("reset-all").addEventListener("click", () => { state = defaults(); $("preset").value = ""; changed(); });
+addEventListener("hashchange", () => { state = fromHash(location.hash); changed(); });
+
+map.listen({
+  go(at) { [state.map.x, state.map.y].forEach((name, i) => { state.values[name] = Math.max(parameters[name].least, Math.min(parameters[name].most, at[i])); }); $("preset").value = ""; changed(); },
+  zoom(spans) { state.map.spans = spans; changed(); },
+});
+strip.listen((name, value) => { state.values[name] = value; $("preset").value = ""; changed(); });
+$("map-shows").addEventListener("change", (event) => { state.map.shows = event.target.value; changed(); });
+for (const axis of ["x", "y"]) $(`map-${axis}`).addEventListener("change", (event) => {
+  const other = axis === "x" ? "y" : "x";
+  if (event.target.value === state.map[other]) state.map[other] = state.map[axis];
+  state.map[axis] = event.target.value;
+  state.map.spans = null;
+  changed();
+});
+$("map-whole").addEventListener("click", () => { state.map.spans = null; changed(); });
+$("vary").addEventListener("change", (event) => { state.vary = event.target.value; changed(); });
+
+// The lists of parameters for the axes.
+function options() {
+  const names = active(state);
+  for (const [id, chosen] of [["map-x", state.map.x], ["map-y", state.map.y], ["vary", state.vary]]) {
+    const list = $(id), wanted = names.join();
+    if (list.dataset.names !== wanted) {
+      list.replaceChildren(...names.map((name) => new Option(`${parameters[name].label} ${parameters[name].symbol}`, name)));
+      list.dataset.names = wanted;
+    }
+    list.value = chosen;
+  }
+  $("map-shows").value = state.map.shows;
+}
+
+$("zoom-in").addEventListener("click", () => velocity.zoom(0.5));
+$("zoom-out").addEventListener("click", () => velocity.zoom(2));
+$("zoom-all").addEventListener("click", () => velocity.zoom(0));
+
+// ---- a record ----
+async function load(file) {
+  if (!file) return;
+  try {
+    dropped = { ...record.parsed(await file.text()), name: file.name };
+    $("record-off").hidden = false;
+    say("");
+    draw();
+  } catch (error) {
+    say(`${file.name}: ${error.message}`);
+  }
+}
+$("record").addEventListener("change", (event) => load(event.target.files[0]));
+$("record-off").addEventListener("click", () => { dropped = null; $("record").value = ""; $("record-off").hidden = true; draw(); });
+addEventListener("dragover", (event) => { event.preventDefault(); $("velocity-panel").classList.add("dropping"); });
+addEventListener("dragleave", (event) => { if (!event.relatedTarget) $("velocity-panel").classList.remove("dropping"); });
+addEventListener("drop", (event) => {
+  event.preventDefault();
+  $("velocity-panel").classList.remove("dropping");
+  load(event.dataTransfer.files[0]);
+});
+
+// ---- taking home ----
+$("export").addEventListener("change", async (event) => {
+  const name = event.target.value;
+  event.target.value = "";
+  if (!name) return;
+  say(`making ${name} …`, "wait");
+  try {
+    const reply = await fetch(`export/${name}?state=${encodeURIComponent(JSON.stringify(table(state)))}`);
+    if (!reply.ok) throw new Error(await reply.text());
+    const address = URL.createObjectURL(await reply.blob());
+    Object.assign(document.createElement("a"), { href: address, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    say("");
+  } catch (error) {
+    say(`${name}: ${error.message}`);
+  }
+});
+
+async function copy(button, text, word) {
+  history.replaceState(null, "", toHash(state));
+  try {
+    await navigator.clipboard.writeText(text());
+    button.textContent = "Copied";
+  } catch {
+    button.textContent = "Copy it from the address bar";
+  }
+  setTimeout(() => { button.textContent = word; }, 1800);
+}
+$("share").addEventListener("click", (event) => copy(event.target, () => location.href, "Copy link"));
+$("copy-code").addEventListener("click", (event) => copy(event.target, () => $("python").textContent, "Copy"));
+
+// ---- light and dark ----
+const dark = matchMedia("(prefers-color-scheme: dark)");
+function theme() {
+  const chosen = $("theme").value;
+  document.documentElement.dataset.theme = chosen === "auto" ? (dark.matches ? "dark" : "light") : chosen;
+  velocity.restyle();
+  if (last) last.curves.forEach((c, i) => Object.assign(c, velocity.look(last.header.laws.findIndex((law) => law.name === c.name) ?? i)));
+  draw();
+  map.forget();
+  strip.restyle();
+  robot.frame();
+}
+try { $("theme").value = localStorage.getItem("theme") ?? "auto"; } catch { /* storage may be forbidden */ }
+$("theme").addEventListener("change", () => { try { localStorage.setItem("theme", $("theme").value); } catch { /* as above */ } theme(); });
+dark.addEventListener("change", theme);
+
+theme();
+changed();

@@ -1,0 +1,45 @@
+// Phase portrait with strobe points, and friction against velocity.
+import { Plane, extent, steady } from "./plane.js";
+import { digits, prefix } from "./words.js";
+
+let last = null, across = null, up = null, sides = null, forces = null, letters = "";
+const phase = new Plane(document.getElementById("phase"), () => drawPhase());
+const friction = new Plane(document.getElementById("friction"), () => drawFriction());
+
+// Draw the last `count` instants, one motion period: more would only fill the gaps of the dashes.
+export function draw(curves, count) {
+  last = curves.map((c) => ({ ...c, s: withoutDrift(c).slice(-count), v: c.v.slice(-count), R: c.R.slice(-count) }));
+  drawPhase();
+  drawFriction();
+}
+
+// Displacement less the mean motion; the strobe points of the server begin at the same place.
+function withoutDrift({ x, t }) {
+  const n = x.length - 1, slope = (x[n] - x[0]) / (t[n] - t[0]);
+  return x.map((value, i) => value - x[0] - slope * (t[i] - t[0]));
+}
+
+function drawPhase() {
+  if (!last?.length) return;
+  const [a, b] = extent(...last.map((c) => c.s)), [low, high] = extent(...last.map((c) => c.v));
+  const { factor, letter } = prefix(Math.max(Math.abs(a), Math.abs(b)));
+  if (letter !== letters) across = null;
+  letters = letter;
+  across = steady(across, a * factor, b * factor);
+  up = steady(up, 1e3 * low, 1e3 * high);
+  phase.begin(across, up, `displacement without drift x − Vt [${letter}m]`, "velocity v [mm/s]");
+  for (const c of last) phase.curve(c.s, c.v, factor, 1e3, c.colour, c.dash);
+  for (const c of last) c.strobe_s.forEach((s, i) => phase.ring(s * factor, 1e3 * c.strobe_v[i], c.colour));
+  const main = last[0];
+  phase.canvas.setAttribute("aria-label", `phase portrait: ${main.label}, displacement without drift from ${digits(a * factor, 3)} to ${digits(b * factor, 3)} ${letter}m, velocity from ${digits(1e3 * low, 3)} to ${digits(1e3 * high, 3)} mm/s`);
+}
+
+function drawFriction() {
+  if (!last?.length) return;
+  const [a, b] = extent(...last.map((c) => c.v)), [low, high] = extent(...last.map((c) => c.R));
+  sides = steady(sides, 1e3 * a, 1e3 * b);
+  forces = steady(forces, 1e3 * low, 1e3 * high);
+  friction.begin(sides, forces, "velocity v [mm/s]", "friction force R [mN]");
+  for (const c of last) friction.curve(c.v, c.R, 1e3, 1e3, c.colour, c.dash);
+  friction.canvas.setAttribute("aria-label", `friction force against velocity: ${last.map((c) => `${c.label} from ${digits(1e3 * extent(c.R)[0], 3)} to ${digits(1e3 * extent(c.R)[1], 3)} mN`).join("; ")}`);
+}

@@ -1,0 +1,55 @@
+"""Answers as bytes: four bytes that say how long the header is, the header as JSON, then all arrays as float32, one behind the other."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["plain", "read", "written"]
+
+
+def plain(value: Any) -> Any:
+    """A value that strict JSON can hold: numbers that are no numbers become null."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
+
+
+def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
+    """The bytes of an answer.
+
+    Examples
+    --------
+    >>> header, arrays = read(written({"id": 1}, {"v": [0.5, 2.0]}))
+    >>> header["id"], arrays["v"].tolist()
+    (1, [0.5, 2.0])
+    """
+    import numpy as np
+
+    flat = {name: np.asarray(a, np.float32).ravel() for name, a in (arrays or {}).items()}
+    told = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
+    text = json.dumps(plain(told), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    return b"".join([struct.pack("<I", len(text)), text, *(a.astype("<f4").tobytes() for a in flat.values())])
+
+
+def read(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and arrays of an answer, as the page reads them."""
+    import numpy as np
+
+    (size,) = struct.unpack_from("<I", data)
+    header = json.loads(data[4 : 4 + size])
+    arrays, offset = {}, 4 + size
+    for name, count in header["arrays"]:
+        arrays[name] = np.frombuffer(data, "<f4", count, offset)
+        offset += 4 * count
+    return header, arrays

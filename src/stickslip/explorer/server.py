@@ -1,0 +1,209 @@
+"""The server of the explorer: one page, its files, a socket for what is dragged, and exports."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import functools
+import json
+import secrets
+from collections.abc import AsyncIterator, Callable
+from importlib.resources import files
+from typing import Any
+from urllib.parse import parse_qs
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket
+
+from stickslip.errors import InputError, StickslipError
+from stickslip.explorer.asked import DEFAULT, State, state
+from stickslip.explorer.exports import EXPORTS, export
+from stickslip.explorer.guard import Guard, is_loopback
+from stickslip.explorer.kernels import Kernels
+from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
+from stickslip.explorer.paper_figures import PRESETS
+from stickslip.explorer.parameters import PARAMETERS
+from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
+
+__all__ = ["application", "page", "serve"]
+
+_TYPES = {
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".txt": "text/plain; charset=utf-8",
+}
+_GROUPS = {
+    "Drive": {name for part in DRIVES.values() for name in part.parameters},
+    "Track": {name for part in TRACKS.values() for name in part.parameters} | {"gravity"},
+    "Masses": {"body_mass", "inner_mass"},
+}
+
+
+# ---- the page ----
+@functools.cache
+def page() -> str:
+    """The page as it is before any script runs."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    from stickslip import __version__
+
+    folder = str(files("stickslip.explorer") / "assets")
+    environment = Environment(
+        loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    groups = {name: [p for p in PARAMETERS.values() if p.name in own] for name, own in _GROUPS.items()}
+    rest = [p for p in PARAMETERS.values() if not any(p in group for group in groups.values())]
+    return environment.get_template("page.html").render(
+        drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=PRESETS, exports=list(EXPORTS),
+        groups={"Drive": groups["Drive"], "Track": groups["Track"], "Friction": rest, "Masses": groups["Masses"]},
+        first=DEFAULT, active=set(DEFAULT.active), told=_told(), version=__version__,
+    )  # fmt: skip
+
+
+def _told() -> dict[str, Any]:
+    """What the scripts must know: which parameters matter when, their numbers, the presets."""
+    choices = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
+    return {
+        "parameters": {name: vars(p) for name, p in PARAMETERS.items()},
+        "choices": {
+            kind: {name: {"label": p.label, "parameters": p.parameters} for name, p in parts.items()} for kind, parts in choices.items()
+        },
+        "always": active("harmonic", "level", "isotropic", ()),
+        "presets": PRESETS,
+        "first": {"drive": DEFAULT.drive, "track": DEFAULT.track, "contact": DEFAULT.contact, "law": DEFAULT.law, "also": DEFAULT.also},
+    }
+
+
+async def _page(request: Request) -> Response:
+    return HTMLResponse(page())
+
+
+@functools.cache
+def _assets() -> dict[str, bytes]:
+    """The files of the page, read once: nothing else can be asked for."""
+    folder = files("stickslip.explorer") / "assets"
+    return {f.name: f.read_bytes() for f in folder.iterdir() if f.is_file() and "." + f.name.rpartition(".")[2] in _TYPES}
+
+
+async def _asset(request: Request) -> Response:
+    name = request.path_params["name"]
+    if name not in _assets():
+        return PlainTextResponse("there is no such file\n", 404)
+    return Response(_assets()[name], media_type=_TYPES["." + name.rpartition(".")[2]])
+
+
+# ---- exports ----
+async def _export(request: Request) -> Response:
+    name, workshop = request.path_params["name"], request.app.state.workshop
+    try:
+        found = _asked_state(request)
+        missing = [law for law in found.laws if not workshop.kernels.ready(found, law, found.robot(law), False)]
+        if missing:
+            return PlainTextResponse(f"{', '.join(missing)}: still compiling, once; try again in some seconds\n", 503, {"Retry-After": "5"})
+        async with request.app.state.exporting:
+            data = await asyncio.get_running_loop().run_in_executor(None, export, name, found)
+    except StickslipError as error:
+        return PlainTextResponse(f"{error}\n", 404 if name not in EXPORTS else 400)
+    return Response(data, media_type=EXPORTS[name][0], headers={"Content-Disposition": f'attachment; filename="{name}"'})
+
+
+def _asked_state(request: Request) -> State:
+    """The state in the query of an address."""
+    query = request.scope["query_string"].decode("latin-1")
+    try:
+        given = json.loads(parse_qs(query, max_num_fields=4).get("state", ["{}"])[0])
+    except (ValueError, RecursionError):
+        raise InputError("export", ["state is no JSON"]) from None
+    return state(given)
+
+
+# ---- the server ----
+async def _socket(socket: WebSocket) -> None:
+    await Session(socket, socket.app.state.workshop).serve()
+
+
+def application(host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, beside: bool = True) -> Any:
+    """The explorer as an ASGI application.
+
+    Parameters
+    ----------
+    host : str
+        Where it will listen: on the loopback only names of this machine are taken.
+    token : str, optional
+        What a page must bring.
+    workers : int, optional
+        Threads that compute; by default as many as there are processors, at least 2 and at most 8.
+    beside : bool
+        Compile in a process beside this one.
+    """
+
+    @contextlib.asynccontextmanager
+    async def life(app: Starlette) -> AsyncIterator[None]:
+        kernels = Kernels(beside)
+        app.state.workshop = Workshop(kernels, workers)
+        app.state.exporting = asyncio.Semaphore(2)
+        kernels.begin()
+        yield
+        app.state.workshop.close()
+
+    routes = [Route("/", _page), Route("/assets/{name}", _asset), Route("/export/{name}", _export), WebSocketRoute("/socket", _socket)]
+    return Guard(Starlette(routes=routes, lifespan=life), host, token)
+
+
+class _Server(uvicorn.Server):
+    """Tells where it serves once it does."""
+
+    def __init__(self, config: uvicorn.Config, tell: Callable[[int], None]):
+        super().__init__(config)
+        self._tell = tell
+
+    async def startup(self, sockets: Any = None) -> None:
+        """Begin to serve, then tell the port."""
+        await super().startup(sockets)
+        if self.started:
+            self._tell(self.servers[0].sockets[0].getsockname()[1])
+
+
+def serve(host: str = "127.0.0.1", port: int = 8765, tell: Callable[[str], None] = print, workers: int | None = None) -> None:
+    """Serve until interrupted.
+
+    Parameters
+    ----------
+    host : str
+        Where to listen. What is not this machine alone gets a token that the address carries.
+    port : int
+        0 takes a free one.
+    tell : callable
+        Called with the address once the page can be opened.
+    workers : int, optional
+        As for `application`.
+    """
+    token = None if is_loopback(host) else secrets.token_urlsafe(24)
+    config = uvicorn.Config(
+        application(host, token, workers), host=host, port=port, log_level="error", access_log=False, lifespan="on",
+        ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
+        timeout_graceful_shutdown=2, backlog=256,
+    )  # fmt: skip
+    shown = f"[{host}]" if ":" in host else host
+    _check_port(host, port)
+    query = f"?token={token}" if token else ""
+    _Server(config, lambda taken: tell(f"http://{shown}:{taken}/{query}")).run()
+
+
+def _check_port(host: str, port: int) -> None:
+    """Say what to type where a port is taken, before anything starts."""
+    import socket
+
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as error:
+            why = error.strerror or error
+            raise InputError("explore", [f"cannot listen on {host}, port {port}: {why}; type --port 0 for a free port"]) from None

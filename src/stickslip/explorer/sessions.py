@@ -1,0 +1,198 @@
+"""Pages that ask at the same time: the newest request of each wins, and whoever waits longest comes next."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from stickslip.errors import InputError
+from stickslip.explorer.answers import Stopped, answer
+from stickslip.explorer.asked import CHANNELS, Message, message
+from stickslip.explorer.frames import read, written
+from stickslip.explorer.kernels import Kernels
+
+__all__ = ["MESSAGE_BYTES", "Session", "Workshop"]
+
+#: Most bytes of a message, most messages in a second and at once, most pages.
+MESSAGE_BYTES, RATE, BURST, MOST_PAGES = 32_768, 150.0, 300.0, 256
+TOO_MUCH, FULL = 1008, 1013  # codes of a closed connection
+
+
+class Workshop:
+    """The threads that compute: curves come first, maps and strips get what is left.
+
+    A semaphore serves in the order of arrival and a page has one request of a channel at a time, so that all pages get their turn.
+    """
+
+    def __init__(self, kernels: Kernels, workers: int | None = None):
+        n = workers or max(2, min(os.cpu_count() or 2, 8))
+        self.kernels = kernels
+        self.pages: set[Session] = set()
+        self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
+        self._gates = {"curves": asyncio.Semaphore(n), "behind": asyncio.Semaphore(max(n - 1, 1))}
+        self.prepared = 0  # kernels that became ready
+        self._loop = asyncio.get_running_loop()
+        kernels.listen(self._kernel_ready)
+
+    def gate(self, channel: str) -> asyncio.Semaphore:
+        """Who holds this may compute."""
+        return self._gates["curves" if channel == "curves" else "behind"]
+
+    async def compute(self, asked: Message, stop: threading.Event) -> bytes:
+        """The answer to a request, computed in a thread."""
+        pool = self._pools["curves" if asked.channel == "curves" else "behind"]
+        return await self._loop.run_in_executor(pool, answer, asked, self.kernels, stop.is_set)
+
+    def close(self) -> None:
+        """End all work."""
+        for page in self.pages:
+            page.stop()
+        for pool in self._pools.values():
+            pool.shutdown(wait=False, cancel_futures=True)
+        self.kernels.end()
+
+    def _kernel_ready(self) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._ask_again)
+
+    def _ask_again(self) -> None:
+        self.prepared += 1
+        for page in self.pages:
+            page.ask_again()
+
+
+@dataclass(eq=False)
+class _Slot:
+    """What a page wants of one channel: the newest request, and how to stop the one being computed."""
+
+    newest: Message | None = None
+    waiting: Message | None = None  # answered, but for a kernel that was not ready
+    wake: asyncio.Event = field(default_factory=asyncio.Event)
+    stop: threading.Event = field(default_factory=threading.Event)
+
+    def put(self, asked: Message) -> None:
+        self.newest, self.waiting = asked, None
+        self.stop.set()
+        self.wake.set()
+
+
+class Session:
+    """One page: takes its requests and sends the answers."""
+
+    def __init__(self, socket: WebSocket, workshop: Workshop):
+        self._socket, self._workshop = socket, workshop
+        self._slots = {channel: _Slot() for channel in CHANNELS}
+        self._sending = asyncio.Lock()
+        self._allowance, self._seen = BURST, time.monotonic()
+
+    async def serve(self) -> None:
+        """Serve the page until it goes."""
+        if len(self._workshop.pages) >= MOST_PAGES:
+            await self._socket.close(FULL, "too many pages are open")
+            return
+        await self._socket.accept()
+        self._workshop.pages.add(self)
+        tasks = [asyncio.create_task(self._answers(channel)) for channel in CHANNELS]
+        try:
+            await self._receive()
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self._workshop.pages.discard(self)
+            self.stop()
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    def stop(self) -> None:
+        """Nobody waits for the answers any more."""
+        for slot in self._slots.values():
+            slot.stop.set()
+
+    def ask_again(self) -> None:
+        """Compute again what waited for a kernel."""
+        for slot in self._slots.values():
+            if slot.waiting is not None:
+                slot.put(slot.waiting)
+
+    async def _receive(self) -> None:
+        while True:
+            got = await self._socket.receive()
+            if got["type"] == "websocket.disconnect":
+                return
+            text = got.get("text") or got.get("bytes") or ""
+            if not self._may():
+                await self._socket.close(TOO_MUCH, "too many messages")
+                return
+            try:
+                if len(text) > MESSAGE_BYTES:
+                    raise InputError("message", [f"it has {len(text)} characters; allowed are {MESSAGE_BYTES}"])
+                asked = message(text)
+            except InputError as error:
+                await self._send(written({"channel": None, "kind": "problems", "problems": error.problems, **_who(text)}))
+                continue
+            self._slots[asked.channel].put(asked)
+
+    def _may(self) -> bool:
+        """Whether one more message is within the allowance, which grows with time."""
+        now = time.monotonic()
+        self._allowance = min(self._allowance + RATE * (now - self._seen), BURST) - 1
+        self._seen = now
+        return self._allowance >= 0
+
+    async def _answers(self, channel: str) -> None:
+        slot = self._slots[channel]
+        while True:
+            await slot.wake.wait()
+            async with self._workshop.gate(channel):
+                asked, slot.stop = slot.newest, threading.Event()
+                slot.wake.clear()
+                assert asked is not None
+                prepared = self._workshop.prepared
+                data = await self._computed(asked, slot.stop)
+            if data is None:
+                continue
+            if _waits(data) and slot.newest is asked:
+                slot.waiting = asked
+                if self._workshop.prepared != prepared:  # a kernel became ready meanwhile: perhaps this one
+                    slot.put(asked)
+            await self._send(data)
+
+    async def _computed(self, asked: Message, stop: threading.Event) -> bytes | None:
+        try:
+            return await self._workshop.compute(asked, stop)
+        except Stopped:
+            return None
+        except Exception as error:  # an error of ours: said, and the page lives on
+            sentence = f"{type(error).__name__}: {error}. This is an error of stickslip itself"
+            return written({"channel": asked.channel, "id": asked.id, "kind": "problems", "problems": [sentence]})
+
+    async def _send(self, data: bytes) -> None:
+        async with self._sending:
+            with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # it went while we computed
+                await self._socket.send_bytes(data)
+
+
+def _waits(data: bytes) -> bool:
+    """Whether an answer says that something waits for a kernel."""
+    header, _ = read(data)
+    return "waits" in header or any("waits" in law for law in header.get("laws", ()))
+
+
+def _who(text: str | bytes) -> dict[str, Any]:
+    """Channel and number of a request that could not be read as a whole, as far as they can be told."""
+    import json
+
+    try:
+        given = json.loads(text)
+        return {name: given[name] for name in ("channel", "id") if isinstance(given.get(name), (str, int))}
+    except (ValueError, AttributeError, RecursionError):
+        return {}

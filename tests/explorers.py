@@ -1,0 +1,86 @@
+"""A running explorer for tests: the command itself, in a process of its own, and a client that speaks as the page does."""
+
+import contextlib
+import http.client
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from websockets.sync.client import connect
+
+from stickslip.explorer.frames import read
+
+#: Seconds that a first kernel may take to compile on a slow machine.
+PATIENCE = 240
+
+
+class Explorer:
+    """The command `stickslip explore`, and where it serves."""
+
+    def __init__(self, *options):
+        command = [sys.executable, "-W", "error", "-m", "stickslip", "explore", "--port", "0", "--no-browser", *options]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+        if not self.address:
+            raise RuntimeError(self.process.communicate()[1])
+        self.port = urlsplit(self.address).port
+
+    def close(self):
+        self.process.terminate()
+        self.process.communicate(timeout=30)
+
+    def ask(self, path="/", method="GET", **headers):
+        """Status, headers and body of a request, with exactly these headers."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        host = headers.pop("Host", f"127.0.0.1:{self.port}")
+        connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+        for name, value in {"Host": host, **headers}.items():
+            connection.putheader(name, value)
+        connection.endheaders()
+        with contextlib.closing(connection):
+            reply = connection.getresponse()
+            return reply.status, dict(reply.getheaders()), reply.read()
+
+    def page(self, **headers):
+        """A socket as a page opens it."""
+        return connect(f"ws://127.0.0.1:{self.port}/socket", additional_headers=headers, max_size=None, compression=None, open_timeout=60)
+
+    def memory(self):
+        """Resident memory of the server [bytes]."""
+        pages = int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def curves(id=1, fine=False, **state):
+    return json.dumps({"channel": "curves", "id": id, "fine": fine, "state": state})
+
+
+def axis(name, low, high, cells):
+    return {"name": name, "from": low, "to": high, "cells": cells}
+
+
+def plane(channel, *axes, id=1, **state):
+    return json.dumps({"channel": channel, "id": id, "state": state, "axes": list(axes)})
+
+
+def answer(socket, channel="curves", id=None):
+    """The next answer of a channel that is whole: nothing in it waits for a kernel."""
+    while True:
+        header, arrays = read(socket.recv(timeout=PATIENCE))
+        waits = "waits" in header or any("waits" in law for law in header.get("laws", ()))
+        if header["channel"] == channel and not waits and id in (None, header.get("id")):
+            return header, arrays
+
+
+def chromium():
+    """Where Chromium is, or a sentence that says what is missing."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    found = os.environ.get("STICKSLIP_CHROMIUM") or next(filter(None, map(shutil.which, names)), None)
+    if not found:
+        pytest.skip("no Chromium was found: install Debian's package chromium, or set STICKSLIP_CHROMIUM to one")
+    return found

@@ -1,0 +1,453 @@
+"""The explorer behind its page: its robots are ours, what is asked is checked, answers are right, and strangers are refused."""
+
+import contextlib
+import json
+import math
+import threading
+import time
+import tomllib
+from urllib.parse import quote
+
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+import stickslip as ss
+from explorers import PATIENCE, Explorer, answer, axis, curves, plane
+from stickslip.explorer.answers import PATIENCE as MOST_SECONDS
+from stickslip.explorer.answers import Stopped, _watch
+from stickslip.explorer.asked import DEFAULT, State, message, state
+from stickslip.explorer.code import python
+from stickslip.explorer.exports import EXPORTS, export
+from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
+from stickslip.explorer.paper_figures import PRESETS
+from stickslip.explorer.parameters import PARAMETERS
+from stickslip.paper.cases import CASES, EXPERIMENTS, rig
+
+VALUES = {name: p.default for name, p in PARAMETERS.items()}
+
+
+@pytest.fixture(scope="module")
+def explorer():
+    made = Explorer()
+    with contextlib.closing(made):
+        yield made
+
+
+# robots -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", FRICTION)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_every_drive_goes_with_every_law_alone_and_as_a_map(drive, law):
+    for track in TRACKS:
+        for contact in CONTACTS:
+            names = active(drive, track, contact, (law,))
+            assert robot(drive, track, contact, law, VALUES).shape == ()
+            x, y = np.linspace(0.9, 1.1, 3)[None, :], np.linspace(0.95, 1.05, 2)[:, None]
+            many = robot(drive, track, contact, law, {**VALUES, names[0]: x * VALUES[names[0]], names[-1]: y * VALUES[names[-1]]})
+            assert many.shape == (2, 3), (track, contact)
+
+
+def test_every_drive_and_every_compiled_law_of_the_package_is_on_the_page():
+    assert set(ss.DRIVES) <= set(DRIVES)
+    assert set(FRICTION) == {name for name, law in ss.LAWS.items() if not getattr(law, "scalar_only", False)}
+
+
+def test_parameters_stand_within_their_sliders_and_these_within_what_is_allowed():
+    for p in PARAMETERS.values():
+        assert p.least <= p.low <= p.default <= p.high <= p.most, p.name
+
+
+def test_presets_are_the_papers_cases():
+    for case in CASES:
+        assert state(PRESETS[f"figure-{case.figure}"]["state"]).robot() == rig(case), case.figure
+    for experiment in EXPERIMENTS:
+        assert state(PRESETS[f"figure-{experiment.figure}"]["state"]).robot("coulomb") == rig(experiment, law="coulomb-static")
+
+
+def test_a_static_coefficient_is_never_below_the_kinetic_one():
+    law = State(values={**VALUES, "mu0": 0.3, "f0": 0.2}).robot("coulomb").friction
+    assert (law.f_plus, law.f_minus) == (law.mu_plus, law.mu_minus)
+
+
+def test_the_beam_is_the_preset_of_the_beam():
+    found = State(drive="piezobeam").robot()
+    assert found == ss.presets.piezo_beam_rig(voltage=VALUES["voltage"], frequency=VALUES["frequency"], tilt_deg=VALUES["tilt_deg"])
+
+
+# what is asked ----------------------------------------------------------------------------------------------------
+
+
+def problems_of(make):
+    with pytest.raises(ss.InputError) as caught:
+        make()
+    return caught.value.problems
+
+
+def test_everything_wrong_with_a_state_is_said_at_once():
+    found = problems_of(lambda: state({"law": "coulom", "drive": 3, "values": {"amplitude": 1e9, "mu": 1, "mu0": "x"}, "more": 1}))
+    assert len(found) == 6
+    assert "did you mean 'coulomb'" in " ".join(found) and "amplitude = 1e+12 mm; allowed is 0 mm to 100 mm" in " ".join(found)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "1", True, [1.0], {}, 10**400])
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_no_parameter_takes_what_is_no_number(name, value):
+    assert len(problems_of(lambda: state({"values": {name: value}}))) == 1
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_no_parameter_goes_beyond_its_bounds(name):
+    p = PARAMETERS[name]
+    state({"values": {name: p.least}}), state({"values": {name: p.most}})
+    for beyond in (p.least - 1e-6 * (abs(p.least) + 1), p.most * 1.001):
+        assert len(problems_of(lambda beyond=beyond: state({"values": {name: beyond}}))) == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", "null", "1", '"x"', "[" * 5000, '{"channel": "files", "id": 1}', '{"channel": "curves"}',
+     '{"channel": "curves", "id": 1e3}',
+     '{"channel": "curves", "id": true}', '{"channel": "map", "id": 1}', '{"channel": "curves", "id": 1, "state": []}',
+     '{"channel": "curves", "id": 1, "state": {"also": ["coulomb", "gms", "dahl", "lugre", "viscous"]}}',
+     '{"channel": "curves", "id": 1, "state": {"also": [["coulomb"]]}}', '{"channel": ["curves"], "id": 1}'],
+)  # fmt: skip
+def test_a_message_that_makes_no_sense_is_refused_with_a_sentence(text):
+    assert problems_of(lambda: message(text))
+
+
+@pytest.mark.parametrize(
+    "axes",
+    [[], [axis("amplitude", 0, 1e-3, 9)], [axis("amplitude", 0, 1e-3, 9)] * 2, [axis("amplitude", 1e-3, 0, 9), axis("mu0", 0.1, 0.2, 9)],
+     [axis("amplitude", 0, 1e-3, 5000), axis("mu0", 0.1, 0.2, 9)], [axis("stroke", 1e-3, 1e-2, 9), axis("mu0", 0.1, 0.2, 9)],
+     [axis("amplitude", 0, 1e9, 9), axis("mu0", 0.1, 0.2, 9)], "axes", [1, 2]],
+)  # fmt: skip
+def test_a_map_needs_two_axes_that_matter_and_are_bounded(axes):
+    assert problems_of(lambda: message(json.dumps({"channel": "map", "id": 1, "state": {}, "axes": axes})))
+
+
+# what is answered -------------------------------------------------------------------------------------------------
+
+
+def test_curves_and_figures_are_those_of_the_solver(explorer):
+    with explorer.page() as socket:
+        socket.send(curves(7, fine=True, values={"tilt_deg": 2.7, "amplitude": 6.032e-4}))
+        header, arrays = answer(socket, id=7)
+    run = ss.solve(ss.presets.piezo_rig(tilt_deg=2.7, amplitude=6.032e-4), periods=200, rtol=1e-4)
+    assert header["figures"]["mean_velocity"] == ss.mean_velocity(run)
+    assert header["figures"]["motion_type"] == ss.motion(run).type == "III"
+    assert [law["name"] for law in header["laws"]] == ["lugre", "coulomb"]
+    assert arrays["lugre.v"].size == 3 * header["samples"] + 1
+    start = run.strobe_times[-1] - 3 * run.period_time
+    instants = np.linspace(0, 0.999, 5) * 3 * run.period_time
+    shown = np.interp(instants, arrays["lugre.t"].astype(float), arrays["lugre.v"])
+    # the page draws 256 instants a period: straight lines between them are off by h^2 v''/8, a thousandth of the amplitude of v
+    assert shown == pytest.approx(run.at(start + instants)["v"], abs=1e-3 * abs(run.v).max())
+
+
+def test_power_is_the_actuators_of_the_energy_balance(explorer):
+    with explorer.page() as socket:
+        socket.send(curves(fine=True, track="gravity", law="coulomb", also=[]))
+        header, _ = answer(socket)
+    run = ss.solve(State(track="gravity", law="coulomb").robot(), periods=200)
+    work = ss.energy(run)
+    # the trapezoid rule sees the corners of R v within one of 256 steps of a period
+    assert header["figures"]["power"] == pytest.approx(float(work.actuator[-1]) / run.period_time, rel=2e-3)
+
+
+def test_a_map_is_what_sweep_gives(explorer):
+    x, y = np.linspace(3e-4, 6e-4, 5), np.linspace(-2, 2, 4)
+    with explorer.page() as socket:
+        socket.send(plane("map", axis("amplitude", x[0], x[-1], 5), axis("tilt_deg", y[0], y[-1], 4), law="coulomb"))
+        header, arrays = answer(socket, "map")
+    grid = ss.sweep(ss.presets.piezo_rig, tilt_deg=y, amplitude=x, law="coulomb-static")
+    assert header["cells"] == [5, 4]
+    # float32 on the way, and strobe points within 1e-8 on both sides
+    np.testing.assert_allclose(arrays["mean_velocity"].reshape(4, 5), grid.mean_velocity.values, rtol=1e-5, atol=1e-9)
+    assert [header["types"][int(code)] for code in arrays["motion_type"]] == grid.motion_type.values.ravel().tolist()
+
+
+def test_cells_of_a_map_that_no_robot_can_have_are_left_out(explorer):
+    with explorer.page() as socket:
+        socket.send(plane("map", axis("tilt_deg", -20.0, 20.0, 5), axis("amplitude", 3e-4, 6e-4, 3), law="coulomb"))
+        _, arrays = answer(socket, "map")
+    missing = np.isnan(arrays["mean_velocity"]).reshape(3, 5)
+    beyond = np.abs(np.linspace(-20, 20, 5)) > np.degrees(np.arctan(VALUES["mu0"]))  # the friction angle: folded mu is not positive
+    assert (missing == beyond).all() and beyond.any() and not beyond.all()
+
+
+def test_a_strip_shows_period_two_where_the_paper_does(explorer):
+    with explorer.page() as socket:
+        socket.send(plane("strip", axis("mu0", 0.04, 0.18, 2), values={"amplitude": 6e-4}))
+        header, arrays = answer(socket, "strip")
+    strobes = arrays["strobes"].reshape(2, header["kept"])
+    spread = [np.unique(np.round(row / abs(strobes).max(), 2)).size for row in strobes]
+    assert spread == [2, 1]  # Fig. 23: period two at 0.04; one strobe point at 0.18
+
+
+def test_numbers_that_no_robot_can_have_are_answered_with_a_sentence(explorer):
+    with explorer.page() as socket:
+        socket.send(curves(values={"tilt_deg": 30.0}))
+        header, _ = answer(socket)
+        assert header["kind"] == "problems" and "mu_plus" in header["problems"][0]
+        socket.send("nonsense")
+        header, _ = answer(socket, channel=None)
+        assert header["kind"] == "problems"
+        socket.send(curves(2))
+        assert answer(socket, id=2)[0]["kind"] == "curves"
+
+
+def test_a_newer_map_takes_the_place_of_an_older_one(explorer):
+    big = [axis("amplitude", 1e-6, 1e-3, 96), axis("mu0", 0.02, 0.2, 96)]
+    with explorer.page() as socket:
+        socket.send(plane("map", *big, id=0))
+        answer(socket, "map")  # its kernel is ready from here on
+        for i in range(1, 9):
+            socket.send(plane("map", *big, id=i))
+        socket.send(curves(99))
+        seen = []
+        while not seen or seen[-1] != 8:
+            seen.append(answer(socket, "map")[0]["id"])
+    assert len(seen) < 8
+
+
+def test_work_that_nobody_waits_for_stops():
+    with pytest.raises(Stopped):
+        _watch(lambda: True)(1, 10)
+    assert _watch(lambda: False)(1, 10) is None
+    assert MOST_SECONDS < 60
+
+
+# what is taken home -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", FRICTION)
+def test_the_python_gives_the_same_robot(law):
+    for drive in DRIVES:
+        for track in TRACKS:
+            found = State(drive=drive, track=track, law=law, also=())
+            names = {}
+            exec(python(found).partition("run =")[0], names)
+            assert names["robot"] == found.robot(), (drive, track)
+
+
+def test_the_python_runs():
+    found = State(law="coulomb", also=("lugre",))
+    text = python(found)
+    names = {}
+    exec(text, names)
+    assert ss.mean_velocity(names["run"]) == ss.mean_velocity(ss.solve(found.robot(), periods=200, rtol=1e-4))
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_the_study_file_gives_the_same_robot(drive):
+    found = State(drive=drive, track="varying")
+    text = export("study.toml", found).decode()
+    assert ss.Robot.from_toml(text) == found.robot()
+    assert tomllib.loads(text)["solve"] == {"periods": 200, "rtol": 1e-4}
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_every_export_is_served_as_what_it_is(explorer, name):
+    begins = {"figure.png": b"\x89PNG", "figure.svg": b"<?xml", "run.csv": b"t [s],x [m],v [m/s]", "study.toml": b"[robot]",
+              "robot.py": b"import stickslip as ss", "report.html": b"<!doctype html>"}  # fmt: skip
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        status, headers, body = explorer.ask(f"/export/{name}?state={quote(json.dumps({'law': 'coulomb', 'also': []}))}")
+        if status != 503 or time.monotonic() > deadline:
+            break
+        time.sleep(1)
+    assert status == 200 and body.startswith(begins[name])
+    assert headers["content-disposition"] == f'attachment; filename="{name}"'
+
+
+def test_columns_keep_every_digit():
+    found = State(law="coulomb")
+    lines = export("run.csv", found).decode().splitlines()
+    table = np.array([line.split(",") for line in lines[1:]], float)
+    run = ss.solve(found.robot(), periods=200, rtol=1e-4)
+    assert table[-1, 2] == run.at(run.strobe_times[-1])["v"]
+    assert len(table) == 8 * 400 + 1
+
+
+def test_the_report_needs_nothing_from_elsewhere():
+    from stickslip.report.html import outside_addresses
+
+    text = export("report.html", DEFAULT).decode()
+    assert outside_addresses(text) == []
+    assert "LuGre" in text and "σ₀" in text and "ss.Robot(" in text
+
+
+def test_exports_of_nonsense_are_refused_with_a_sentence(explorer):
+    assert explorer.ask("/export/passwd")[0] == 404
+    status, _, body = explorer.ask("/export/run.csv?state=" + quote('{"law": "coulom"}'))
+    assert status == 400 and b"did you mean 'coulomb'" in body
+    assert explorer.ask("/export/run.csv?state=%7B")[0] == 400
+
+
+# the page as it is served -----------------------------------------------------------------------------------------
+
+
+def test_the_page_has_its_sliders_and_figures_before_any_script_runs(explorer):
+    status, headers, body = explorer.ask()
+    text = body.decode()
+    assert status == 200 and headers["content-type"].startswith("text/html")
+    for p in PARAMETERS.values():
+        assert f'<input type="range" id="p-{p.name}" name="{p.name}"' in text and f'<label for="p-{p.name}">' in text
+    assert 'data-quantity="mean_velocity"' in text and 'data-quantity="motion_type"' in text
+
+
+def test_nothing_in_the_page_comes_from_elsewhere(explorer):
+    import re
+
+    text = explorer.ask()[2].decode()
+    wanted = re.findall(r'(?:src|href)="([^"#]+)"', text)
+    assert wanted and not [address for address in wanted if "//" in address]
+    for address in wanted:
+        assert explorer.ask("/" + address)[0] == 200, address
+    for name in ("main.js", "page.css"):
+        assert b"//" not in re.sub(rb"(^|\s)//[^\n]*|www\.w3\.org", b"", explorer.ask(f"/assets/{name}")[2])
+
+
+def test_only_files_of_the_page_are_served(explorer):
+    for name in ("page.html", "../server.py", "..%2fserver.py", "%2e%2e/server.py", "/etc/passwd", "uPlot.LICENSE.txt/.."):
+        assert explorer.ask(f"/assets/{name}")[0] == 404, name
+    assert explorer.ask("/assets/uPlot.LICENSE.txt")[0] == 200
+    assert explorer.ask("/", "POST")[0] == 405
+
+
+# strangers --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "", "192.168.0.1", "localhost@evil.example", "[::2]"]
+)
+def test_another_host_is_refused(explorer, host):
+    assert explorer.ask(Host=host)[0] == 403
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "[::1]"])
+def test_this_machine_is_known_by_its_names(explorer, host):
+    assert explorer.ask(Host=f"{host}:{explorer.port}")[0] == 200
+
+
+def test_another_page_is_refused(explorer):
+    for origin in ("http://evil.example", "null", f"http://localhost:{explorer.port + 1}", "http://127.0.0.1"):
+        assert explorer.ask("/export/study.toml", Origin=origin)[0] == 403
+        with pytest.raises(InvalidStatus), explorer.page(Origin=origin):
+            pass
+    assert explorer.ask("/export/study.toml", **{"Sec-Fetch-Site": "cross-site"})[0] == 403
+    assert explorer.ask("/", **{"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"})[0] == 200
+    with explorer.page(Origin=f"http://127.0.0.1:{explorer.port}") as socket:
+        socket.send(curves())
+        assert answer(socket)[0]["kind"] == "curves"
+
+
+def test_pages_run_no_script_but_ours(explorer):
+    policy = explorer.ask()[1]["content-security-policy"]
+    assert "default-src 'none'" in policy and "script-src 'self';" in policy and "frame-ancestors 'none'" in policy
+
+
+def test_a_message_that_is_too_long_ends_the_connection(explorer):
+    with explorer.page() as socket, pytest.raises(ConnectionClosed):
+        socket.send("x" * 100_000)
+        socket.recv(timeout=30)
+    assert explorer.ask()[0] == 200
+
+
+def test_too_many_messages_end_the_connection(explorer):
+    with explorer.page() as socket, pytest.raises(ConnectionClosed):
+        for _ in range(2000):
+            socket.send("{}")
+        while True:
+            socket.recv(timeout=30)
+    assert explorer.ask()[0] == 200
+
+
+def test_beyond_this_machine_a_token_is_needed():
+    with contextlib.closing(Explorer("--host", "0.0.0.0")) as open_to_all:
+        assert "?token=" in open_to_all.address
+        token = open_to_all.address.partition("?token=")[2]
+        assert len(token) >= 24
+        assert open_to_all.ask()[0] == 403 and open_to_all.ask("/?token=wrong")[0] == 403 and open_to_all.ask("/assets/main.js")[0] == 403
+        with pytest.raises(InvalidStatus), open_to_all.page():
+            pass
+        status, headers, _ = open_to_all.ask(f"/?token={token}")
+        assert status == 200 and "HttpOnly" in headers["set-cookie"] and "SameSite=Strict" in headers["set-cookie"]
+        cookie = headers["set-cookie"].partition(";")[0]
+        assert open_to_all.ask("/assets/main.js", Cookie=cookie)[0] == 200
+        with open_to_all.page(Cookie=cookie) as socket:
+            socket.send(curves())
+            assert answer(socket)[0]["kind"] == "curves"
+        assert open_to_all.ask(f"/?token={token}", Host="evil.example")[0] == 403
+
+
+# the command ------------------------------------------------------------------------------------------------------
+
+
+def test_a_port_that_is_taken_is_said_with_what_to_type(explorer, capsys):
+    from stickslip.cli import main
+
+    assert main(["explore", "--no-browser", "--port", str(explorer.port)]) == 2
+    assert "type --port 0" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("port", ["x", "-1", "70000", "8.5"])
+def test_a_port_is_a_whole_number(port, capsys):
+    from stickslip.cli import main
+
+    assert main(["explore", "--no-browser", f"--port={port}"]) == 2
+    assert "allowed is a whole number from 0 to 65535" in capsys.readouterr().err
+
+
+# many pages -------------------------------------------------------------------------------------------------------
+
+
+def drag(explorer, clients, seconds):
+    """As many pages as that, each dragging as fast as it is answered: of each its answers, as (kind, number asked, mean velocity)."""
+    found, barrier = {}, threading.Barrier(clients)
+
+    def page(who):
+        with explorer.page() as socket:
+            barrier.wait(60)
+            mine, end = [], time.monotonic() + seconds
+            while time.monotonic() < end:
+                i = len(mine) + 1
+                socket.send(curves(i, values={"amplitude": 3e-4 + 1e-6 * (who + i)}, also=[], law="coulomb"))
+                header, _ = answer(socket)
+                mine.append((header["kind"], header["id"] == i, header["figures"]["mean_velocity"]))
+            found[who] = mine
+
+    threads = [threading.Thread(target=page, args=(who,)) for who in range(clients)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(PATIENCE)
+    return found
+
+
+def test_a_hundred_pages_dragging_at_once_get_right_answers_and_fair_shares(explorer):
+    with explorer.page() as socket:  # the kernel is there
+        socket.send(curves(law="coulomb", also=[]))
+        answer(socket)
+    found = drag(explorer, 100, 6)
+    assert len(found) == 100
+    assert {(kind, own) for mine in found.values() for kind, own, _ in mine} == {("curves", True)}
+    for who in (0, 57, 99):
+        i = len(found[who])
+        robot = State(law="coulomb", values={**VALUES, "amplitude": 3e-4 + 1e-6 * (who + i)}).robot()
+        assert found[who][-1][2] == ss.mean_velocity(ss.solve(robot, periods=40))
+    counts = [len(mine) for mine in found.values()]
+    # whoever waits longest comes next, so that all take turns; a page may start late by a turn or two
+    assert min(counts) >= 0.5 * max(counts) - 2 and max(counts) > 4
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_under_a_hundred_pages(explorer):
+    drag(explorer, 100, 20)
+    before, answered = explorer.memory(), 0
+    for _ in range(3):
+        answered += sum(map(len, drag(explorer, 100, 20).values()))
+    assert answered > 1000
+    assert explorer.memory() - before < 5e3 * answered  # an answer has 20 kB: keeping a quarter of them would show

@@ -1,0 +1,533 @@
+"""The explorer's page in a real browser, under its own security policy, with every other host out of reach."""
+
+import contextlib
+import json
+import re
+import tomllib
+from pathlib import Path
+from urllib.parse import quote, urlsplit
+
+import pytest
+
+import stickslip as ss
+from explorers import PATIENCE, Explorer, chromium
+from stickslip.explorer.asked import State, state
+from stickslip.explorer.exports import EXPORTS
+from stickslip.explorer.models import CONTACTS, DRIVES, TRACKS, active
+from stickslip.explorer.paper_figures import PRESETS
+from stickslip.explorer.parameters import PARAMETERS
+
+AXE = Path(__file__).parent / "vendor" / "axe.min.js"
+WAIT = PATIENCE * 1000  # [ms]
+#: Kinds whose kernels the rest of the tests need as well; others would each take a compiler's ten seconds.
+QUICK = "law=coulomb&also="
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
+    path = chromium()
+    with playwright.sync_playwright() as p:
+        made = p.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        with contextlib.closing(made):
+            yield made
+
+
+@pytest.fixture(scope="module")
+def explorer():
+    chromium()
+    made = Explorer()
+    with contextlib.closing(made):
+        yield made
+
+
+class Page:
+    """A page of the explorer, and what went wrong on it."""
+
+    def __init__(self, browser, explorer, **options):
+        self.context = browser.new_context(**{"viewport": {"width": 1200, "height": 900}, "reduced_motion": "reduce", **options})
+        self.explorer, self.errors, self.outside = explorer, [], []
+        self.context.route("**/*", self._inside)
+        self.page = self.context.new_page()
+        self.page.set_default_timeout(WAIT)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
+
+    def _inside(self, route):
+        """No host but ours can be reached."""
+        if urlsplit(route.request.url).netloc == urlsplit(self.explorer.address).netloc:
+            route.continue_()
+        else:
+            self.outside.append(route.request.url)
+            route.abort()
+
+    def open(self, hash=QUICK):
+        self.page.goto(f"{self.explorer.address}#{hash}")
+        self.settled()
+        return self
+
+    def settled(self, after=None):
+        """Wait until the curves of a slider that rests are drawn, later ones than `after`."""
+        old = -1 if after is None else after
+        self.page.locator("html[data-drawn$='fine']").wait_for(state="attached")
+        for _ in range(PATIENCE * 10):
+            if self.drawn() > old and self.attribute("html", "data-drawn").endswith("fine"):
+                return
+            self.page.wait_for_timeout(100)
+        raise AssertionError("nothing new was drawn")
+
+    def drawn(self):
+        """The number of the last answer that was drawn."""
+        return int((self.attribute("html", "data-drawn") or "-1").split()[0])
+
+    def attribute(self, selector, name):
+        return self.page.locator(selector).get_attribute(name)
+
+    @contextlib.contextmanager
+    def change(self):
+        """What is done within changes the page; afterwards it rests."""
+        before = self.drawn()
+        yield
+        self.settled(before)
+
+    def merit(self, name):
+        return self.page.locator(f"[data-quantity={name}]").inner_text()
+
+    def velocity(self):
+        """The mean velocity that is shown [m/s]."""
+        text = self.merit("mean_velocity")
+        assert text.endswith(" mm/s")
+        return float(text.removesuffix(" mm/s").replace("−", "-")) * 1e-3
+
+    def slide(self, name, value):
+        """Put a slider somewhere, as a hand does."""
+        self.page.locator(f"input[name={name}]").evaluate(
+            "(el, value) => { el.value = value; el.dispatchEvent(new Event('input', {bubbles: true})); }", value
+        )
+
+    def said(self):
+        return self.page.locator("#said").inner_text()
+
+
+@pytest.fixture
+def page(browser, explorer):
+    made = Page(browser, explorer)
+    with contextlib.closing(made.context):
+        yield made
+        assert made.errors == [] and made.outside == []
+
+
+def expected(**changes):
+    """What the page should show for a state: mean velocity to four digits, and type."""
+    found = state(changes)
+    run = ss.solve(found.robot(), periods=200, rtol=1e-4)
+    return float(f"{ss.mean_velocity(run):.4g}"), ss.motion(run).type
+
+
+# controls ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_dragged_slider_changes_what_is_shown(page):
+    page.open()
+    for name, value in (("amplitude", 6.5e-4), ("mu0", 0.12), ("tilt_deg", 3.0)):
+        with page.change():
+            page.slide(name, value)
+    velocity, kind = expected(law="coulomb", values={"amplitude": 6.5e-4, "mu0": 0.12, "tilt_deg": 3.0})
+    assert page.velocity() == pytest.approx(velocity, rel=2e-4)  # four digits are shown
+    assert page.merit("motion_type") == kind
+
+
+@pytest.mark.parametrize(("kind", "parts"), [("drive", DRIVES), ("track", TRACKS), ("contact", CONTACTS)])
+def test_every_choice_shows_the_parameters_that_it_takes(page, kind, parts):
+    page.open()
+    for name in parts:
+        page.page.locator(f"#{kind}").select_option(name)
+        given = {"drive": "harmonic", "track": "folded", "contact": "isotropic", kind: name}
+        shown = page.page.locator("[data-parameter]:visible").evaluate_all("rows => rows.map(row => row.dataset.parameter)")
+        assert sorted(shown) == sorted(active(given["drive"], given["track"], given["contact"], ("coulomb",)))
+    assert page.errors == []
+
+
+def test_every_slider_that_is_shown_changes_the_curve(page):
+    page.open("law=lugre&also=")
+    for name in active("harmonic", "folded", "isotropic", ("lugre",)):
+        p = PARAMETERS[name]
+        with page.change():
+            page.slide(name, p.default + 0.1 * (p.high - p.default))
+        assert page.page.locator(f"#n-{name}").input_value() == f"{float(f'{(p.default + 0.1 * (p.high - p.default)) * p.factor:.6g}'):g}"
+        changed = page.velocity()
+        with page.change():
+            page.page.locator(f"[data-reset={name}]").click()
+        assert page.page.locator(f"#n-{name}").input_value() == f"{float(f'{p.default * p.factor:.6g}'):.6g}"
+        assert changed != page.velocity(), name
+
+
+def test_a_typed_value_may_lie_beyond_the_slider(page):
+    page.open()
+    with page.change():
+        page.page.locator("#n-amplitude").fill("2,5")
+    assert float(page.attribute("input[name=amplitude]", "max")) == 2.5e-3
+    assert page.page.locator("input[name=amplitude]").input_value() == "0.0025"
+    assert page.velocity() == pytest.approx(expected(law="coulomb", values={"amplitude": 2.5e-3})[0], rel=2e-4)
+
+
+def test_a_typed_value_that_is_not_allowed_is_refused_with_a_sentence(page):
+    page.open()
+    before = page.velocity()
+    field = page.page.locator("#n-amplitude")
+    field.fill("x")
+    assert field.get_attribute("aria-invalid") == "true"
+    field.blur()
+    assert "allowed is 0 mm to 100 mm" in page.said()
+    assert page.velocity() == before
+
+
+def test_numbers_that_no_robot_can_have_are_said_and_the_page_goes_on(page):
+    page.open()
+    page.page.locator("#n-tilt_deg").fill("30")
+    page.page.locator("#said", has_text="mu_plus").wait_for()
+    with page.change():
+        page.page.locator("#n-tilt_deg").fill("2")
+    assert page.said() == ""
+
+
+def test_laws_are_compared(page):
+    page.open()
+    with page.change():
+        page.page.locator("input[name=also-lugre]").check()
+    legend = page.page.locator("#legend").inner_text()
+    assert re.findall(r"(LuGre|Coulomb): mean [−\d.]+ mm/s", legend) == ["Coulomb", "LuGre"]
+    with page.change():
+        page.page.locator("#law").select_option("lugre")
+    assert page.page.locator("[data-also=lugre]").is_hidden()
+
+
+@pytest.mark.parametrize("name", [name for name in PRESETS if name.startswith("figure")])
+def test_every_preset_of_the_paper_shows_its_robot(page, name):
+    page.open()
+    with page.change():
+        page.page.locator("#preset").select_option(name)
+    velocity, kind = expected(**PRESETS[name]["state"])
+    assert page.velocity() == pytest.approx(velocity, rel=2e-4, abs=1e-12)
+    assert page.merit("motion_type") == kind
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in PRESETS if not name.startswith("figure")])
+def test_every_preset_of_ours_shows_its_robot(page, name):
+    page.open()
+    with page.change():
+        page.page.locator("#preset").select_option(name)
+    assert page.velocity() == pytest.approx(expected(**PRESETS[name]["state"])[0], rel=2e-4, abs=1e-12)
+
+
+def test_reset_all_goes_back(page):
+    page.open(QUICK + "&amplitude=9e-4&mu0=0.1")
+    with page.change():
+        page.page.locator("#reset-all").click()
+    assert page.velocity() == pytest.approx(expected()[0], rel=2e-4)
+
+
+# views ------------------------------------------------------------------------------------------------------------
+
+
+def middle(page, selector, x=0.5, y=0.5):
+    box = page.page.locator(selector).bounding_box()
+    return box["x"] + x * box["width"], box["y"] + y * box["height"]
+
+
+def map_ready(page, kind="Click"):
+    page.page.locator("#map-legend li").first.wait_for()
+    page.page.locator("#map").scroll_into_view_if_needed()
+
+
+def test_a_click_on_the_map_goes_there(page):
+    page.open()
+    map_ready(page)
+    before = float(page.page.locator("input[name=amplitude]").input_value())
+    with page.change():
+        page.page.mouse.click(*middle(page, "#map", 0.8, 0.2))
+    after = [float(page.page.locator(f"input[name={name}]").input_value()) for name in ("amplitude", "tilt_deg")]
+    assert after[0] > before and after[1] > 2
+    told = page.page.locator("#map-said").inner_text()  # the pointer is still there
+    assert abs(float(re.search(r": (−?[\d.]+) mm/s", told)[1].replace("−", "-")) * 1e-3 - page.velocity()) < 0.1 * abs(page.velocity())
+
+
+def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):
+    page.open()
+    map_ready(page)
+    with page.change():
+        page.page.mouse.move(*middle(page, "#map", 0.5, 0.3))
+        page.page.mouse.down()
+        page.page.mouse.move(*middle(page, "#map", 0.6, 0.4), steps=4)
+        page.page.mouse.move(*middle(page, "#map", 0.8, 0.6), steps=4)
+        page.page.mouse.up()
+    page.page.wait_for_url(re.compile(r"map=mean_velocity%2Camplitude%2Ctilt_deg%2C0\.00"))
+    low, high = map(float, re.search(r"amplitude%2Ctilt_deg%2C([\d.e-]+)%2C([\d.e-]+)%2C", page.page.url).groups())
+    assert 0 < low < high < 1.6e-3
+    with page.change():
+        page.page.locator("#map-whole").click()
+    page.page.wait_for_url(re.compile(r"map=mean_velocity%2Camplitude%2Ctilt_deg(&|$)"))
+
+
+def test_a_drag_on_the_velocity_zooms_in_time(page):
+    page.open()
+    whole = page.attribute("#velocity", "data-shows").split()
+    page.page.mouse.move(*middle(page, "#velocity .u-over", 0.25))
+    page.page.mouse.down()
+    page.page.mouse.move(*middle(page, "#velocity .u-over", 0.75), steps=5)
+    page.page.mouse.up()
+    low, high = map(float, page.attribute("#velocity", "data-shows").split())
+    assert low == pytest.approx(0.25 * float(whole[1]), rel=0.02) and high == pytest.approx(0.75 * float(whole[1]), rel=0.02)
+    with page.change():
+        page.slide("mu0", 0.17)
+    assert float(page.attribute("#velocity", "data-shows").split()[0]) == low  # new curves leave the window where it is
+    page.page.locator("#zoom-all").click()
+    assert page.attribute("#velocity", "data-shows").split() == whole
+
+
+def test_the_map_shows_types_over_any_two_parameters(page):
+    page.open()
+    page.page.locator("#map-shows").select_option("motion_type")
+    page.page.locator("#map-x").select_option("mu0")
+    page.page.locator("#map-y").select_option("body_mass")
+    page.page.locator("#map-legend", has_text="type").wait_for()
+    assert "mm/s" not in page.page.locator("#map-legend").inner_text()
+
+
+def test_the_strip_follows_the_parameter_that_is_dragged(page):
+    page.open("law=lugre&also=&amplitude=6e-4")
+    with page.change():
+        page.slide("mu0", 0.1)
+    assert page.page.locator("#vary").input_value() == "mu0"
+    page.page.locator("#strip[aria-label*='kinetic friction coefficient']").wait_for()
+    label = page.attribute("#strip", "aria-label")
+    assert int(re.search(r"at most (\d+) different", label)[1]) >= 2  # it doubles its period near mu0 = 0.04 (Fig. 23)
+    page.page.locator("#strip").scroll_into_view_if_needed()
+    with page.change():
+        page.page.mouse.click(*middle(page, "#strip", 0.5))
+    assert float(page.page.locator("input[name=mu0]").input_value()) == pytest.approx(0.31, abs=0.1)
+
+
+def test_the_robot_stands_still_where_motion_is_not_wanted_and_steps(page):
+    page.open()
+    assert page.page.locator("#play").inner_text() == "play"
+    frames = [page.page.locator("#robot").evaluate("c => c.toDataURL()") for _ in range(2) if page.page.wait_for_timeout(300) is None]
+    assert frames[0] == frames[1]
+    page.page.locator("#step").click()
+    assert page.page.locator("#robot").evaluate("c => c.toDataURL()") != frames[0]
+
+
+def test_the_robot_moves_where_motion_is_welcome_until_it_is_paused(browser, explorer):
+    page = Page(browser, explorer, reduced_motion="no-preference").open()
+    page.page.locator("#robot").scroll_into_view_if_needed()
+
+    def moves():
+        first = page.page.locator("#robot").evaluate("c => c.toDataURL()")
+        page.page.wait_for_timeout(400)
+        return page.page.locator("#robot").evaluate("c => c.toDataURL()") != first
+
+    assert moves()
+    page.page.locator("#play").click()
+    assert not moves()
+    page.context.close()
+
+
+def test_a_dropped_record_is_drawn_with_its_mean(page, tmp_path):
+    page.open()
+    run = ss.solve(State(law="coulomb").robot(), periods=20)
+    rows = "\n".join(f"{1e3 * t:.9g},{1e3 * v:.9g}" for t, v in zip(run.t, run.v, strict=True))
+    text = f"t [ms],v [mm/s]\n{rows}\n"
+    page.page.evaluate(
+        """text => { const data = new DataTransfer(); data.items.add(new File([text], "measured.csv", {type: "text/csv"}));
+                     window.dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true})); }""",
+        text,
+    )
+    page.page.locator("#legend", has_text="measured.csv").wait_for()
+    mean = float(re.search(r"measured.csv: mean ([\d.]+) mm/s", page.page.locator("#legend").inner_text())[1])
+    whole = (run.at(run.t[-1])["x"] - run.at(run.t[0])["x"]) / (run.t[-1] - run.t[0])
+    assert mean == pytest.approx(1e3 * whole, rel=1e-3)  # the trapezoid rule over 400 instants a period
+    page.page.locator("#record-off").click()
+    assert "measured" not in page.page.locator("#legend").inner_text()
+    (tmp_path / "bad.csv").write_text("no numbers here\n")
+    page.page.locator("#record").set_input_files(tmp_path / "bad.csv")
+    page.page.locator("#said", has_text="two columns of numbers").wait_for()
+
+
+# state, links, files ----------------------------------------------------------------------------------------------
+
+
+def test_a_link_brings_everything_back(page, browser, explorer):
+    page.open()
+    page.page.locator("#drive").select_option("verticalvibration")
+    page.page.locator("#drive").select_option("harmonic")
+    page.page.locator("#contact").select_option("anisotropic")
+    page.page.locator("input[name=also-lugre]").check()
+    page.page.locator("#map-shows").select_option("motion_type")
+    page.page.locator("#map-y").select_option("mu_plus")
+    with page.change():
+        page.slide("mu_minus", 0.25)
+    page.page.locator("#share").click()
+    address = page.page.url
+    other = Page(browser, explorer)
+    other.page.goto(address)
+    other.settled()
+    assert other.velocity() == page.velocity()
+    for selector in ("#contact", "#law", "#map-shows", "#map-x", "#map-y", "#vary", "input[name=mu_minus]"):
+        assert other.page.locator(selector).input_value() == page.page.locator(selector).input_value(), selector
+    assert other.page.locator("input[name=also-lugre]").is_checked()
+    assert other.page.url == address
+    other.context.close()
+
+
+@pytest.mark.parametrize(
+    "hash",
+    ["law=__proto__&drive=constructor&amplitude=NaN&mu0=-1&map=toString,a,b,c&vary=x&also=,,a", "law=%00&omega=1e99", "%%%", "&&&=&="],
+)
+def test_an_address_of_nonsense_gives_the_first_page(page, hash):
+    page.open(hash)
+    assert page.velocity() == pytest.approx(expected()[0], rel=2e-4)
+
+
+@pytest.mark.parametrize("name", EXPORTS)
+def test_every_export_arrives_as_a_file(page, name):
+    page.open(QUICK + "&mu0=0.15")
+    with page.page.expect_download() as download:
+        page.page.locator("#export").select_option(name)
+    content = Path(download.value.path()).read_bytes()
+    assert download.value.suggested_filename == name and len(content) > 100
+    if name == "study.toml":
+        assert ss.Robot.from_toml(content.decode()) == state({"law": "coulomb", "values": {"mu0": 0.15}}).robot()
+        assert tomllib.loads(content.decode())["solve"]["periods"] == 200
+
+
+def test_the_python_on_the_page_gives_what_is_on_the_page(page):
+    page.open(QUICK + "&mu0=0.14")
+    page.page.locator("#code summary").click()
+    names = {}
+    exec(page.page.locator("#python").inner_text().partition("ss.plot")[0], names)
+    assert page.velocity() == pytest.approx(ss.mean_velocity(names["run"]), rel=1e-3)
+
+
+# keys, ears, eyes -------------------------------------------------------------------------------------------------
+
+
+def test_everything_can_be_done_with_keys(page):
+    page.open()
+    keyboard = page.page.keyboard
+
+    def tab_to(selector):
+        for _ in range(120):
+            keyboard.press("Tab")
+            if page.page.locator(selector).evaluate("el => el === document.activeElement"):
+                return
+        raise AssertionError(f"no way to {selector} with Tab")
+
+    tab_to("#preset")
+    tab_to("input[name=amplitude]")
+    with page.change():
+        keyboard.press("ArrowRight")
+    assert float(page.page.locator("input[name=amplitude]").input_value()) > 5.525e-4
+    tab_to("#n-amplitude")
+    with page.change():
+        keyboard.press("Control+a")
+        keyboard.type("0.6")
+        keyboard.press("Enter")
+    assert float(page.page.locator("input[name=amplitude]").input_value()) == pytest.approx(6e-4)
+    page.page.locator("#n-amplitude").focus()
+    tab_to("[data-reset=amplitude]")
+    with page.change():
+        keyboard.press("Enter")
+    map_ready(page)
+    page.page.locator("#contact").focus()
+    tab_to("#map")
+    with page.change():
+        for _ in range(6):
+            keyboard.press("ArrowRight")
+        keyboard.press("ArrowUp")
+        assert "mm/s" in page.page.locator("#map-said").inner_text()
+        keyboard.press("Enter")
+    assert float(page.page.locator("input[name=amplitude]").input_value()) > 7e-4
+    with page.change():
+        keyboard.press("+")
+    assert "Ctilt_deg%2C" in page.page.url or page.page.wait_for_url(re.compile("Ctilt_deg%2C")) is None
+    tab_to("#code summary")
+    keyboard.press("Enter")
+    assert page.page.locator("#python").is_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [380, 1200])
+def test_axe_finds_no_violation(browser, explorer, scheme, width):
+    page = Page(browser, explorer, color_scheme=scheme, viewport={"width": width, "height": 900})
+    page.open("law=lugre&also=coulomb")
+    map_ready(page)
+    page.page.locator("#code summary").click()
+    page.page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.page.evaluate("axe.run(document, {resultTypes: ['violations']})")
+    assert [(v["id"], [n["target"] for n in v["nodes"]][:3]) for v in found["violations"]] == []
+    assert len(found["passes"]) > 20
+    page.context.close()
+
+
+@pytest.mark.parametrize("width", [380, 768, 1200, 1920, 3840])
+def test_nothing_sticks_out_sideways(browser, explorer, width):
+    page = Page(browser, explorer, viewport={"width": width, "height": 900})
+    page.open()
+    assert page.page.evaluate("document.documentElement.scrollWidth") <= width
+    wider = "all => all.filter(el => el.scrollWidth > el.parentElement.clientWidth + 1).length"
+    cut = page.page.locator(".merits output").evaluate_all(wider)
+    assert cut == 0
+    page.context.close()
+
+
+def test_colours_follow_the_system_and_the_choice(browser, explorer):
+    page = Page(browser, explorer, color_scheme="dark").open()
+    paper = "getComputedStyle(document.body).backgroundColor"
+    dark = page.page.evaluate(paper)
+    page.page.locator("#theme").select_option("light")
+    light = page.page.evaluate(paper)
+    assert sum(map(int, re.findall(r"\d+", dark))) < 150 < 600 < sum(map(int, re.findall(r"\d+", light)))
+    page.page.reload()
+    assert page.page.evaluate(paper) == light
+    page.context.close()
+
+
+# the connection ---------------------------------------------------------------------------------------------------
+
+
+def test_a_lost_connection_is_said_and_taken_up_again(browser):
+    first = Explorer()
+    page = Page(browser, first).open()
+    first.close()
+    page.page.locator("#link[data-state=lost]").wait_for()
+    page.slide("mu0", 0.13)
+    second = Explorer("--port", str(first.port))
+    with contextlib.closing(second):
+        page.page.locator("#link[data-state=open]").wait_for()
+        wanted = expected(law="coulomb", values={"mu0": 0.13})[0]
+        for _ in range(600):
+            if page.velocity() == pytest.approx(wanted, rel=2e-4):
+                break
+            page.page.wait_for_timeout(100)
+        assert page.velocity() == pytest.approx(wanted, rel=2e-4)
+    page.context.close()
+
+
+def test_a_kernel_that_is_not_ready_is_said_and_the_curve_comes_by_itself(browser, tmp_path, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path))
+    fresh = Explorer()
+    with contextlib.closing(fresh):
+        page = Page(browser, fresh)
+        page.page.goto(f"{fresh.address}#law=lugre&also=")
+        page.page.locator("#said", has_text="compiled once").wait_for()
+        assert page.page.locator("input[name=amplitude]").is_enabled()
+        page.settled()
+        assert page.said() == "" and page.velocity() == pytest.approx(expected()[0], rel=2e-4)
+        page.context.close()
+
+
+def test_no_host_but_ours_is_asked_for_anything(page):
+    page.open(f"law=lugre&also=coulomb&x={quote(json.dumps({}))}")
+    map_ready(page)
+    assert page.outside == []
