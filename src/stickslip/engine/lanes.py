@@ -207,7 +207,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str, reco
         _powers(eq, step.degree),
         step_text(step, Layout(width, groups, offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step), _driver("arcs"))),
-        _driver("lanes"),
+        *map(_driver, ("flags", "watching", "lanes")),
     ]
     return "\n\n".join(parts)
 
