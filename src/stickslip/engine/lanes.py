@@ -15,10 +15,11 @@ from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache, taylor
+from stickslip.engine.checks import check_numbers
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.trace import Equations, check_numbers, label, numbers_of, trace
+from stickslip.engine.trace import Equations, label, numbers_of, trace
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
 

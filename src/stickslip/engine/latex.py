@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.trace import inner_states, wants_applied
+from stickslip.engine.checks import inner_states, wants_applied
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic

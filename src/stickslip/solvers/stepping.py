@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import rows_of, spread
-from stickslip.engine import lanes, trace
+from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.forces import rest_velocity
@@ -37,7 +37,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
     if status > 1 and status != trace.LOST:
-        trace.check_numbers(todo.model)
+        checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
             f"the run stopped{done}: {STATUS[status]}; "
