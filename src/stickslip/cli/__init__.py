@@ -28,11 +28,11 @@ COMMANDS = {
     "bifurcation": ("bifurcation", "what a motion becomes along one number: diagram, branches, folds and flips"),
     "basins": ("basins", "which start leads to which of several coexisting motions"),
     "lyapunov": ("lyapunov", "Lyapunov exponents: periodic, quasi-periodic or chaotic?"),
+    "report": ("report", "one robot, one run or one study as an HTML page that needs nothing else"),
+    "init": ("init", "write a study file to begin with, with a remark on every line"),
     "read": ("read", "read a measured record: channels, rate, gaps, noise, motion"),
     "compare": ("compare", "a measured record beside what friction laws give"),
     "identify": ("identify", "parameters of a robot or a law from measured records"),
-    "report": ("report", "one robot, one run or one study as an HTML page that needs nothing else"),
-    "init": ("init", "write a study file to begin with, with a remark on every line"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
     "explore": ("explore", "open a page on which a robot's numbers are dragged"),
     "presets": ("lists", "published robots, with the arguments they take"),
@@ -62,8 +62,8 @@ examples
   stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png --data run.nc
   stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
-  stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
   stickslip report piezo_rig tilt_deg=1.7 amplitude=5.525e-4 --out report.html
+  stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
   stickslip paper
 
 `stickslip COMMAND --help` explains one command, with an example and what it prints; every command takes --json.
