@@ -18,7 +18,9 @@ from stickslip.explorer.answers import PATIENCE as MOST_SECONDS
 from stickslip.explorer.answers import Stopped, _watch
 from stickslip.explorer.asked import DEFAULT, State, message, state
 from stickslip.explorer.code import python
+from stickslip.explorer.effort import affordable
 from stickslip.explorer.exports import EXPORTS, export
+from stickslip.explorer.frames import read
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
@@ -196,6 +198,35 @@ def test_numbers_that_no_robot_can_have_are_answered_with_a_sentence(explorer):
         assert header["kind"] == "problems"
         socket.send(curves(2))
         assert answer(socket, id=2)[0]["kind"] == "curves"
+
+
+def test_a_map_does_not_keep_the_curves_waiting(explorer):
+    with explorer.page() as socket:
+        socket.send(plane("map", axis("amplitude", 1e-6, 1e-3, 96), axis("mu0", 0.02, 0.2, 96), id=0))
+        answer(socket, "map")  # its kernel is ready from here on
+        socket.send(plane("map", axis("amplitude", 1e-6, 1e-3, 96), axis("mu0", 0.02, 0.2, 95), id=1))
+        time.sleep(0.02)
+        for i in range(2, 5):
+            socket.send(curves(i, also=[]))
+            header = {"channel": "map", "id": 0}
+            while header["id"] != i:  # one after another, each answered before the map that was asked for first
+                header, _ = read(socket.recv(timeout=PATIENCE))
+                assert header["channel"] == "curves"
+
+
+@pytest.mark.parametrize("values", [{"omega": 1.0, "amplitude": 0.0, "sigma0": 1e8}, {"omega": 1.0, "body_mass": 1e-4, "inner_mass": 1e-5}])
+def test_a_run_that_would_take_too_long_is_refused_before_it_begins(explorer, values):
+    with explorer.page() as socket:
+        socket.send(curves(fine=True, values=values, also=[]))
+        header, _ = answer(socket)
+    assert header["kind"] == "problems" and "times in a drive period; allowed here" in header["problems"][0]
+
+
+def test_a_run_with_many_swings_of_the_bristles_has_fewer_periods():
+    robot = State().robot()
+    assert affordable(robot, 200) == 200
+    slow = robot.replace({"drive.omega": 5.0})  # 470 swings in a period
+    assert 40 <= affordable(slow, 200) < 100 and affordable(slow, 40) == 40
 
 
 def test_a_newer_map_takes_the_place_of_an_older_one(explorer):

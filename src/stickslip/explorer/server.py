@@ -187,7 +187,7 @@ def serve(host: str = "127.0.0.1", port: int = 8765, tell: Callable[[str], None]
     config = uvicorn.Config(
         application(host, token, workers), host=host, port=port, log_level="error", access_log=False, lifespan="on",
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
-        timeout_graceful_shutdown=2, backlog=256,
+        timeout_graceful_shutdown=2, backlog=256, limit_concurrency=600,
     )  # fmt: skip
     shown = f"[{host}]" if ":" in host else host
     _check_port(host, port)
