@@ -10,10 +10,10 @@ import pytest
 
 import stickslip as ss
 from stickslip.fields import leaves
+from stickslip.friction.probe import Probe
 from stickslip.maths import where
 from stickslip.testing import check_law
 from stickslip.testing.motions import burst, moved, shaken
-from stickslip.testing.probe import Probe
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
 EVERY = {name: cls.example() for name, cls in ss.LAWS.items()} | {

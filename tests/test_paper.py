@@ -39,6 +39,8 @@ COULOMB = {
 }
 EXACT = {12: "II", 13: "I", 14: "I", 15: "III", 16: "IV", 17: "rest", 18: "II", 19: "I", 20: "III", 21: "IV", 26: "I"}
 VERDICT = {
+    "bristle_is_slow": CONFIRMED,
+    "dahl_without_stick_slip": CONFIRMED,
     "anisotropy": CONFIRMED,
     "folding_coulomb": CONFIRMED,
     "folding_lugre": NOT_CONFIRMED,

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import stickslip as ss
-from stickslip.sweeping import sweep
+from stickslip.sweeps import sweep
+from stickslip.sweeps.progress import Bar, Lines
 
 RIG = ss.presets.piezo_rig
 AMPLITUDES = np.array([3e-4, 4e-4, 5e-4, 6e-4, 8e-4])
@@ -118,7 +122,6 @@ def test_all_that_is_wrong_is_reported():
     [
         (3, {"a": 1}, "allowed is a Robot or a function"),
         (RIG, {"amplitude": [1e-4, -1e-4], "tilt_deg": 1.7}, "amplitude[1] = "),
-        (RIG, {"amplitude": [1e-4, float("nan")], "tilt_deg": 1.7}, "amplitude[1] = "),
         (RIG, {"amplitude": [], "tilt_deg": 1.7}, "allowed is a single value"),
         (RIG, {"amplitude": [1e-4], "tilt_deg": 1.7, "law": ["lugre", "colomb"]}, "did you mean 'coulomb'"),
         (RIG(tilt_deg=1.7, amplitude=1e-4), {"drive.amplitud": [1e-4]}, "did you mean 'drive.amplitude'"),
@@ -128,3 +131,179 @@ def test_bad_axes_are_told(make, axes, told):
     with pytest.raises(ss.InputError) as caught:
         sweep(make, **axes)
     assert told in str(caught.value)
+
+
+# cells that cannot be solved ------------------------------------------------------------------------------------------
+
+
+def test_nan_marks_its_own_cell_and_the_sweep_goes_on():
+    grid = sweep(RIG, amplitude=[4e-4, np.nan, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb")
+    assert grid.status.values.tolist() == [[1, 1], [5, 5], [1, 1]]
+    assert np.isnan(grid.mean_velocity.values[1]).all() and (grid.motion_type.values[1] == "unsolved").all()
+    assert float(grid.mean_velocity[0, 0]) == pytest.approx(9.00404579e-4, rel=1e-6)
+    assert json.loads(grid.attrs["notes"]) == {"not a finite number": 2}
+
+
+def test_a_combination_that_the_maker_refuses_marks_its_own_cell():
+    grid = sweep(RIG, tilt_deg=[1.7, 8.0], mu0=[0.1, 0.18], amplitude=6e-4, law="coulomb")  # atan(.1) = 5.7 degrees
+    assert grid.status.values.tolist() == [[1, 1], [5, 1]]
+    assert "friction angle" in grid.attrs["notes"]
+
+
+@dataclass(frozen=True)
+class Touchy:
+    """A dynamic law that raises for one of its numbers, and gives no number for another."""
+
+    mu: float
+    scalar_only: ClassVar[bool] = False
+
+    def rate(self, v, z, load):
+        if isinstance(self.mu, float) and self.mu == 0.5:
+            raise RuntimeError("cannot be 0.5")
+        return v - 1e5 * abs(v) * z / (load * self.mu * (self.mu - 0.3) / (self.mu - 0.3))
+
+    def force(self, v, z, zdot, load):
+        return 1e5 * z + 100.0 * zdot
+
+
+def test_a_failing_law_marks_its_own_cell():
+    def maker(mu):
+        return RIG(tilt_deg=0.0, amplitude=6e-4).replace(friction=Touchy(mu=mu))
+
+    grid = sweep(maker, mu=[0.2, 0.3, 0.25], periods=20)
+    assert (grid.status.values[[0, 2]] <= 1).all() and grid.status.values[1] > 1
+    assert np.isfinite(grid.mean_velocity.values).tolist() == [True, False, True]
+    some = sweep(maker, mu=[0.2, 0.5], periods=20, method="lsoda")
+    assert some.status.values.tolist()[1] == 100 and "cannot be 0.5" in some.attrs["notes"] and some.status.values[0] <= 1
+    with pytest.raises(ss.InputError, match=r"cannot be 0.5"):
+        sweep(maker, mu=[0.5], periods=20, method="lsoda")
+
+
+# designs --------------------------------------------------------------------------------------------------------------
+
+
+def test_zipped_axes_are_the_diagonal_of_the_grid():
+    amplitude, tilt = [4e-4, 5e-4, 6e-4], [1.7, 2.7, 3.7]
+    line = sweep(RIG, ss.designs.zipped("row", amplitude=amplitude, tilt_deg=tilt), law=["coulomb", "lugre"])
+    grid = sweep(RIG, amplitude=amplitude, tilt_deg=tilt, law=["coulomb", "lugre"])
+    assert line.mean_velocity.dims == ("row", "law") and line.amplitude.dims == ("row",)
+    for i in range(3):
+        assert np.array_equal(line.mean_velocity.values[i], grid.mean_velocity.values[i, i])
+
+
+@pytest.mark.parametrize("make", [ss.designs.sobol, ss.designs.latin_hypercube], ids=["sobol", "latin"])
+def test_a_random_design_is_made_again_by_its_seed(make):
+    design = make(16, seed=3, amplitude=(1e-4, 8e-4), mu0=(0.05, 0.5, "log"))
+    grid = sweep(RIG, design, tilt_deg=1.0, law="coulomb")
+    again, other = (make(16, seed=s, amplitude=(1e-4, 8e-4), mu0=(0.05, 0.5, "log")) for s in (3, 4))
+    assert json.loads(grid.attrs["provenance"])["seed"] == 3
+    assert np.array_equal(grid.amplitude, again.columns["amplitude"]) and not np.array_equal(grid.amplitude, other.columns["amplitude"])
+    for name, low, high in (("amplitude", 1e-4, 8e-4), ("mu0", 0.05, 0.5)):
+        assert low <= grid[name].min() and grid[name].max() <= high
+    strips = np.floor(16 * np.log(grid.mu0.values / 0.05) / np.log(10)).astype(int)
+    assert sorted(strips) == list(range(16))  # one point in each of 16 strips of the logarithm: both designs have it
+
+
+def test_a_table_of_arbitrary_rows():
+    rows = {"amplitude": [4e-4, 6e-4, 5e-4], "law": ["coulomb", "lugre", "coulomb"], "tilt_deg": [1.7, 2.7, 0.0]}
+    grid = sweep(RIG, ss.designs.table(rows))
+    for i in range(3):
+        row = {name: values[i] for name, values in rows.items()}
+        assert float(grid.mean_velocity[i]) == pytest.approx(ss.sweep(RIG, **row).mean_velocity.item(), rel=1e-12, abs=1e-15)
+    assert grid.law.values.tolist() == rows["law"]
+
+
+def test_what_is_wrong_with_a_design_is_told():
+    for bad, told in (
+        (lambda: ss.designs.zipped(a=[1, 2], b=[1, 2, 3]), "same length"),
+        (lambda: ss.designs.sobol(0, amplitude=(2.0, 1.0)), "2 problems"),
+        (lambda: ss.designs.table("/nowhere/rows.csv"), "cannot be read"),
+        (lambda: sweep(RIG, ss.designs.zipped(amplitude=[1e-4]), amplitude=[1e-4], tilt_deg=1.0), "given twice"),
+        (lambda: sweep(RIG, {"amplitude": [1e-4]}, tilt_deg=1.0), "is no design"),
+        (lambda: sweep(lambda period: RIG(tilt_deg=period, amplitude=1e-4), period=[1.0]), "name of a result"),
+    ):
+        with pytest.raises(ss.InputError, match=told):
+            bad()
+
+
+# starts, neighbours, results ------------------------------------------------------------------------------------------
+
+
+def test_start_values_may_be_an_axis():
+    grid = sweep(RIG, **{"start.v": [0.0, 0.05, -0.05]}, amplitude=[4e-4, 6e-4], tilt_deg=1.7, law="coulomb")
+    assert grid.mean_velocity.dims == ("start.v", "amplitude")
+    assert abs(grid.mean_velocity - grid.mean_velocity[0]).max() < 1e-12  # one periodic motion, whatever the start (it contracts)
+    short = sweep(RIG, **{"start.v": [0.0, 0.05]}, amplitude=4e-4, tilt_deg=1.7, periods=2, settle=0)
+    assert float(short.mean_velocity[1] - short.mean_velocity[0]) > 1e-3
+
+
+def test_following_an_axis_shows_hysteresis():
+    """Break-away far above sliding friction: the robot creeps until it is let go, and then does not fall back at once. A start in
+    motion finds the upper branch too."""
+    robot = dict(tilt_deg=1.7, mu0=0.12, f0=0.6)
+    both = sweep(RIG, **robot, amplitude=np.linspace(4e-4, 1.2e-3, 17), continue_along="amplitude")
+    up, down = (both.mean_velocity.sel(way=way).values for way in ("up", "down"))
+    assert both.mean_velocity.dims == ("way", "amplitude")
+    apart = abs(up - down) > 1e-3 * abs(down).max()
+    assert 3 <= apart.sum() <= 6 and not apart[:5].any() and not apart[12:].any() and (down[apart] > 50 * up[apart]).all()
+    at = int(np.flatnonzero(apart)[1])
+    moving = sweep(RIG, **robot, amplitude=both.amplitude.values[at], **{"start.v": [0.0, -0.02]})
+    assert moving.mean_velocity.values == pytest.approx([up[at], down[at]], rel=1e-4)
+
+
+def test_following_shortens_transients():
+    axes = dict(amplitude=np.linspace(5e-4, 8e-4, 16), tilt_deg=1.7)
+    followed, alone = sweep(RIG, **axes, continue_along="amplitude"), sweep(RIG, **axes)
+    assert followed.sel(way="up").mean_velocity.values == pytest.approx(alone.mean_velocity.values, rel=3e-6)
+    assert "amplitude" in followed.dims and (followed.period == 1).all()
+
+
+def test_drive_power_is_that_of_the_curve():
+    """The actuator's power from the ways of a map against the work of its force over the last period of a run."""
+    grid = sweep(RIG, amplitude=[4e-4, 6e-4, 8e-4], incline=["folded", "gravity"], tilt_deg=1.7, law=["coulomb", "coulomb-static"])
+    assert np.isfinite(grid.drive_power).all()
+    for point in grid.stack(case=("amplitude", "incline", "law")).case.values:
+        words = dict(zip(("amplitude", "incline", "law"), point, strict=True))
+        run = ss.solve(RIG(tilt_deg=1.7, **words), periods=60, settle=59)
+        mean, cell = ss.energy(run).actuator[-1] / run.period_time, grid.sel(**words)  # the periodic motion is reached to 1e-12 by then
+        assert float(cell.drive_power) == pytest.approx(mean, rel=1e-9)
+        assert float(cell.cost_of_transport) == pytest.approx(
+            mean / (run.model.total_mass * 9.81 * abs(float(cell.mean_velocity))), rel=1e-9
+        )
+
+
+def test_results_do_not_depend_on_tiles_and_threads():
+    axes = dict(amplitude=np.linspace(1e-4, 8e-4, 23), omega=np.linspace(60, 300, 17), law=["lugre", "coulomb"], tilt_deg=1.7)
+    one = sweep(RIG, **axes)
+    for more in (dict(workers=2), dict(tile=50), dict(tile=7, workers=3)):
+        xr.testing.assert_identical(sweep(RIG, **axes, **more).drop_attrs(), one.drop_attrs())
+
+
+def test_progress_counts_and_may_stop():
+    told = []
+
+    def watch(now):
+        told.append(now)
+        return len(told) < 3
+
+    grid = sweep(RIG, amplitude=np.linspace(1e-4, 8e-4, 400), omega=np.linspace(60, 300, 40), tilt_deg=1.7, tile=400, progress=watch)
+    assert len(told) == 3 and told[-1].cases == 16000 and 0 < told[-1].done < 16000
+    assert (grid.status == 101).any() and grid.status.attrs["flag_meanings"].find("101: not computed") > 0
+    whole = []
+    sweep(RIG, amplitude=[4e-4, 5e-4, np.nan], tilt_deg=1.7, law="coulomb", progress=whole.append)
+    assert whole[-1].done == whole[-1].cases == 3 and whole[-1].statuses["bad input for this case"] == 1
+    assert "1 bad input" in whole[-1].line()
+
+
+def test_a_bar_and_plain_lines():
+    import io
+
+    bar, lines = io.StringIO(), io.StringIO()
+    for done in (0, 50, 100):
+        Bar(out=bar)(ss.Progress(done, 100, seconds=10.0 * done / 100))
+        Lines(out=lines, first=4.0)(ss.Progress(done, 100, seconds=10.0 * done / 100))
+    assert bar.getvalue().count("\r") == 3 and bar.getvalue().endswith("\n") and "[" + "#" * 24 + "]" in bar.getvalue()
+    assert lines.getvalue().splitlines() == [
+        "50 %, 50 of 100 cases, 10 per second, 5 s left",
+        "100 %, 100 of 100 cases, 10 per second, 0 s left",
+    ]

@@ -225,4 +225,27 @@ def _noted(problems: Problems, make: Callable[[], Any]) -> Any:
     return None
 
 
-PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig}
+def coulomb_robot(alpha_plus: Any, alpha_minus: Any) -> Robot:
+    r"""The Coulomb robot without dimensions: :math:`w' = \sin\tau - r` with r = alpha_plus forwards and -alpha_minus backwards.
+
+    All its units are 1 (A mu omega = omega = g = 1, mass 1), so velocities are w = v/(A mu omega) and times are omega t.
+
+    Parameters
+    ----------
+    alpha_plus, alpha_minus : float or array
+        Sliding friction over drive force, forwards and backwards: :math:`\mu_\pm g/(A\mu\omega^2)` [-].
+
+    Returns
+    -------
+    Robot
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> round(float(ss.sweep(coulomb_robot, alpha_plus=0.5, alpha_minus=1.2).mean_velocity), 15)
+    0.201452203333669
+    """
+    return Robot(0.5, 0.5, Harmonic(amplitude=2.0, omega=1.0), Coulomb(mu_plus=alpha_plus, mu_minus=alpha_minus), gravity=1.0)
+
+
+PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig, "coulomb_robot": coulomb_robot}

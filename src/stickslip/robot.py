@@ -221,6 +221,8 @@ def _swapped(law: Any) -> Any:
         if f.name.endswith("_plus") and hasattr(law, f.name[:-5] + "_minus"):
             other = f.name[:-5] + "_minus"
             changes |= {f.name: getattr(law, other), other: value}
+        elif hasattr(law, f.name + "_minus") and getattr(law, f.name + "_minus") is not None:  # None: as forwards
+            changes |= {f.name: getattr(law, f.name + "_minus"), f.name + "_minus": value}
         elif isinstance(value, tuple) and any(dataclasses.is_dataclass(v) for v in value):
             changes[f.name] = tuple(_swapped(v) if dataclasses.is_dataclass(v) else v for v in value)
         elif dataclasses.is_dataclass(value) and not isinstance(value, type):

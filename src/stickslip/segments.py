@@ -144,6 +144,11 @@ def _canonical(signs: list[int]) -> tuple[str, int]:
     return min(turns) if turns else ("", 0)
 
 
+def _added(lengths: Array) -> Array:
+    """Sum of each row, one after the other: NumPy's own sum depends in its last bit on how wide the batch's longest row made the table."""
+    return np.cumsum(lengths, axis=1)[:, -1]
+
+
 def type_of(
     seg_count: Array,
     seg_time: Array,
@@ -195,8 +200,8 @@ def type_of(
     motion_type[still] = np.where(elastic & np.asarray(moving), "presliding", "rest")[still]
     pattern = np.where(still, "0", merged.pattern)
     direction = np.where(still | ~(abs(net) > net_floor), 0, np.sign(net)).astype(int)
-    whole = merged.length.sum(axis=1)
-    fractions = {n: np.where(merged.sign == s, merged.length, 0.0).sum(axis=1) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
+    whole = _added(merged.length)
+    fractions = {n: _added(np.where(merged.sign == s, merged.length, 0.0)) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
     with np.errstate(invalid="ignore"):
         told = {f"{n}_fraction": value / np.where(whole > 0, whole, np.nan) for n, value in fractions.items()}
     shortest = np.where(merged.sign == _NONE, np.inf, merged.length).min(axis=1, initial=np.inf)

@@ -49,6 +49,11 @@ VARIABLES: dict[str, Variable] = {
         Variable("velocity_max", "max v", "m/s", _CASE, "largest velocity over the last motion period"),
         Variable("velocity_min", "min v", "m/s", _CASE, "smallest velocity over the last motion period"),
         Variable("displacement", "Δx", "m", _CASE, "displacement over the window after settling"),
+        Variable("friction_power", "P_R", "W", _CASE, "mean power that friction takes over the last motion period"),
+        Variable("drive_power", "P", "W", _CASE, "mean mechanical power that the actuator delivers over the motion period"),
+        Variable("cost_of_transport", "P/((M+m)g|V|)", "1", _CASE, "cost of transport: mean power over weight times mean speed"),
+        Variable("alpha_plus", "α+", "1", _CASE, "sliding friction forwards over drive force, of the robot with Coulomb friction"),
+        Variable("alpha_minus", "α-", "1", _CASE, "sliding friction backwards over drive force, of the robot with Coulomb friction"),
         Variable("periods_run", "n", "drive periods", _CASE, "drive periods that were run"),
         Variable("status", "status", "", _CASE, "what became of the case: a code with its sentence"),
     )

@@ -43,8 +43,7 @@ class Energy:
     actuator : array (periods,)
         Work of the actuator, which also moves the inner mass against the body [J]; 0 for a mechanism.
     residual : array (periods,)
-        What is missing in the balance, over W_d for a robot and over the largest of all works for a mechanism [-];
-        0 where nothing was done.
+        What is missing in the balance, over W_d for a robot and over the largest work of the run for a mechanism [-]; 0 if nothing is.
     settle : int
         How many periods belong to settling.
     """
@@ -143,11 +142,18 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}
     if not hasattr(model, "drive"):
-        drive, damping = model.drive_power(t, x, v, R) + none, model.damping_power(t, x, v) + none
-        return {"drive": drive, "damping": damping, **friction, "gravity": none, "actuator": none}
+        return {**_of_mechanism(model, t, x, v, R), **friction, "gravity": none, "actuator": none}
     gravity = forces.offered_force(model, t, x) - column["drive_force"]
     works = {"drive": column["drive_force"] * v, "gravity": gravity * v, **friction, "damping": none}
     return works | {"actuator": column["actuator_power"]}
+
+
+def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[str, Array]:
+    """What comes in and what damping takes [W]; of a mechanism that does not say, all forces but friction come in."""
+    none = np.zeros_like(t)
+    if not hasattr(model, "drive_power"):
+        return {"drive": model.total_mass * model.acceleration(t, x, v, 0.0) * v + none, "damping": none}
+    return {"drive": model.drive_power(t, x, v, R) + none, "damping": model.damping_power(t, x, v) + none}
 
 
 def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: float, row: int) -> None:
@@ -172,5 +178,5 @@ def _residual(run: Any, works: dict[str, Array]) -> Array:
     missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
     largest = np.max([abs(works[n]) for n in ("drive", "gravity", "friction", "damping", "kinetic", "potential")], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        base = np.where(works["drive"] != 0, works["drive"], largest) if hasattr(run.model, "drive") else largest
+        base = np.where(works["drive"] != 0, works["drive"], largest) if hasattr(run.model, "drive") else np.max(largest)
         return np.where(missing == 0, 0.0, missing / base)

@@ -108,6 +108,8 @@ def motion(run: Any, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     >>> found.type, found.pattern, found.period
     ('I', '+0-0', 1)
     """
+    if hasattr(run, "channels"):  # a measured record
+        return run.motion(dwell=dwell)
     _check(run, slip_ratio, dwell)
     needs_run("motion", run)
     period = period_number(run)

@@ -26,7 +26,7 @@ def mean_velocity(run: Any) -> Any:
 
     Parameters
     ----------
-    run : Trajectory or Summary
+    run : Trajectory, Summary or Record
 
     Returns
     -------
@@ -42,6 +42,8 @@ def mean_velocity(run: Any) -> Any:
     """
     if isinstance(run, Summary):
         return run.mean_velocity[()]
+    if hasattr(run, "channels"):  # a measured record
+        return run.mean_velocity()
     needs_run("mean_velocity", run)
     if run.model.period is None:
         ends = np.array(run.window)

@@ -20,6 +20,16 @@ COMMANDS = {
     "run": ("run", "simulate one robot and say how it moves"),
     "check": ("check", "let several methods solve one robot: how many digits are certain?"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
+    "bench": ("bench", "put friction laws on the bench: what each does, alone"),
+    "map": ("plane", "simulate a robot over a plane and draw the map"),
+    "merge": ("studies", "put the shards of a sweep together"),
+    "export": ("studies", "write the results of a sweep as one .nc, .mat, .csv or .parquet file"),
+    "bifurcation": ("bifurcation", "what a motion becomes along one number: diagram, branches, folds and flips"),
+    "basins": ("basins", "which start leads to which of several coexisting motions"),
+    "lyapunov": ("lyapunov", "Lyapunov exponents: periodic, quasi-periodic or chaotic?"),
+    "read": ("read", "read a measured record: channels, rate, gaps, noise, motion"),
+    "compare": ("compare", "a measured record beside what friction laws give"),
+    "identify": ("identify", "parameters of a robot or a law from measured records"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
     "explore": ("explore", "open a page on which a robot's numbers are dragged"),
     "presets": ("lists", "published robots, with the arguments they take"),
@@ -46,6 +56,7 @@ examples
   stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png --data run.nc
   stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
+  stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
   stickslip paper
 
 `stickslip COMMAND --help` explains one command; every command takes --json.

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
-from stickslip.cli.probing import probe
+from stickslip.cli.probing import probe, probe_axes
 from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["Parser", "Subject", "parser", "settings", "subject", "value"]
@@ -39,7 +39,7 @@ def parser(command: str, about: str, robot: bool = True, more: str = "") -> Pars
     plain = argparse.RawDescriptionHelpFormatter
     made = Parser(prog=f"stickslip {command}", description=about, epilog=more, allow_abbrev=False, formatter_class=plain)
     if robot:
-        made.add_argument("robot", metavar="ROBOT", help="name of a preset, or path of a TOML study file")
+        made.add_argument("robot", metavar="ROBOT", help="name of a preset, path of a TOML study file, or module:function of your own")
         made.add_argument(
             "settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"
         )
@@ -147,12 +147,15 @@ def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, 
     for word in arguments:
         if word not in known:
             problems.add(f"{word!r} is not known; {did_you_mean(word, [*known, *solver])}")
+    axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
     options = _start({**from_file, **options})
     known_ones = {k: v for k, v in arguments.items() if k in known}
-    for sentence in probe(_builder(make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}):
+    for sentence in (probe_axes if many else probe)(
+        _builder(make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}
+    ):
         problems.add(sentence)
     problems.check()
-    return Subject(name, make, arguments, options)
+    return Subject(name, make, {**arguments, **axes}, options)
 
 
 def _names(make: Any) -> tuple[list[str], list[str]]:
@@ -186,6 +189,8 @@ def _found(name: str) -> tuple[Any, dict[str, Any]]:
 
     if name in PRESETS:
         return PRESETS[name], {}
+    if ":" in name:
+        return _imported(name), {}
     path = Path(name).expanduser()
     if path.suffix.lower() != ".toml" and not path.exists():
         near = did_you_mean(name, PRESETS)
@@ -197,6 +202,26 @@ def _found(name: str) -> tuple[Any, dict[str, Any]]:
         what = "give the path of a TOML file, such as robot.to_toml() writes"
         raise InputError("study file", [f"{name!r} cannot be read: {why}; {what}"]) from None
     return _study(text, name)
+
+
+def _imported(name: str) -> Any:
+    """A function of the user's own, as module:function or file.py:function."""
+    import importlib
+    import sys
+
+    where, _, function = name.rpartition(":")
+    path = Path(where).expanduser()
+    if path.suffix == ".py":
+        sys.path.insert(0, str(path.resolve().parent))
+        where = path.stem
+    elif "" not in sys.path:
+        sys.path.insert(0, "")
+    try:
+        found = getattr(importlib.import_module(where), function)
+    except (ImportError, AttributeError) as error:
+        what = "give module:function or file.py:function, of a function that returns a Robot"
+        raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
+    return found
 
 
 def _study(text: str, name: str) -> tuple[Any, dict[str, Any]]:

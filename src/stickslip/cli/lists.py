@@ -51,7 +51,7 @@ def _things(command: str) -> dict[str, Any]:
 
 def _entry(thing: Any) -> dict[str, Any]:
     """First line of the docstring; and of each argument its default, symbol, unit and meaning."""
-    from stickslip.sweeping import AXES
+    from stickslip.sweeps.naming import AXES
 
     told = meanings(thing)
     arguments = {}

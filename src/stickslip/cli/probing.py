@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["probe"]
+__all__ = ["probe", "probe_axes"]
 
 #: What stands in for an argument that is missing or could not be read, so that the others can be checked.
 STAND_INS = {"tilt_deg": 0.0, "amplitude": 5.525e-4, "voltage": 20.0, "frequency": 32.7}
@@ -39,6 +39,44 @@ def probe(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], abs
         rest = [name for name in arguments if name in STAND_INS]
         robot = _tried(build, {**filled, **{name: STAND_INS[name] for name in rest}})[0]
     return list(dict.fromkeys(found + _of_solver(robot, options)))
+
+
+def probe_axes(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any]) -> list[str]:
+    """The same for a sweep, axis by axis: a value counts as wrong where it is refused with the first and with the last of all others.
+
+    A combination that only some other values spoil is no error: it marks its own case.
+    """
+    axes = {name: value for name, value in arguments.items() if isinstance(value, list) and value}
+    rest = {**{name: STAND_INS.get(name, 1.0) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}
+    robot: Any = None
+    found: list[str] = []
+    for name, values in axes.items() or {"": [None]}.items():
+        said: list[list[str]] = []
+        for end in (0, -1):
+            others = {n: v[end] for n, v in axes.items() if n != name}
+            made, problems = _tried_all(build, {**rest, **others}, name, values)
+            robot = made if robot is None else robot
+            said.append([p for p in problems if not p.startswith(tuple(f"{n} " for n in absent))])
+        found += said[0] if all(said) else []
+    return list(dict.fromkeys(found + _of_solver(robot, options)))
+
+
+def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], name: str, values: list[Any]) -> tuple[Any, list[str]]:
+    """All values of one axis: numbers at once, words one by one."""
+    if not name:
+        return _tried(build, arguments)
+    if all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in values):
+        import numpy as np
+
+        numbers = np.array(values, float)
+        finite = numbers[np.isfinite(numbers)]
+        return _tried(build, {**arguments, name: finite}) if len(finite) else (None, [])
+    robot: Any = None
+    found: list[str] = []
+    for value in values:
+        made, problems = _tried(build, {**arguments, name: value})
+        robot, found = made if robot is None else robot, found + problems
+    return robot, found
 
 
 def _choices(arguments: dict[str, Any]) -> Any:

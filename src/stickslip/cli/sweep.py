@@ -1,43 +1,151 @@
-"""``stickslip sweep``: a grid of robots, as a table or a netCDF file."""
+"""``stickslip sweep``: a robot over a grid, a random design or a table, as a printed table, a file or a study folder."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import SOLVER, parser, subject
+from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject
+from stickslip.errors import InputError, Problems, StickslipError
 
-__all__ = ["act"]
+__all__ = ["act", "add_options", "axes_of", "run_options", "watcher"]
 
 _SHOWN = 60  # rows of the table that are printed
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats
-_MORE = "example: stickslip sweep piezo_rig law=lugre,coulomb tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc"
+_FILES = (".nc", ".mat", ".csv", ".parquet")
+_MORE = """\
+values
+  amplitude=4e-4          one value
+  law=lugre,coulomb       several
+  amplitude=4e-4..8e-4:9  nine from 4e-4 to 8e-4
+
+examples
+  stickslip sweep piezo_rig law=lugre,coulomb tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
+  stickslip sweep piezo_rig law=lugre tilt_deg=1.7 amplitude=0.1e-3..0.8e-3:512 omega=60..300:512 workers=2 --out study --resume
+  stickslip sweep piezo_rig law=lugre tilt_deg=0..6:512 amplitude=1e-4..8e-4:4096 --out part --shard 3/7
+  stickslip sweep piezo_rig tilt_deg=0.5..5 amplitude=1e-4..8e-4 --sobol 1024 --seed 1 --out design.csv
+"""
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Simulate a robot over a grid of its numbers: a..b:n gives n values from a to b, a,b,c gives three.", more=_MORE)
-    made.add_argument("--out", metavar="FILE", help="write the grid (.nc or .csv)")
+    made = parser(command, "Simulate a robot over a grid of its numbers, or over any other design.", more=_MORE)
+    add_options(made)
     asked = made.parse_intermixed_args(words)
-    out = show.writable("--out", asked.out, (".nc", ".csv"))
-    study = subject(asked.robot, asked.settings, many=True, solver=tuple(name for name in SOLVER if name not in ("samples", "steps")))
+    file = show.writable("--out", asked.out, _FILES) if asked.out and Path(asked.out).suffix.lower() in _FILES else None
+    study, designs = axes_of(asked)
 
-    from stickslip.sweeping import sweep
+    from stickslip.sweeps import export, sweep
 
-    grid = sweep(study.make, progress=show.progress("cases begun"), **study.options, **study.arguments)
-    _write(grid, out)
+    options = run_options(asked, file)
+    try:
+        grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
+    except KeyboardInterrupt:
+        if "out" in options:
+            raise StickslipError(f"interrupted; what is finished is in {asked.out}: type --resume to go on") from None
+        raise
+    if file is not None:
+        export(grid, file)
+    written = str(file or asked.out) if asked.out else None
     if asked.json:
         columns = {name: _column(grid, name) for name in grid.data_vars}
         axes = {name: grid[name].values for name in _axes(grid)}
-        written = str(out) if out else None
         show.print_json({"robot": study.name, "axes": axes, "columns": columns, "attributes": dict(grid.attrs), "written": written})
     else:
-        print(_told(grid, study, out))
+        print(_told(grid, study, written))
     return 0
 
 
+# ---- what is asked ----
+def add_options(made: Parser, designs: bool = True) -> None:
+    """Options that sweep and map share."""
+    made.add_argument("--out", metavar="PATH", help="a study folder that is filled tile by tile, or a .nc, .mat, .csv or .parquet file")
+    made.add_argument("--resume", action="store_true", help="go on with the study in --out")
+    made.add_argument("--shard", metavar="I/N", help="compute only part I of N of the study (then: stickslip merge)")
+    made.add_argument("--dask", metavar="ADDRESS", help="compute on the Dask cluster of this scheduler, such as tcp://host:8786")
+    made.add_argument("--tile", metavar="CASES", type=int, help="cases that are computed and written together")
+    made.add_argument("--along", metavar="NAME", help="start each case where its neighbour along this axis ended, up and down")
+    if designs:
+        made.add_argument("--sobol", metavar="COUNT", type=int, help="a Sobol design: NAME=a..b are ranges")
+        made.add_argument("--latin", metavar="COUNT", type=int, help="a Latin hypercube: NAME=a..b are ranges")
+        made.add_argument("--seed", type=int, default=0, help="seed of a random design (0)")
+        made.add_argument("--zip", action="store_true", help="the lists go together, value by value")
+        made.add_argument("--table", metavar="FILE", help="a CSV file with a line of names and a row for each case")
+
+
+def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
+    """The robot with its axes, and the designs."""
+    from stickslip import designs
+
+    solver = tuple(name for name in SOLVER if name not in ("samples", "steps"))
+    count = asked.sobol or asked.latin
+    made, settings = [], list(asked.settings)
+    if count:
+        ranges, settings = _ranges(settings)
+        make = designs.sobol if asked.sobol else designs.latin_hypercube
+        made.append(make(count, seed=asked.seed, **ranges))
+    if asked.table:
+        made.append(designs.table(asked.table))
+    settings += [f"{name}={_first(values)}" for design in made for name, values in design.columns.items()]
+    study = subject(asked.robot, settings, many=True, solver=solver)
+    arguments = {name: v for name, v in study.arguments.items() if not any(name in d.columns for d in made)}
+    if asked.zip:
+        lists = {name: v for name, v in arguments.items() if isinstance(v, list)}
+        made.append(designs.zipped(**lists))
+        arguments = {name: v for name, v in arguments.items() if name not in lists}
+    return Subject(study.name, study.make, arguments, study.options), made
+
+
+def _first(values: Any) -> Any:
+    return values[0]
+
+
+def _ranges(settings: list[str]) -> tuple[dict[str, Any], list[str]]:
+    """NAME=a..b words as ranges of a random design, and the other words."""
+    from stickslip.cli.arguments import value
+
+    ranges: dict[str, Any] = {}
+    rest, problems = [], Problems("arguments")
+    for word in settings:
+        name, _, text = word.partition("=")
+        if ".." in text and ":" not in text:
+            low, _, high = text.partition("..")
+            ranges[name] = (value(low), value(high))
+        else:
+            rest.append(word)
+            if ".." in text:
+                problems.add(f"{word!r} gives the number of values, and so does the design; type {name}={text.partition(':')[0]}")
+    problems.check()
+    return ranges, rest
+
+
+def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
+    """Arguments of `sweep` from the options; what goes to one file is computed in memory."""
+    if file is not None and (asked.resume or asked.shard):
+        raise InputError("--out", [f"{str(file)!r} is a file; --resume and --shard are for a study folder; type for example --out study"])
+    found: dict[str, Any] = {"resume": asked.resume, "shard": asked.shard, "tile": asked.tile, "continue_along": asked.along}
+    if asked.out and file is None:
+        found["out"] = asked.out
+    if asked.dask:
+        from stickslip.sweeps.cluster import connected
+
+        found["client"] = connected(asked.dask)
+    return {name: v for name, v in found.items() if v}
+
+
+def watcher() -> Any:
+    """A bar for a person at a terminal, else a line from time to time."""
+    import os
+
+    from stickslip.sweeps.progress import Bar, Lines
+
+    return Bar() if sys.stderr.isatty() and os.environ.get("TERM") != "dumb" else Lines()
+
+
+# ---- what is told ----
 def _axes(grid: Any) -> list[str]:
     """The axes in the order of the results. A dataset keeps its own, which is another one once it was transposed."""
     return [str(d) for d in grid["mean_velocity"].dims]
@@ -48,69 +156,56 @@ def _column(grid: Any, name: Any) -> Any:
     return grid[name].broadcast_like(grid["mean_velocity"]).transpose(*_axes(grid)).values
 
 
-def _write(grid: Any, out: Path | None) -> None:
-    if out is None:
-        return
-    if out.suffix.lower() == ".nc":
-        grid.to_netcdf(out, engine="h5netcdf")
-        return
-    import csv
-
-    axes, meanings = _axes(grid), _meanings(grid)
-    names = [*axes, *(str(n) for n in grid.coords if n not in axes), *(str(n) for n in grid.data_vars)]
-    columns = {name: _column(grid, name).ravel().tolist() for name in names}
-    columns["status"] = [meanings[code] for code in columns["status"]]
-    with out.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([_headed(grid, name) for name in names])
-        writer.writerows(zip(*columns.values(), strict=True))
-
-
 def _headed(grid: Any, name: str) -> str:
     """A name and its unit, if it has one."""
-    unit = grid[name].attrs.get("units", "1")
+    unit = grid[name].attrs.get("units", "1") if name in grid.variables else "1"
     return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
-def _meanings(grid: Any) -> dict[int, str]:
-    """What a status code says."""
-    parts = (part.split(": ", 1) for part in grid["status"].attrs["flag_meanings"].split("; "))
-    return {int(code): sentence for code, sentence in parts} | {_SETTLED: "settled"}
-
-
-def _told(grid: Any, study: Any, out: Path | None) -> str:
+def _told(grid: Any, study: Any, written: str | None) -> str:
     """The first rows of the grid, and how its cases ended."""
     axes = _axes(grid)
-    columns = [_column(grid, name).ravel() for name in (*axes, *_COLUMNS)]
-    cases = len(columns[0])
-    head = [*(_headed(grid, d) for d in axes), "mean velocity [m/s]", "type", "pattern", "period", "margin"]
-    names = (*axes, *_COLUMNS)
+    varying = [str(n) for n in grid.coords if n not in axes and set(grid[n].dims) & set(axes)]
+    names = (*axes, *varying, *_COLUMNS)
+    cases = grid["mean_velocity"].size
+    part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
+    columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
+    head = [*(_headed(grid, d) for d in (*axes, *varying)), "mean velocity [m/s]", "type", "pattern", "period", "margin"]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.table(head, rows)]
     if cases > _SHOWN:
         lines.append(f"… {cases - _SHOWN} more rows; --out FILE or --json gives all")
-    lines.append(f"{study.name}: {show.counted(cases, 'case')}: {_ends(grid)}" + (f"; written to {out}" if out else ""))
-    return "\n".join([*lines, *_unperiodic(grid, study)])
+    lines.append(f"{study.name}: {show.counted(cases, 'case')}: {_ends(grid)}" + (f"; written to {written}" if written else ""))
+    return "\n".join([*lines, *_unperiodic(grid, study), *_notes(grid)])
 
 
 def _ends(grid: Any) -> str:
     """How many cases ended how."""
     import numpy as np
 
-    meanings = _meanings(grid)
+    from stickslip.sweeps.columns import STATUSES
+
+    meanings = STATUSES | {_SETTLED: "settled"}
     codes, counts = np.unique(grid["status"].values, return_counts=True)
     return ", ".join(f"{n} {meanings[int(c)]}" for c, n in zip(codes, counts, strict=True))
 
 
 def _unperiodic(grid: Any, study: Any) -> list[str]:
     """A sentence on the cases that ran to their end and did not repeat."""
-    import inspect
-
-    from stickslip.sweeping import sweep
+    from stickslip.sweeps.planning import SOLVER as DEFAULTS
 
     number = int(((grid["period"] == 0) & (grid["status"] <= _SETTLED)).sum())
-    periods = study.options.get("periods", inspect.signature(sweep).parameters["periods"].default)
+    periods = study.options.get("periods", DEFAULTS["periods"])
     return [f"{show.counted(number, 'case')}: {show.no_period(periods)}"] if number else []
+
+
+def _notes(grid: Any) -> list[str]:
+    """Why cases were refused or failed."""
+    import json
+
+    notes = json.loads(grid.attrs.get("notes", "{}"))
+    lines = [f"{show.counted(n, 'case')}: {sentence}" for sentence, n in list(notes.items())[:5]]
+    return [*lines, *([f"… and {len(notes) - 5} other reasons"] if len(notes) > 5 else [])]
 
 
 def _cell(name: str, value: Any) -> str:

@@ -7,7 +7,6 @@ one lane, which also keeps the dense output, solves a single case; the two give 
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing import Any
 
 from stickslip.engine import cache, taylor
 from stickslip.engine.rosenbrock import Step, write_step
+from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.trace import Equations, check_numbers, label, numbers_of, trace
 from stickslip.engine.write import Writer
@@ -102,6 +102,7 @@ class Results:
     v_max: Any
     v_min: Any
     end: Any  # (cases, 1 + states): x and the states at the end
+    friction_power: Any  # mean over the last motion period [W]; NaN where it is not known
     status: Any
     period: Any
     periods_run: Any
@@ -182,12 +183,12 @@ def _layout(eq: Equations, step: Step, lanes: int, record: bool) -> dict[str, An
     constants = len(_constants(eq, step))
     breaks = len(eq.instants) + len(eq.impulses)
     named = {
-        "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(step.fields) + constants,
+        "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "RECORD": record, "PERIOD": first, "FREE": first + 2, "SCALE_AT": tuple(scale_at),
-        "SET_VALUED": not eq.dynamic, "CYCLIC": eq.cyclic, "MODES": len(eq.modes), "KEPT_MODES": len(eq.modes) if eq.dynamic else 0,
-        "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks, "BREAK_AT": constants - len(eq.impulses) - breaks,
-        "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))), "F_C": len(step.fields) * lanes, "F_Y": offsets["y0"],
-        "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
+        "SET_VALUED": not eq.dynamic, "OFFERED": eq.offered is not None, "CYCLIC": eq.cyclic, "MODES": len(eq.modes),
+        "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
+        "BREAK_AT": constants - len(eq.impulses) - breaks, "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
+        "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
     firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
@@ -203,7 +204,8 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str, reco
         "".join(f"{k} = {v!r}\n" for k, v in named.items()),
         _prelude(eq, _constants(eq, step)),
         *_flags(eq),
-        _step_text(step, width, groups, offsets, named["F_C"], eq.dynamic),
+        _powers(eq, step.degree),
+        step_text(step, Layout(width, groups, offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step), _driver("arcs"))),
         _driver("lanes"),
     ]
@@ -250,49 +252,32 @@ def _flags(eq: Equations) -> list[str]:
     return texts
 
 
+def _powers(eq: Equations, degree: int) -> str:
+    """The force that all but friction offer, by time, and the mass; the nodes on which its work is summed."""
+    import numpy as np
+
+    nodes, weights = np.polynomial.legendre.leggauss(4 if degree < 8 else 10)
+    tables = [f"{name} = np.array({values.tolist()!r})" for name, values in (("NODES", 0.5 * (nodes + 1)), ("WEIGHTS", 0.5 * weights))]
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
+    bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
+    w, mass = Writer(prefix="p"), Writer(prefix="p")
+    force = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
+    total = mass.value(eq.mass, bind)
+    return "\n".join(
+        [
+            *tables,
+            '@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)\ndef offered(lane, S, row, t):',
+            *(f"    {line}" for line in [*w.lines, f"return 1.0 * {force}"]),
+            '@njit("float64(float64[::1])", **OPTIONS)\ndef total_mass(row):',
+            *(f"    {line}" for line in [*mass.lines, f"return 1.0 * {total}"]),
+        ]
+    )
+
+
 def _function(name: str, arguments: str, lines: list[str], something: bool) -> str:
     types = ", ".join("float64" if a == "t" else "float64[::1]" for a in arguments.split(", "))
     body = "".join(f"    {line}\n" for line in (lines if something else ["pass"]))
     return f'@njit("void({types})", **OPTIONS)\ndef {name}({arguments}):\n{body}'
-
-
-def _step_text(step: Step, width: int, groups: int, offsets: dict[str, int], constants_at: int, whole: bool) -> str:
-    """The step for all groups of lanes, their lines in turn; of a Taylor step only the series (what it makes is written, no more)."""
-    lanes = width * groups
-    made = re.findall(r"^\s*_(\w+) = ", "\n".join(step.lines), re.MULTILINE)
-    writes = [f"S[{offset} + l@] = _{name}" for name, offset in offsets.items() if (name != "tend" if whole else name in made)]
-    reads = [f"_{name} = S[{offset} + l@]" for name, offset in offsets.items() if whole or name not in made]
-    reads += [f"_c{i} = S[{constants_at + i * lanes} + l@]" for i in range(len(step.case_nodes))]
-    given, name = ("S, rtol, budget", "step") if whole else ("S", "series")
-    text = [
-        f'@njit("void(float64[::1]{", float64, float64" if whole else ""})", **OPTIONS)',
-        f"def {name}({given}):",
-        f"    for l in range({width}):",
-    ]
-    for line in [*reads, *step.lines, *writes]:
-        for g in range(groups):
-            renamed = re.sub(r"(?<![\w.])_(?=[A-Za-z])", f"_{'abcd'[g]}_", line)
-            text.append("        " + renamed.replace("l@", "l" if g == 0 else f"l + {g * width}"))
-    return _without_branches("\n".join(text))
-
-
-class _Selects(ast.NodeTransformer):
-    """Decisions inside expressions as calls that are one instruction each: the compiler then sees no branches to join again."""
-
-    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
-        self.generic_visit(node)
-        return ast.Call(ast.Name("choose", ast.Load()), [node.test, node.body, node.orelse], [])
-
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
-        self.generic_visit(node)
-        joined = node.values[0]
-        for value in node.values[1:]:
-            joined = ast.BinOp(joined, ast.BitAnd() if isinstance(node.op, ast.And) else ast.BitOr(), value)
-        return joined
-
-
-def _without_branches(text: str) -> str:
-    return ast.unparse(ast.fix_missing_locations(_Selects().visit(ast.parse(text))))
 
 
 def run(
@@ -314,9 +299,9 @@ def run(
     S = np.ones(k.fields * k.lanes)
     lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 13)), np.zeros((k.lanes, RINGS, 1 + n)), np.zeros((k.lanes, KEPT))
+    lane_floats, ring, xs = np.zeros((k.lanes, 15)), np.zeros((k.lanes, RINGS, 1 + n)), np.zeros((k.lanes, KEPT))
     cursor = np.array([0, cases, 0], dtype=np.int64)
-    out, count = np.full((cases, 5 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
+    out, count = np.full((cases, 6 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
@@ -332,6 +317,6 @@ def run(
     if progress is not None:
         progress(cases)
     return Results(
-        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 4:], count[:, 0], count[:, 1], count[:, 2], count[:, 3], seg_time, seg_code,
-        count[:, 4], count[:, 5], np.concatenate(kept) if keep_pieces else None,
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5:], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3], seg_time,
+        seg_code, count[:, 4], count[:, 5], np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip

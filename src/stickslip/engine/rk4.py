@@ -11,12 +11,10 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.lanes import _HEADER, _plain, _prelude
-from stickslip.engine.symbols import Graph, Sym, TraceError
-from stickslip.engine.trace import _lift, label, trace
+from stickslip.engine.symbols import Sym
+from stickslip.engine.trace import Equations, label, trace
 from stickslip.engine.write import Writer
 from stickslip.errors import InputError
-from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic
 
 __all__ = ["Kernel", "Slopes", "kernel", "slopes"]
 
@@ -35,6 +33,7 @@ class Slopes:
     f: tuple[Sym, ...]
     guards: tuple[Sym, ...]
     held: Sym | None  # dv/dt at v = 0 exactly, for a set-valued law
+    clocks: tuple[Sym, ...]
     period: Sym
 
 
@@ -48,34 +47,25 @@ class Kernel:
 
 
 def slopes(model: Any) -> Slopes:
-    """The right side of a model's equations, for a law of either kind."""
-    if is_dynamic(model.friction):
-        eq = trace(model)
-        return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards, None, eq.period)
-    try:
-        return _set_valued(model)
-    except (TraceError, AttributeError, TypeError) as error:
+    """The right side of a model's equations, for a law of either kind; what a plain Runge-Kutta script does not do is refused."""
+    eq = trace(model)
+    lacking = [what for what, there in (("impulses", eq.impulses), ("a law that remembers", eq.dynamic and eq.modes)) if there]
+    if not eq.cyclic:
+        lacking.append("a mechanism with springs")
+    if lacking:
         raise InputError(
-            type(model.friction).__name__, [f"{error}; a law is traced: use its own fields, and functions from stickslip.maths"]
-        ) from error
+            "solve", [f'method = "rk4" knows robots without impulses or memory; here is {" and ".join(lacking)}; type method="auto"']
+        )
+    return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
 
 
-def _set_valued(model: Any) -> Slopes:
-    """The usual practice: sliding friction by the sign of v, and at v = 0 what holds the body, up to break-away."""
-    graph = Graph()
-    names = tuple(name for name, _ in leaves(model))
-    symbolic: Any = replace_leaf(model, {name: graph.case(name) for name in names})
-    t, v, zero = graph.variable("t"), graph.variable("v"), graph.constant(0.0)
-    graph.sign(v)
-    load = _lift(graph, symbolic.load(t, zero))
-    slide = symbolic.friction.sliding(_lift(graph, symbolic.contact_velocity(v)), load)
-    backward, forward = (_lift(graph, limit) for limit in symbolic.friction.breakaway(load))
-    free, one = _lift(graph, symbolic.acceleration(t, zero, zero, 0.0)), _lift(graph, symbolic.acceleration(t, zero, zero, 1.0))
-    offered = free / (free - one)  # the friction force that leaves no acceleration
-    slides, *breaks = (_lift(graph, symbolic.acceleration(t, zero, v, R)) for R in (slide, backward, forward))
-    held = graph.select(graph.sign(backward - offered), breaks[0], zero)  # zero itself, not what rounding leaves of it
-    held = graph.select(graph.sign(offered - forward), breaks[1], held)
-    return Slopes(names, t, (v,), (slides,), tuple(graph.guards), held, _lift(graph, symbolic.period))
+def _usual_practice(eq: Equations) -> Slopes:
+    """Sliding friction by the sign of v, and at v = 0 what holds the body, up to break-away."""
+    assert eq.contact is not None
+    graph, c = eq.graph, eq.contact
+    held = graph.select(c.push, c.push, graph.select(c.pull, -c.pull, graph.constant(0.0)))
+    slides = graph.select(eq.y[0], c.forwards, c.backwards)
+    return Slopes(eq.names, eq.t, eq.y, (slides,), eq.guards[: eq.signs], held, eq.clocks, eq.period)
 
 
 def kernel(model: Any) -> Kernel:
@@ -96,6 +86,8 @@ class _Loop:
         """Slopes k<q>_<i> at one stage; every flag is read off the stage's own state."""
         w = self.w
         bind = {symbol.name: name for symbol, name in zip(self.s.y, y, strict=True)} | {"t": t}
+        for k, clock in enumerate(self.s.clocks):
+            bind[f"clk{k}"] = w.line(f"_clk{q}_{k}", f"1.0 if {w.value(clock, bind)} > 0.0 else -1.0")
         for k, guard in enumerate(self.s.guards):
             bind[f"b{k}"] = w.line(f"_b{q}_{k}", f"1.0 if {w.value(guard, bind)} > 0.0 else -1.0")
         f = [w.line(f"_k{q}_{i}", f"1.0 * {w.value(fi, bind)}") for i, fi in enumerate(self.s.f)]

@@ -50,6 +50,7 @@ class Step:
     fields: tuple[str, ...]  # lane fields, each read at the start and written at the end
     case_nodes: tuple[Sym, ...]  # values _c0, _c1, … of a lane
     degree: int  # of the dense output
+    series: bool = False  # a Taylor step: the driver does the rest
 
 
 def write_step(eq: Equations, tableau: Tableau, record: bool) -> Step:
@@ -74,9 +75,9 @@ class _StepWriter:
         fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
         fields += [f"mode{i}" for i in range(len(self.eq.modes))] + [f"clk{k}" for k in range(len(self.eq.clocks))]
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
+        fields += ["t0", "hh", *(f"k{i}_{m}" for i in (n if self.record else (0,)) for m in range(self.degree + 1))]
         if self.record:
-            fields += ["t0", "hh", "x0", *(f"k{i}_{m}" for i in n for m in range(self.degree + 1)), "side"]
-            fields += [f"held{i}" for i in range(len(self.eq.modes))]
+            fields += ["x0", "side", *(f"held{i}" for i in range(len(self.eq.modes)))]
         self._slopes()
         self._length()
         self._matrix()
@@ -279,6 +280,7 @@ class _StepWriter:
         w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
         w.line("_wrong", f"_late or {self.f[0]} * _b0 < 0.0")
         w.line("_which", "0.0")
+        w.line("_size", "0.0")
         end = self._bind("_t + _hh", [f"_n{i}" for i in range(self.n)])
         for k in range(1, self.g):
             self._other_crossing(k, end)
@@ -288,10 +290,8 @@ class _StepWriter:
         w, guard = self.w, self.eq.guards[k]
         w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
         w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
-        w.line(
-            "_noise",
-            f"-1e-13 * ({' + '.join(f'abs({w.value(a, end)})' for a in guard.args)})" if guard.op in ("add", "subtract") else "0.0",
-        )
+        w.line(f"_size{k}", self._size(guard, end))
+        w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
         w.line("_late", f"_g{k}s < _noise and _on{k} < 0.5")
         w.line(f"_out{k}", f"_g{k}e < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")
@@ -300,12 +300,28 @@ class _StepWriter:
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
         w.line("_wrong", f"(_late or {self.guard_rate[k]} * _b{k} < 0.0) if _first else _wrong")
-        for name, value in (("_gs", f"_gp{k}"), ("_ge", f"_g{k}e"), ("_th", f"_th{k}"), ("_te", "1.0"), ("_which", f"{k}.0")):
+        for name, value in (
+            ("_gs", f"_gp{k}"),
+            ("_ge", f"_g{k}e"),
+            ("_th", f"_th{k}"),
+            ("_te", "1.0"),
+            ("_which", f"{k}.0"),
+            ("_size", f"_size{k}"),
+        ):
             w.line(name, f"{value} if _first else {name}")
         w.line("_cr", f"_cr or _cr{k}")
 
+    def _size(self, guard: Sym, bind: dict[str, str]) -> str:
+        """Size of the terms of which a guard is the difference: its rounding is a part of that."""
+        if guard.op in ("add", "subtract"):
+            return "(" + " + ".join(f"abs({self.w.value(a, bind)})" for a in guard.args) + ")"
+        if guard.op == "select":
+            held, yes, no = guard.args
+            return f"({self._size(yes, bind)} if {self.w.value(held, bind)} > 0.0 else {self._size(no, bind)})"
+        return f"abs({self.w.value(guard, bind)})"
+
     def _locate(self) -> None:
-        """theta of the event on the dense output: safeguarded Newton for v, a bracketing secant where other guards exist."""
+        """theta of the event on the dense output: safeguarded Newton for v, the secant method where other guards exist."""
         w, skip = self.w, self.record and self.g == 1  # one lane need not locate what did not happen
         w.line("_lo", "0.0")
         w.line("_hi", "_te")
@@ -325,21 +341,24 @@ class _StepWriter:
             w.line("_pv", f"abs({self._at(0, '_th')})")
             w.line("_conv", f"_pv <= 1e-10 * {self.scale_v}")
         else:
-            w.line("_glo", "_gs")
-            w.line("_ghi", "_ge")
             w.line("_span", "_gs - _ge")
-            for _ in range(self.k.newton + 3):
+            for name, value in (("_xa", "0.0"), ("_ga", "_gs"), ("_xb", "_te"), ("_gb", "_ge")):
+                w.line(name, f"1.0 * {value}")
+            for _ in range(self.k.newton + 1):
                 w.line("_pv", self._guard_at("_th"))
                 w.line("_up", "_pv > 0.0")
                 w.line("_lo", "_th if _up else _lo")
                 w.line("_hi", "_hi if _up else _th")
-                w.line("_ghi", "0.5 * _ghi if _up else _pv")  # Illinois
-                w.line("_glo", "_pv if _up else 0.5 * _glo")
-                w.line("_gap", "_glo - _ghi")
-                w.line("_tn", "_lo + (_hi - _lo) * _glo / (_gap if _gap > 0.0 else 1.0)")
-                w.line("_th", "_tn if _gap > 0.0 else 0.5 * (_lo + _hi)")
+                near = "abs(_ga) < abs(_gb)"  # the nearer of the two points before and the new one: a secant
+                w.line("_xb", f"_xa if {near} else _xb")
+                w.line("_gb", f"_ga if {near} else _gb")
+                w.line("_xa", "1.0 * _th")
+                w.line("_ga", "1.0 * _pv")
+                w.line("_gap", "_gb - _ga")
+                w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
+                w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
             w.line("_pv", f"abs({self._guard_at('_th')})")
-            w.line("_conv", "_pv <= 1e-9 * _span")
+            w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
         for i in range(self.n):
             w.line(f"_v{i}", self._at(i, "_th"))
         w.end_if()
@@ -392,9 +411,10 @@ class _StepWriter:
         integral = horner([f"{literal(1 / (m + 1))} * _k0_{m}" for m in range(self.degree + 1)], "_part")
         offset = w.value(self.eq.offset, self.start)
         integral = integral if offset == "0.0" else f"(({integral}) + {offset})"
+        w.line("_t0", "1.0 * _t")
         if self.record:
             kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
-            for name, value in (("t0", "_t"), ("x0", "_x"), ("side", "_b0"), *kept):
+            for name, value in (("x0", "_x"), ("side", "_b0"), *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
             if i:

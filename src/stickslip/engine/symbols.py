@@ -288,6 +288,8 @@ class Graph:
 
     def select(self, held: Sym, yes: Sym, no: Sym) -> Sym:
         """`yes` where held > 0, else `no`."""
+        if held.op == "constant":
+            return yes if held.value > 0 else no
         return yes if yes is no else self._node("select", (held, yes, no))
 
     def sign(self, a: Sym) -> Sym:

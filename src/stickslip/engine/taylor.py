@@ -78,7 +78,7 @@ class _SeriesWriter:
                 self._hold(new)
         self._hold(self.eq.offset)
         self._hold(self.eq.period)
-        return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), ORDER)
+        return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), ORDER, series=True)
 
     def _hold(self, node: Sym | None) -> None:
         """Have the case's part of an expression computed once for each case."""

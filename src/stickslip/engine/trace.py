@@ -32,6 +32,16 @@ class Switch:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """Accelerations at a set-valued contact: while it slides, and how much is left at the limits of rest."""
+
+    forwards: Sym
+    backwards: Sym
+    push: Sym  # > 0: the body breaks away forwards
+    pull: Sym  # > 0: backwards
+
+
+@dataclass(frozen=True)
 class Equations:
     """What a step needs to know of a model.
 
@@ -61,7 +71,14 @@ class Equations:
     scales: tuple[Sym | None, ...]  # typical size of y[1:]; None: not known
     stribeck_velocity: Sym | None
     cyclic: bool
-    dynamic: bool
+    contact: Contact | None  # of a set-valued law
+    mass: Sym  # all that moves with the contact [kg]
+    offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether the law has a rate and a force, and so never rests exactly."""
+        return self.contact is None
 
     @property
     def states(self) -> int:
@@ -208,12 +225,13 @@ class _Motion:
     modes: tuple[Sym, ...]
     first_modes: tuple[Sym, ...]
     scales: tuple[Sym | None, ...]
+    contact: Contact | None = None
 
 
 def _trace(model: Any) -> Equations:
     m = _Mechanics(model)
-    graph, dynamic = m.graph, is_dynamic(model.friction)
-    motion = _dynamic(m) if dynamic else _set_valued(m)
+    graph = m.graph
+    motion = _dynamic(m) if is_dynamic(model.friction) else _set_valued(m)
     y = (m.slip, *motion.inner, *(() if m.cyclic else (m.x,)))
     f = (*motion.f, *(() if m.cyclic else (m.v,)))
     events = [*motion.events, *_lost(m, len(y), motion.modes)]
@@ -235,7 +253,7 @@ def _trace(model: Any) -> Equations:
         free_velocity=_velocity_scale(m, getattr(m.model, "free_velocity", m.model.velocity_scale), speed),
         scales=(*motion.scales, *(() if m.cyclic else (None,))),
         stribeck_velocity=None if speed is None else m.lift(speed()),
-        cyclic=m.cyclic, dynamic=dynamic,
+        cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
     )  # fmt: skip
 
 
@@ -295,12 +313,18 @@ def _set_valued(m: _Mechanics) -> _Motion:
         (by_mode(one, one, -pull), Switch((-one,), states)),
     ]
     first = graph.select(m.slip, one, graph.select(-m.slip, -one, rest))
-    return _Motion((), (by_mode(sliding[0], sliding[1], zero),), events, None, (mode,), (first,), ())
+    return _Motion((), (by_mode(sliding[0], sliding[1], zero),), events, None, (mode,), (first,), (), Contact(*sliding, push, pull))
 
 
 def _lost(m: _Mechanics, states: int, modes: tuple[Sym, ...]) -> list[tuple[Sym, Switch]]:
     """The end of the run, where a load that varies falls to zero."""
     return [(m.load, Switch(modes, (None,) * states, LOST))] if m.graph.varies(m.load) else []
+
+
+def _offered(m: _Mechanics) -> Sym | None:
+    """What all forces but friction add up to [N]: the drive's and gravity's share, for a robot."""
+    total = m.lift(m.model.total_mass) * m.acceleration(0.0)
+    return total if m.graph.varies(total) <= {"t"} else None
 
 
 def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:

@@ -106,8 +106,11 @@ def _judges() -> tuple[Callable[[Study], Claim], ...]:
     from stickslip.paper import claims_excitation as excitation
     from stickslip.paper import claims_friction as friction
     from stickslip.paper import claims_irregular as irregular
+    from stickslip.paper import claims_laws as laws
 
     return (
+        laws.bristle_is_slow,
+        laws.dahl_without_stick_slip,
         comparison.anisotropy,
         comparison.folding_coulomb,
         comparison.folding_lugre,

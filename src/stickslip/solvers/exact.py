@@ -17,7 +17,7 @@ from stickslip.errors import SolveError
 from stickslip.pieces import HarmonicArcs
 from stickslip.solvers import stepping, undriven
 from stickslip.solvers.arcs import Arcs, handles, reduced
-from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
@@ -47,7 +47,7 @@ def solve(todo: Request) -> Trajectory | Summary:
         return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, start))
     raw = solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, start, todo.workers, todo.progress)
     raw["seg_time"] = raw["seg_time"] * reduced(todo.model).period[:, None]
-    names = Raw.__dataclass_fields__
+    names = NEEDED
     return gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in names}))])
 
 

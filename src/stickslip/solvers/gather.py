@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from stickslip.solvers.request import Request, provenance
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["Raw", "gather", "trajectory"]
+__all__ = ["NEEDED", "Raw", "gather", "trajectory"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +32,11 @@ class Raw:
     seg_time: Any  # [s]
     seg_code: Any
     margin_force: Any
+    friction_power: Any = None  # [W] over the last motion period, where the solver measures it
+
+
+#: What every batch solver must find.
+NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
 
 
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
@@ -69,6 +74,7 @@ def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
         "velocity_max": np.where(good, raw.v_max, np.nan),
         "velocity_min": np.where(good, raw.v_min, np.nan),
         "displacement": raw.displacement,
+        **({} if raw.friction_power is None else {"friction_power": np.where(good, raw.friction_power, np.nan)}),
         "periods_run": raw.periods_run,
         "status": raw.status,
     }

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load
-from stickslip.solvers.gather import Raw
+from stickslip.solvers.gather import NEEDED, Raw
 
 __all__ = ["NOTHING", "codes_of", "margin_force", "period_of", "raw", "segments_of", "window_of"]
 
@@ -82,4 +82,4 @@ def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:
 
 def raw(cases: list[dict[str, Any]]) -> Raw:
     """The results of several cases, each a dict by the names of `Raw`, as one."""
-    return Raw(**{name: np.array([case[name] for case in cases]) for name in Raw.__dataclass_fields__})
+    return Raw(**{name: np.array([case[name] for case in cases]) for name in NEEDED})

@@ -9,8 +9,8 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves
+from stickslip.friction.probe import Probe, mirrored
 from stickslip.testing.motions import burst, shaken
-from stickslip.testing.probe import Probe, mirrored
 from stickslip.testing.reports import Claim, LawReport
 from stickslip.testing.symbol_values import traced
 from stickslip.testing.unit_change import FACTORS, in_other_units

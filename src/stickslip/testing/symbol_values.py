@@ -13,7 +13,7 @@ __all__ = ["traced", "values_of"]
 def traced(law: Any, load: float, v: float, z: tuple[float, ...], mode: tuple[int, ...], applied: float) -> tuple[Any, ...]:
     """Force and rates of a law called with symbols, as numbers."""
     from stickslip.fields import leaves, replace_leaf
-    from stickslip.testing.probe import Probe
+    from stickslip.friction.probe import Probe
 
     graph, numbers = Graph(), dict(leaves(law))
     known: dict[str, float] = {f"law.{name}": value for name, value in numbers.items()}

@@ -12,8 +12,8 @@
 #
 # columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status
 CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
-# columns of K (lane): the last two observed points, window
-TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, XBEGIN, DISPLACEMENT, WINDOW = range(13)
+# columns of K (lane): the last two observed points, window, work of friction while recording and how long
+TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, XBEGIN, DISPLACEMENT, WINDOW, WORK, LASTED = range(15)
 KEPT = 16  # strobe positions kept after settling, and the largest period number looked for
 RINGS = 34
 SEGS = 32
@@ -102,7 +102,7 @@ def take(lane, case, S, N, K, XS, PARAM, START):
     set_flags(lane, S, PARAM[case], True)
     for j in range(9):
         N[lane, j] = 0
-    for j in range(13):
+    for j in range(15):
         K[lane, j] = 0.0
     N[lane, CASE] = case
 
@@ -154,6 +154,8 @@ def begin_record(lane, N, K, S):
     K[lane, BP] = S[F_SIGN + lane]
     K[lane, VMAX] = S[F_Y + lane]
     K[lane, VMIN] = S[F_Y + lane]
+    K[lane, WORK] = 0.0
+    K[lane, LASTED] = 0.0
 
 
 @njit("void(int64, int64, float64, int64[:,::1], float64[:,::1], int8[:,::1])", **OPTIONS)
@@ -223,6 +225,26 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
+@njit("void(int64, float64[::1], float64[:,::1], float64[::1])", **OPTIONS)
+def dissipate(lane, S, K, row):
+    """Work of friction in the last step: what was offered and did not become kinetic energy (Gauss's rule on the dense output)."""
+    begin, end, h = S[F_T0 + lane], S[F_T + lane], S[F_HH + lane]
+    part = (end - begin) / h
+    work = 0.0
+    for q in range(NODES.shape[0]):
+        theta = part * NODES[q]
+        v = S[F_K + DEGREE * L + lane]
+        for m in range(DEGREE - 1, -1, -1):
+            v = fma(v, theta, S[F_K + m * L + lane])
+        work += WEIGHTS[q] * offered(lane, S, row, begin + theta * h) * v
+    last = S[F_K + DEGREE * L + lane]
+    for m in range(DEGREE - 1, -1, -1):
+        last = fma(last, part, S[F_K + m * L + lane])
+    first = S[F_K + lane]
+    K[lane, WORK] += work * (end - begin) - 0.5 * total_mass(row) * (last - first) * (last + first)
+    K[lane, LASTED] += end - begin
+
+
 @njit("void(int64, float64[::1], int64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,::1], int64[:,::1])", **OPTIONS)
 def finish(lane, S, N, K, RING, OUT, COUNT):
     """Write a case's results."""
@@ -232,9 +254,10 @@ def finish(lane, S, N, K, RING, OUT, COUNT):
     OUT[case, 2] = K[lane, VMAX]
     OUT[case, 3] = K[lane, VMIN]
     good = N[lane, STATUS] == FINISHED or N[lane, STATUS] == REPEATED
-    OUT[case, 4] = RING[lane, N[lane, DONE] % RINGS, 0] if good else S[F_X + lane]
+    OUT[case, 4] = K[lane, WORK] / K[lane, LASTED] if OFFERED and K[lane, LASTED] > 0.0 else np.nan
+    OUT[case, 5] = RING[lane, N[lane, DONE] % RINGS, 0] if good else S[F_X + lane]
     for i in range(STATES):
-        OUT[case, 5 + i] = RING[lane, N[lane, DONE] % RINGS, 1 + i] if good else S[F_Y + i * L + lane]
+        OUT[case, 6 + i] = RING[lane, N[lane, DONE] % RINGS, 1 + i] if good else S[F_Y + i * L + lane]
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
@@ -346,6 +369,8 @@ def advance(
             for lane in range(L):
                 if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
                     continue
+                if OFFERED and N[lane, CLOSING] == 0 and S[F_T + lane] != S[F_T0 + lane]:
+                    dissipate(lane, S, K, PARAM[N[lane, CASE]])
                 if F_TOP >= 0 and N[lane, CLOSING] == 0:
                     K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[F_TOP + lane]), min(K[lane, VMIN], S[F_TOP + lane])
                 if N[lane, FRESH] > 0:

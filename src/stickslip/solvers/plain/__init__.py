@@ -16,7 +16,7 @@ from stickslip.errors import SolveError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
-from stickslip.solvers.plain.march import march
+from stickslip.solvers.plain.marching import march
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES
 from stickslip.solvers.request import Request

@@ -17,7 +17,7 @@ __all__ = ["NAMES", "Stretch", "integrate"]
 
 NAMES = {"radau": "Radau", "lsoda": "LSODA", "bdf": "BDF", "dop853": "DOP853"}
 _ONE_STEP = ("DOP853", "Radau")  # these begin a step anew without loss, so that an event is landed on by a step of its own
-_LOOKS = np.arange(1, 9) / 8  # where in a step guards are looked at
+_LOOKS = np.arange(-1, 10) / 8  # where in a step guards are looked at, and beside it
 _HALVINGS = 60
 _NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity at which laws are asked
 _NOT_A_NUMBER = 4
@@ -56,12 +56,12 @@ class _Step:
     def first_event(self, before: list[float], fresh: set[int]) -> tuple[float, int] | None:
         """Time and number of the guard that falls to zero first; `fresh` ones have just begun at zero and rise."""
         times = self.start + _LOOKS * (self.end - self.start)
-        values = np.array([before, *(self.guards(float(t)) for t in times)])
-        times = np.concatenate([[self.start], times])
+        values = np.array([before if look == 0.0 else self.guards(float(t)) for look, t in zip(_LOOKS, times, strict=True)])
         found: tuple[float, int] | None = None
         for k in range(values.shape[1]):
-            if found is not None and self._holds_until(k, found[0], times, values[:, k]):
-                t = self._dip(k, times[times <= found[0]], values[times <= found[0], k])
+            end = self.end if found is None else found[0]
+            if found is not None and self._holds_until(k, end, times, values[:, k]):
+                t = self._dip(k, times, values[:, k], end)
             else:
                 t = self._root(k, times, values[:, k], k in fresh)
             found = (t, k) if t is not None and (found is None or t < found[0]) else found
@@ -69,19 +69,20 @@ class _Step:
 
     def _holds_until(self, k: int, t: float, times: Any, g: Any) -> bool:
         """Whether a guard is positive at t and at all looks before."""
-        return bool(np.all(g[1:][times[1:] <= t] >= 0)) and self.guards(t)[k] > 0
+        return bool(np.all(g[2:][times[2:] <= t] >= 0)) and self.guards(t)[k] > 0
 
     def _root(self, k: int, times: Any, g: Any, fresh: bool) -> float | None:
-        below = np.flatnonzero(g[1:] < (-_NOTHING if k == SLIP else 0.0)) + 1
+        below = np.flatnonzero(g[2:-1] < (-_NOTHING if k == SLIP else 0.0)) + 2
         if len(below) == 0:
-            return self._dip(k, times, g)
+            return self._dip(k, times, g, self.end)
         last = int(below[0])
-        if last > 1 or not fresh:
-            return self._dip(k, times[: last + 1], g[: last + 1]) or self._zero(k, float(times[last - 1]), float(times[last]))
+        if last > 2 or not fresh:
+            dip = self._dip(k, times, g, float(times[last - 1]))
+            return self._zero(k, float(times[last - 1]), float(times[last])) if dip is None else dip
         for j in range(1, _HALVINGS):
-            t = self.start + (float(times[1]) - self.start) * 0.5**j
+            t = self.start + (float(times[2]) - self.start) * 0.5**j
             if self.guards(t)[k] > 0:
-                return self._zero(k, t, float(times[1]))
+                return self._zero(k, t, float(times[2]))
         return self.start
 
     def _zero(self, k: int, low: float, high: float) -> float:
@@ -91,16 +92,17 @@ class _Step:
             return low
         return float(brentq(lambda t: self.guards(t)[k], low, high, xtol=1e-300, rtol=1e-15))
 
-    def _dip(self, k: int, times: Any, g: Any) -> float | None:
-        """A guard that is below zero only between two looks."""
+    def _dip(self, k: int, times: Any, g: Any, end: float) -> float | None:
+        """The zero of a guard that is below zero only between two looks; the looks beside the step serve for its ends."""
         from scipy.optimize import minimize_scalar
 
         for i in range(1, len(g) - 1):
             bend = g[i - 1] - 2 * g[i] + g[i + 1]
             if min(g[i - 1], g[i + 1]) >= g[i] > 0 and bend > 0 and g[i] < (g[i + 1] - g[i - 1]) ** 2 / (6 * bend) + 0.05 * bend:
                 lowest = minimize_scalar(lambda t: self.guards(t)[k], bounds=(times[i - 1], times[i + 1]), method="bounded")
-                if lowest.fun < 0:
-                    return self._zero(k, float(times[i - 1]), float(lowest.x))
+                first = max(float(times[i - 1]), self.start)
+                if lowest.fun < 0 and first < lowest.x and (t := self._zero(k, first, float(lowest.x))) < end:
+                    return t
         return None
 
 

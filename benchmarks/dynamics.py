@@ -1,0 +1,92 @@
+"""Dynamics: an orbit with multipliers against settling and differences, and a diagram against the same in SciPy.
+
+    python benchmarks/dynamics.py [--rounds 3]
+
+CPU seconds of one process on one pinned core, without compilation; compare ratios, and only within one run.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from statistics import median
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+import stickslip as ss
+from stickslip.dynamics.mapping import strobe_map
+
+RIG = dict(tilt_deg=1.7, amplitude=6e-4)
+SCIPY_POINTS, SETTLE, POINTS = 4, 100, 32
+
+
+def clocked(work: Callable[[], Any], rounds: int) -> tuple[float, Any]:
+    """Median CPU seconds, and what came out last."""
+    times, found = [], work()
+    for _ in range(rounds):
+        begin = process_time()
+        found = work()
+        times.append(process_time() - begin)
+    return median(times), found
+
+
+def by_newton(robot: Any) -> tuple[Any, Any]:
+    """The orbit and its multipliers."""
+    orbit = ss.periodic_orbit(robot)
+    return orbit.state, orbit.multipliers
+
+
+def by_settling(robot: Any, tolerance: float = 1e-11) -> tuple[Any, Any]:
+    """Run until the strobe point stands still to the same digits, then difference the map one start at a time."""
+    state = np.zeros((1, 2))
+    for _ in range(100_000):
+        state, before = strobe_map(robot, state, 1, 1e-12).state, state
+        if np.max(abs(state - before) / [1.6e-2, 4e-7]) < tolerance:
+            break
+    ends = [strobe_map(robot, state + shift, 1, 1e-12).state[0] for shift in ([1e-8, 0], [-1e-8, 0], [0, 4e-13], [0, -4e-13])]
+    J = np.column_stack([(ends[0] - ends[1]) / 2e-8, (ends[2] - ends[3]) / 8e-13])
+    return state[0], np.linalg.eigvals(J)
+
+
+def diagram(values: Any) -> Any:
+    """Our diagram of strobe points, all values in one batch."""
+    return ss.bifurcation(
+        ss.presets.piezo_rig, parameter="mu0", values=values, settle=SETTLE, points=POINTS, follow=False, rtol=1e-6, **RIG
+    )
+
+
+def scipy_diagram(values: Any) -> Any:
+    """The same by SciPy's LSODA on the same equations, one value after the other."""
+    kept = []
+    for mu0 in values:
+        robot = ss.presets.piezo_rig(mu0=float(mu0), **RIG)
+        run = ss.solve(robot, periods=SETTLE + POINTS, method="lsoda", rtol=1e-6, keep="trajectory", samples=4)
+        kept.append(run.strobe_v[-POINTS:])
+    return np.array(kept)
+
+
+def main() -> None:
+    """Print the tables."""
+    made = argparse.ArgumentParser(description=__doc__)
+    made.add_argument("--rounds", type=int, default=3)
+    rounds = made.parse_args().rounds
+    print("orbit with multipliers, residual 1e-11      Newton [s]   settling [s]   ratio")
+    for mu0 in (0.18, 0.06, 0.0475, 0.0469):
+        robot = ss.presets.piezo_rig(mu0=mu0, **RIG)
+        fast, (state, multipliers) = clocked(lambda robot=robot: by_newton(robot), rounds)
+        slow, (other, _) = clocked(lambda robot=robot: by_settling(robot), 1)
+        apart = float(np.max(abs(state - other) / [1.6e-2, 4e-7]))
+        print(f"  mu0 = {mu0:<7} |multiplier| {abs(multipliers[0]):.3f}   {fast:18.3f} {slow:14.3f} {slow / fast:8.1f}   apart {apart:.0e}")
+    values = np.linspace(0.034, 0.05, 1000)
+    ours, _ = clocked(lambda: diagram(values), rounds)
+    few = values[:: len(values) // SCIPY_POINTS][:SCIPY_POINTS]
+    theirs, _ = clocked(lambda: scipy_diagram(few), 1)
+    theirs *= len(values) / len(few)
+    print(f"diagram, 1000 values x {SETTLE + POINTS} periods: ours {ours:.1f} s, scipy LSODA {theirs:.0f} s ({len(few)} values measured), "
+          f"ratio {theirs / ours:.0f}")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""A contact that is moved as one likes: its force along the way, and what it costs."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any
+
+from stickslip.errors import SolveError
+from stickslip.friction.probe import Probe
+
+__all__ = ["Contact", "Motion", "steady", "swing"]
+
+#: A velocity at a time since the beginning of a stretch [m/s].
+Motion = Callable[[float], float]
+#: Evaluations after which a stretch between two switches is given to an integrator for stiff equations.
+CALLS = 20_000
+_TINY = 1e-300  # a velocity that has a sign and nothing else
+
+
+def steady(speed: float) -> Motion:
+    """A constant velocity."""
+    return lambda t: speed
+
+
+def swing(distance: float, peak: float) -> tuple[float, Motion]:
+    """Half a swing over a distance, at rest at both ends: how long it takes [s], and its velocity."""
+    length, speed = 0.5 * math.pi * abs(distance) / peak, math.copysign(peak, distance)
+    return length, lambda t: speed * math.sin(math.pi * t / length)
+
+
+class _TooStiff(Exception):
+    """The integrator takes too many steps."""
+
+
+class Contact:
+    """Where a contact is: its position, states and memories, and the work done on it so far.
+
+    Every stretch is integrated from switch to switch of the law's memories, on the law as it is written; within a stretch the velocity
+    has one sign.
+
+    Parameters
+    ----------
+    probe : Probe
+        The law under its load.
+    work : float
+        A typical work, against which its error is measured [J].
+    rtol : float
+        Relative tolerance.
+    """
+
+    def __init__(self, probe: Probe, work: float, rtol: float = 1e-8):
+        self.probe, self.work, self.rtol = probe, max(work, 1e-300), rtol
+        self.z, self.mode = probe.start
+        self.x = self.done = self.turned = self.least = 0.0
+        self._side = 1.0
+
+    def force(self, v: float, z: tuple[float, ...] | None = None) -> float:
+        """Friction force at a velocity, on the side on which the contact was moved last [N]."""
+        held = self._side * max(self._side * v, _TINY)
+        return float(self.probe.force(held, self.z if z is None else z, self.mode))
+
+    def follow(self, length: float, velocity: Motion, samples: int = 0) -> list[tuple[float, float, float, float]]:
+        """Go through one stretch; returns about as many samples of (time, position, velocity, force) as asked for."""
+        t, found, idle = 0.0, [], 0
+        self._side = math.copysign(1.0, velocity(0.5 * length))
+        while t < length:
+            run = self._run(t, length, velocity, dense=samples > 0)
+            if samples:
+                found += self._sampled(run, velocity, max(int(samples * (run.t[-1] - t) / length), 2))
+            before = [g for g, _, _ in self.probe.switches(velocity(0.5 * (t + run.t[-1])), self.z, self.mode)]
+            idle = self._idle(idle + 1 if run.t[-1] <= t else 0)
+            before = [max(g, self.probe.load) for g in before] if idle else before  # what has fallen before it could be seen to fall
+            t, y = float(run.t[-1]), [float(value) for value in run.y[:, -1]]
+            self.z, self.x, self.done, self.turned = tuple(y[:-3]), *y[-3:]
+            self.least = min(self.least, float(run.y[-2].min()))
+            v = velocity(t)
+            stopped = t >= length and abs(v) < 1e-9 * abs(velocity(0.5 * length))
+            self._switch(0.0 if stopped else v, before, t < length)
+        return found
+
+    def _idle(self, count: int) -> int:
+        """How many stretches in a row took no time; an error if the memories of the law switch for ever."""
+        if count > 100:
+            raise SolveError(f"{type(self.probe.law).__name__} switches its memories for ever at one instant; check its switches")
+        return count
+
+    def _run(self, t: float, length: float, velocity: Motion, dense: bool) -> Any:
+        """LSODA may miss that it is too stiff, where rates are next to nothing."""
+        try:
+            return self._integrated(t, length, velocity, "LSODA", dense)
+        except _TooStiff:
+            return self._integrated(t, length, velocity, "Radau", dense)
+
+    def _integrated(self, t: float, end: float, velocity: Motion, method: str, dense: bool) -> Any:
+        """States, position and work up to the next switch."""
+        from scipy.integrate import solve_ivp
+
+        path = max(abs(velocity(0.5 * end)) * end, 1e-300)
+        atol = [*(0.01 * self.rtol * size for size in self.probe.scale), self.rtol * path, *(0.01 * self.rtol * self.work,) * 2]
+        return solve_ivp(
+            self._slope(velocity, budget=CALLS if method == "LSODA" else None), (t, end), [*self.z, self.x, self.done, self.turned],
+            method=method, rtol=self.rtol, atol=atol, max_step=end / 50, events=self._guard(velocity) if self.probe.modes else None,
+            dense_output=dense,
+        )  # fmt: skip
+
+    def _slope(self, velocity: Motion, budget: int | None) -> Any:
+        calls = itertools.count()
+
+        def slope(t: float, y: Any) -> list[float]:
+            if next(calls) == budget:
+                raise _TooStiff
+            v, z = velocity(t), tuple(map(float, y[: self.probe.states]))
+            power = self.force(v, z) * v
+            return [*self.probe.rate(v, z, self.mode), v, power, abs(power)]
+
+        return slope
+
+    def _guard(self, velocity: Motion) -> Any:
+        def guard(t: float, y: Any) -> float:
+            z = tuple(map(float, y[: self.probe.states]))
+            return min(float(g) for g, _, _ in self.probe.switches(velocity(t), z, self.mode))
+
+        guard.terminal, guard.direction = True, -1  # type: ignore[attr-defined]
+        return guard
+
+    def _sampled(self, run: Any, velocity: Motion, count: int) -> list[tuple[float, float, float, float]]:
+        found, first, last = [], float(run.t[0]), float(run.t[-1])
+        for k in range(count):
+            t = first + (last - first) * k / (count - 1)
+            y = [float(value) for value in run.sol(t)]
+            found.append((t, y[-3], velocity(t), self.force(velocity(t), tuple(y[:-3]))))
+        return found
+
+    def _switch(self, v: float, before: list[float], fell: bool) -> None:
+        """States and memories after the guards that have fallen to zero here, one after another."""
+        now = [float(g) for g, _, _ in self.probe.switches(v, self.z, self.mode)]
+        for k, value in enumerate(before):
+            if value > 0 and (now[k] <= 1e-9 * value or (fell and now[k] == min(now))):
+                _, self.mode, self.z = self.probe.switches(v, self.z, self.mode)[k]

@@ -1,0 +1,60 @@
+"""Drift: where a mass goes under a force that never reaches break-away."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from stickslip.benching.records import Curve, Experiment, Quantity
+from stickslip.benching.setup import Setup, shorter
+from stickslip.mechanisms import ForcedOscillator
+
+__all__ = ["drift"]
+
+#: Constant and swinging part of the force by what the contact holds: Dupont's 0.4 N and 0.2 N of 1.5 N.
+BIAS, FORCE = 0.4 / 1.5, 0.2 / 1.5
+#: Periods run, of which the second half counts.
+PERIODS, PERIOD = 40, 1.0
+_SAMPLES, _SHOWN = 400, 20
+_RTOL = 1e-9
+
+
+@shorter
+def drift(bench: Setup) -> Experiment:
+    """Drift below break-away."""
+    periods, T = (8, 20.0 * 2.0 * math.pi / bench.pace) if bench.short else (PERIODS, PERIOD)
+    pushed = not bench.remembers
+    push = ForcedOscillator(
+        mass=bench.mass, stiffness=0.0, damping=0.0, force=FORCE * bench.force, omega=2.0 * math.pi / T,
+        friction=bench.law, load=bench.load, bias=BIAS * bench.force,
+    )  # fmt: skip
+    start = {"v": 2.0 * bench.typical_speed} if pushed else None
+    run = bench.solved(push, _RTOL, periods=periods, samples=_SAMPLES, start=start)
+    way = _per_period(run, periods, T)
+    t = np.linspace(0.0, periods * T, periods * _SHOWN + 1)
+    return Experiment(
+        "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, run.at(t)["x"]),),
+        (Quantity("drift", "drift", way, "m", f"way per period of {T:.3g} s, mean of the last {periods // 2}"),),
+        {"bias": (push.bias, "N"), "force": (push.force, "N"), "omega": (push.omega, "rad/s"), "mass": (bench.mass, "kg")},
+        _remark(bench, pushed),
+    )  # fmt: skip
+
+
+def _per_period(run: Any, periods: int, T: float) -> float:
+    """Way from the mean place in the period in the middle to that in the last, by the periods between."""
+    middle = periods // 2 - 1
+    inside = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    first, last = (float(np.mean(run.at((k + inside) * T)["x"])) for k in (middle, periods - 1))
+    return (last - first) / (periods - 1 - middle)
+
+
+def _remark(bench: Setup, pushed: bool) -> str:
+    if not pushed:
+        return ""
+    what = "the mass starts with a push, so that one sees whether it comes to rest"
+    if bench.set_valued:
+        held = bench.holds[1] > 0
+        return what + ("; it does, exactly" if held else "; this law holds nothing")
+    return f"{what}; it creeps on"

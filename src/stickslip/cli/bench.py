@@ -1,0 +1,91 @@
+"""``stickslip bench``: what friction laws do, alone, as tables, a figure or JSON."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser, settings
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["act"]
+
+#: Arguments of the bench itself; every other name is a number of the laws.
+OWN = ("load", "mass", "stiffness", "speed")
+_MORE = """\
+LAW is the name of a friction law (see `stickslip laws`), `all`, or omitted words of it such as mu_plus=0.2, which is set in every law
+that has it; what is not set is as in the law's example. load, mass, stiffness and speed are those of the experiments.
+
+example: stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png"""
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Do the standard experiments of the friction literature on one law or several.", robot=False, more=_MORE)
+    made.add_argument("words", metavar="LAW | NAME=VALUE", nargs="*", default=[], help="laws, and numbers that are set")
+    made.add_argument("--figure", metavar="FILE", help="draw all experiments (.png, .svg or .pdf)")
+    made.add_argument("--only", metavar="NAME", action="append", help="do this experiment alone; may be given several times")
+    asked = made.parse_intermixed_args(words)
+    figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
+    laws, own = _asked(asked.words)
+
+    from stickslip.benching import bench
+
+    tell = show.progress("experiments")
+    found = bench(
+        laws if len(laws) > 1 else laws[0],
+        experiments=asked.only,
+        progress=None if tell is None else lambda what, done, whole: tell(done, whole),
+        **own,
+    )
+    written = [str(path) for path in (_drawn(found, figure),) if path is not None]
+    if asked.json:
+        show.print_json({**found.to_dict(), "written": written})
+    else:
+        print("\n".join([found.table, *(f"written: {path}" for path in written)]))
+    return 0
+
+
+def _asked(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
+    """The laws with their numbers, and the arguments of the bench; everything that is wrong at once."""
+    from stickslip.friction import LAWS
+
+    problems = Problems("arguments")
+    given = settings([word for word in words if "=" in word], False, problems)
+    names = [word.lower() for word in words if "=" not in word]
+    names = list(LAWS) if names == ["all"] else names
+    if not names:
+        problems.add(f"no law is given; type for example stickslip bench lugre; known: {', '.join(LAWS)}")
+    for name in (n for n in names if n not in LAWS):
+        problems.add(f"{name!r} is no law; {did_you_mean(name, LAWS)}")
+    numbers = {name: value for name, value in given.items() if name not in OWN}
+    laws = [LAWS[name] for name in names if name in LAWS]
+    known = {field: None for law in laws for field in inspect.signature(law).parameters}
+    for name in numbers:
+        if laws and name not in known:
+            problems.add(f"{name!r} is no number of {' or '.join(law.__name__ for law in laws)}; {did_you_mean(name, [*known, *OWN])}")
+    made = [_made(law, {k: v for k, v in numbers.items() if k in inspect.signature(law).parameters}, problems) for law in laws]
+    problems.check()
+    return made, {name: value for name, value in given.items() if name in OWN}
+
+
+def _made(law: Any, changes: dict[str, Any], problems: Problems) -> Any:
+    try:
+        return law.example().replace(changes) if changes else law.example()
+    except InputError as error:
+        problems.include(error, f"{law.__name__}: ")
+        return None
+
+
+def _drawn(found: Any, path: Path | None) -> Path | None:
+    if path is None:
+        return None
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from stickslip import plot
+
+    plot.bench(found).savefig(path)
+    return path

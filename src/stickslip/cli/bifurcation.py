@@ -1,0 +1,109 @@
+"""``stickslip bifurcation``: what a motion becomes along one number, by brute force and by continuation."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import Subject, parser, subject
+from stickslip.errors import InputError
+
+__all__ = ["act"]
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(
+        command,
+        "What a motion becomes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
+        more="example: stickslip bifurcation piezo_rig tilt_deg=1.7 amplitude=6e-4 mu0=0.034..0.05:200 --follow --figure diagram.png",
+    )
+    made.add_argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips")
+    made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")
+    made.add_argument("--batch", action="store_true", help="every value from the same start, all at once (fast; shows no hysteresis)")
+    made.add_argument("--observable", default="v", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default v)")
+    made.add_argument("--figure", metavar="FILE", help="draw the diagram (.png, .svg or .pdf)")
+    made.add_argument("--out", metavar="FILE", help="write the diagram (.nc)")
+    asked = made.parse_intermixed_args(words)
+    figure, out = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf")), show.writable("--out", asked.out, (".nc",))
+    study = subject(asked.robot, asked.settings, many=True, solver=("settle", "rtol", "start.x", "start.v", "start.z"))
+    parameter, values, fixed = _split(command, study.arguments)
+
+    from stickslip.dynamics.diagrams import bifurcation
+
+    tell = show.progress("values")
+    diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=tell, **study.options, **fixed)
+    branches = _followed(study.make, parameter, values, asked.period, fixed) if asked.follow else []
+    if figure is not None:
+        _drawn(figure, diagram, branches, asked.observable)
+    if out is not None:
+        diagram.to_netcdf(out, engine="h5netcdf")
+    written = [str(path) for path in (figure, out) if path is not None]
+    if asked.json:
+        show.print_json(_record(study, parameter, diagram, branches, written))
+    else:
+        print(_told(study, parameter, diagram, branches, written))
+    return 0
+
+
+def _split(command: str, arguments: dict[str, Any]) -> tuple[str, list[float], dict[str, Any]]:
+    """The one argument that has several values, and the others."""
+    many = [name for name, value in arguments.items() if isinstance(value, list)]
+    if len(many) != 1:
+        given = f"{' and '.join(many)} have several" if many else "no argument has several"
+        raise InputError(command, [f"{given} values; allowed is exactly one, as NAME=a..b:n; type for example mu0=0.034..0.05:200"])
+    return many[0], arguments[many[0]], {name: value for name, value in arguments.items() if name != many[0]}
+
+
+def _followed(make: Any, parameter: str, values: list[float], period: int, fixed: dict[str, Any]) -> list[Any]:
+    """The branch from the last value down to the first, and the doubled one of its first flip."""
+    from stickslip.dynamics.branches import continuation
+
+    branch = continuation(make, parameter=parameter, start=max(values), stop=min(values), period=period, **fixed)
+    return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]
+
+
+def _drawn(path: Any, diagram: Any, branches: list[Any], observable: str) -> None:
+    from stickslip import plot
+
+    ax = plot.continuation(branches, observable, diagram=diagram) if branches else plot.bifurcation(diagram, observable)
+    ax.figure.savefig(path)
+
+
+def _record(study: Any, parameter: str, diagram: Any, branches: list[Any], written: list[str]) -> dict[str, Any]:
+    columns = {str(name): diagram[name].values for name in diagram.data_vars}
+    followed = [
+        {
+            "period": b.period, "ended": b.ended, "values": b.values, "stable": [o.stable for o in b.orbits],
+            "states": [o.state for o in b.orbits], "mean_velocity": [o.mean_velocity for o in b.orbits],
+            "special": [{"kind": s.kind, "value": s.value, "notes": s.orbit.notes} for s in b.special],
+        }
+        for b in branches
+    ]  # fmt: skip
+    axes = {parameter: diagram[parameter].values, "direction": diagram.direction.values}
+    return {"robot": study.name, "parameter": parameter, "axes": axes, "columns": columns, "branches": followed, "written": written}
+
+
+def _told(study: Any, parameter: str, diagram: Any, branches: list[Any], written: list[str]) -> str:
+    """Where the period changes, and what was found on the branches."""
+    fixed = {name: value for name, value in study.arguments.items() if name != parameter}
+    lines = [Subject(study.name, study.make, fixed).title()]
+    for direction in diagram.direction.values:
+        period = diagram.period.sel(direction=direction).values
+        lines.append(f"{direction}: {_stretches(diagram[parameter].values, period)}")
+    for b in branches:
+        lines.append(f"branch of period {b.period}, {parameter} from {b.values[0]:.6g} to {b.values[-1]:.6g}: {b.ended}")
+        lines += [f"  {s.kind:<12} {parameter} = {s.value:.10g}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
+    return "\n".join([*lines, *(f"written to {path}" for path in written)])
+
+
+def _stretches(values: Any, period: Any) -> str:
+    """Stretches of equal period."""
+    ends = [0, *(i for i in range(1, len(period)) if period[i] != period[i - 1]), len(period)]
+    parts = [
+        f"{'no period found' if period[a] == 0 else f'period {period[a]}'} from {values[a]:.6g}"
+        + (f" to {values[b - 1]:.6g}" if b - 1 > a else "")
+        for a, b in pairwise(ends)
+    ]
+    return "; ".join(parts)

@@ -1,0 +1,178 @@
+"""``stickslip identify``: parameters of a robot from records, on the command line or from a study file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli import recorded, show
+from stickslip.cli.arguments import parser, settings
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["act"]
+
+_MORE = """\
+example: stickslip identify piezo_rig tilt_deg=1.7 amplitude=5e-4,8e-4 --record a.csv --record b.csv
+           --free mu0=0.05..0.5 --free v_s=2e-4..2e-2:log
+
+A study file says the same in TOML:
+  [identify]
+  make = "piezo_rig"
+  records = ["a.csv", "b.csv"]      # or: means = [0.0017, 0.0036]
+  [identify.arguments]
+  tilt_deg = 1.7
+  amplitude = [5e-4, 8e-4]
+  [identify.free]
+  mu0 = [0.05, 0.5]
+  v_s = [2e-4, 2e-2, "log"]
+and `stickslip identify study.toml` does it."""
+_KEYS = (
+    "make",
+    "records",
+    "means",
+    "arguments",
+    "free",
+    "tied",
+    "using",
+    "noise",
+    "starts",
+    "seed",
+    "load",
+    "frequency",
+    "units",
+    "roles",
+    "columns",
+)
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Fit parameters of a robot to measured records, with intervals and what the residuals say.", more=_MORE)
+    made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (again for more)")
+    made.add_argument("--mean", metavar="V,V", help="mean velocities instead of records [m/s]")
+    made.add_argument(
+        "--free", metavar="NAME=A..B", action="append", default=[], help="a free parameter and its bounds; :log behind it for its logarithm"
+    )
+    made.add_argument("--noise", type=float, help="standard deviation of one value [SI]")
+    made.add_argument("--level", type=float, default=0.95, help="of the intervals (default 0.95)")
+    made.add_argument("--profile", action="store_true", help="intervals from profile likelihoods")
+    recorded.add_options(made)
+    made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
+    asked = made.parse_intermixed_args(words)
+    report = show.writable("--report", asked.report, (".html",))
+    job = _study(asked) if _is_study(asked.robot) else _typed(asked)
+    records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
+
+    from stickslip.identifying import identify
+
+    make = _maker(job["make"])
+    fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
+    method = "profile" if asked.profile else "covariance"
+    intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
+    if report is not None:
+        from stickslip.identifying.doors import write_report
+
+        write_report(report, [fit], sources=[rec for rec in records if hasattr(rec, "channels")])
+    if asked.json:
+        show.print_json(_numbers(fit, intervals, asked.level, method))
+    else:
+        print(fit.report())
+        if asked.profile or asked.level != 0.95:
+            for name, (low, high) in intervals.items():
+                print(f"  {name}: {100 * asked.level:g} % {low:.6g} to {high:.6g} ({method})")
+    return 0
+
+
+def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {
+        "law": fit.law, "values": fit.values, "errors": fit.errors, "intervals": intervals, "level": level, "method": method,
+        "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality],
+        "warnings": fit.warnings, "provenance": fit.provenance,
+    }  # fmt: skip
+
+
+def _maker(name: str) -> Any:
+    """The preset, law or study robot of this name."""
+    from stickslip.friction import LAWS
+    from stickslip.presets import PRESETS
+
+    if name in PRESETS:
+        return PRESETS[name]
+    if name.lower() in LAWS:
+        return LAWS[name.lower()]
+    path = Path(name).expanduser()
+    if path.suffix.lower() == ".toml" and path.is_file():
+        from stickslip.robot import Robot
+
+        return Robot.from_toml(path.read_text(encoding="utf-8"))
+    raise InputError("identify", [f"{name!r} is neither a preset nor a law nor a study file; {did_you_mean(name, [*PRESETS, *LAWS])}"])
+
+
+def _is_study(name: str) -> bool:
+    path = Path(name).expanduser()
+    return path.suffix.lower() == ".toml" and path.is_file() and "[identify" in path.read_text(encoding="utf-8", errors="replace")
+
+
+def _typed(asked: Any) -> dict[str, Any]:
+    """What is to be done, from the command line."""
+    problems = Problems("identify")
+    arguments = settings(asked.settings, True, problems)
+    free = {}
+    for word in asked.free:
+        name, _, bounds = word.partition("=")
+        text, _, log = bounds.partition(":")
+        low, _, high = text.partition("..")
+        try:
+            free[name] = (float(low), float(high), "log") if log == "log" else (float(low), float(high))
+        except ValueError:
+            problems.add(f"--free {word!r} is not NAME=A..B; type for example --free mu0=0.05..0.5")
+    means = _floats(asked.mean, problems)
+    if bool(asked.record) == bool(means):
+        problems.add("give records or mean velocities: --record run.csv (again for more), or --mean 0.0017,0.0036")
+    problems.check()
+    options = {} if asked.noise is None else {"noise": asked.noise}
+    return {"make": asked.robot, "records": asked.record, "means": means, "arguments": arguments, "free": free, "options": options}
+
+
+def _floats(text: str | None, problems: Problems) -> list[float]:
+    try:
+        return [float(part) for part in (text or "").split(",") if part.strip()]
+    except ValueError:
+        problems.add(f"--mean {text!r} is no list of numbers; type for example --mean 0.0017,0.0036")
+        return []
+
+
+def _study(asked: Any) -> dict[str, Any]:
+    """What is to be done, from a study file; paths count from its folder."""
+    import tomllib
+
+    path = Path(asked.robot).expanduser()
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8")).get("identify", {})
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"study file {str(path)!r}", [f"not readable as TOML: {error}"]) from None
+    problems = Problems(f"study file {str(path)!r}")
+    for key in table:
+        if key not in _KEYS:
+            problems.add(f"identify.{key} is not known; {did_you_mean(key, _KEYS)}")
+    if not table.get("free"):
+        problems.add("has no [identify.free] table; type for example mu0 = [0.05, 0.5] in it")
+    if bool(table.get("records")) == bool(table.get("means")):
+        problems.add("needs records = [paths] or means = [numbers], one of them")
+    problems.check()
+    asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
+    asked.role += [f"{k}={v}" for k, v in table.get("roles", {}).items()]
+    asked.columns = asked.columns or (",".join(table["columns"]) if "columns" in table else None)
+    options = {k: table[k] for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency") if k in table}
+    records = [str(path.parent / name) for name in table.get("records", [])]
+    make = table.get("make", str(path))
+    return {
+        "make": make,
+        "records": records,
+        "means": table.get("means", []),
+        "arguments": table.get("arguments", {}),
+        "free": table["free"],
+        "options": options,
+    }

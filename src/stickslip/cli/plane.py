@@ -1,0 +1,112 @@
+"""``stickslip map``: a plane of a robot's numbers, what moves how and how fast, with pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser
+from stickslip.cli.sweep import add_options, axes_of, run_options, watcher
+from stickslip.errors import InputError
+
+__all__ = ["act"]
+
+_PICTURES = (".png", ".pdf", ".svg")
+_FILES = (".nc", ".mat", ".csv", ".parquet")
+_MORE = """\
+examples
+  stickslip map piezo_rig tilt_deg=1.7 amplitude=1e-4..8e-4:128 omega=60..300:128 --figure types.png --velocity speed.png
+  stickslip map piezo_rig law=coulomb amplitude=6e-4 tilt_deg=1.7 mu0=0.05..0.25:512 f0=0.1..0.4:512 --refine --figure types.pdf
+  stickslip map coulomb_robot alpha_plus=0.005..1.6:320 alpha_minus=0.005..1.6:320 --figure types.png
+  stickslip map FOLDER --figure types.png                        (a study folder that is there already)
+"""
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Simulate a robot over a plane: two of its numbers are ranges a..b:n. Draw what it does.", more=_MORE)
+    add_options(made, designs=False)
+    made.add_argument("--refine", action="store_true", help="compute only where the motion changes")
+    made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .pdf, .svg)")
+    made.add_argument("--velocity", metavar="FILE", help="draw the mean velocity")
+    made.add_argument("--x", metavar="NAME", help="the axis that goes across; by default the first")
+    asked = made.parse_intermixed_args(words)
+    pictures = {name: show.writable(f"--{name}", getattr(asked, name), _PICTURES) for name in ("figure", "velocity")}
+    file = show.writable("--out", asked.out, _FILES) if asked.out and Path(asked.out).suffix.lower() in _FILES else None
+    grid, name = _grid(asked, file)
+    _draw(grid, asked.x, pictures)
+    written = [str(p) for p in (*pictures.values(), file or asked.out) if p]
+    found = _found(grid)
+    if asked.json:
+        show.print_json({"robot": name, "found": found, "attributes": dict(grid.attrs), "written": written})
+    else:
+        print(_told(name, found, written))
+    return 0
+
+
+def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
+    """The map, computed or from a folder."""
+    from stickslip.sweeps import export, map, open_study
+
+    if (Path(asked.robot).expanduser() / "manifest.json").exists():
+        if asked.settings:
+            raise InputError(
+                "map", [f"{asked.robot!r} is a finished study; it takes no {asked.settings[0]!r}; give only --figure or --velocity"]
+            )
+        return open_study(asked.robot), Path(asked.robot).name
+    asked.sobol = asked.latin = asked.table = None
+    asked.zip = False
+    study, _ = axes_of(asked)
+    options = run_options(asked, file)
+    grid = map(study.make, refine=asked.refine, progress=watcher(), **{**study.options, **options}, **study.arguments)
+    if file is not None:
+        export(grid, file)
+    return grid, study.name
+
+
+def _draw(grid: Any, x: str | None, pictures: dict[str, Path | None]) -> None:
+    if not any(pictures.values()):
+        return
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from stickslip import plot
+
+    for name, draw in (("figure", plot.motion_map), ("velocity", plot.velocity_map)):
+        if pictures[name] is not None:
+            with plot.publication():
+                draw(grid, x=x).figure.savefig(pictures[name])
+
+
+def _found(grid: Any) -> dict[str, Any]:
+    """How much of the plane moves how, and where it is fastest."""
+    import numpy as np
+
+    types, counts = np.unique(grid["motion_type"].values, return_counts=True)
+    shares = {str(t): int(n) / int(counts.sum()) for t, n in zip(types, counts, strict=True)}
+    V = grid["mean_velocity"]
+    found: dict[str, Any] = {"cases": int(V.size), "shares": shares}
+    if np.isfinite(V.values).any():
+        best = V.isel(_largest(abs(V)))
+        found["fastest"] = {str(d): float(best[d]) for d in V.dims} | {"mean_velocity": float(best)}
+    return found
+
+
+def _largest(values: Any) -> dict[str, int]:
+    """Where an array is largest, by the names of its dimensions."""
+    import numpy as np
+
+    place = np.unravel_index(int(np.nanargmax(values.values)), values.shape)
+    return {str(d): int(i) for d, i in zip(values.dims, place, strict=True)}
+
+
+def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
+    lines = [f"{name}: {show.counted(found['cases'], 'case')}"]
+    lines += [
+        show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))
+    ]
+    if "fastest" in found:
+        point = ", ".join(f"{k} = {v:.6g}" for k, v in found["fastest"].items() if k != "mean_velocity")
+        lines.append(f"fastest: {show.quantity(found['fastest']['mean_velocity'], 'm/s', 6)} at {point}")
+    return "\n".join([*lines, *(f"written to {path}" for path in written)])

@@ -1,0 +1,63 @@
+"""``stickslip read``: what a measured record holds, and what can be measured on it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.cli import recorded, show
+from stickslip.cli.arguments import parser
+from stickslip.errors import InputError
+
+__all__ = ["act"]
+
+_MORE = "example: stickslip read run.csv --unit LDV=m/s --unit t=s --figure spectrum.png"
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.", robot=False, more=_MORE)
+    made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
+    recorded.add_options(made)
+    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity (.png, .svg or .pdf)")
+    asked = made.parse_args(words)
+    figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
+    rec = recorded.opened(asked.file, asked)
+    found = _measured(rec)
+    if figure is not None:
+        _draw(rec, figure)
+    if asked.json:
+        show.print_json(_record(rec, found))
+    else:
+        print(rec.summary)
+        for name, text in found.items():
+            print(f"{name}: {text}")
+    return 0
+
+
+def _measured(rec: Any) -> dict[str, Any]:
+    """Measures that this record allows; those that need what is not known are left out."""
+    found: dict[str, Any] = {}
+    try:
+        found["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
+        m = rec.motion()
+        found["motion type"] = f"{m.type} (pattern {m.pattern}; slower than {show.quantity(m.threshold, 'm/s', 3)} counts as rest)"
+    except InputError:
+        pass
+    return found
+
+
+def _record(rec: Any, found: dict[str, Any]) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {**asdict(rec.summary), "measures": found, "source": {k: str(v) for k, v in rec.source.items()}}
+
+
+def _draw(rec: Any, path: Any) -> None:
+    from matplotlib.figure import Figure
+
+    from stickslip import plot
+
+    with plot.publication():
+        figure = Figure(figsize=(5.0, 3.0), layout="constrained")
+        plot.record_spectrum(rec, ax=figure.subplots())
+        figure.savefig(path)

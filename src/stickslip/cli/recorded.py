@@ -1,0 +1,54 @@
+"""What the commands on measured records share: how a record is named on the command line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.cli.arguments import Parser
+from stickslip.errors import InputError
+
+__all__ = ["add_options", "opened", "pairs"]
+
+
+def add_options(made: Parser) -> None:
+    """The options that say what a file does not."""
+    made.add_argument(
+        "--unit", metavar="NAME=UNIT", action="append", default=[], help="unit of a channel, such as LDV=m/s (again for more)"
+    )
+    made.add_argument("--role", metavar="NAME=ROLE", action="append", default=[], help="what a channel is for, such as LDV=velocity")
+    made.add_argument("--columns", metavar="A,B,...", help='headings of all columns, such as "t [ms],v [mm/s]"')
+    made.add_argument("--rate", metavar="HZ", type=float, help="samples per second, for a file without times")
+    made.add_argument("--between", metavar="A..B", help="use the part from A to B seconds")
+
+
+def pairs(words: list[str], what: str) -> dict[str, str]:
+    """NAME=TEXT words as a dict."""
+    found = {}
+    for word in words:
+        name, equals, text = word.rpartition("=")
+        if not equals or not name or not text:
+            raise InputError(what, [f"{word!r} is not NAME=VALUE; type for example {what} LDV=m/s"])
+        found[name] = text
+    return found
+
+
+def opened(path: str, asked: Any) -> Any:
+    """The record at a path, read with the options."""
+    from stickslip.records import read
+
+    rec = read(
+        path,
+        units=pairs(asked.unit, "--unit"),
+        roles=pairs(asked.role, "--role"),
+        columns=None if asked.columns is None else [part.strip() for part in asked.columns.split(",")],
+        rate=asked.rate,
+    )
+    if not asked.between:
+        return rec
+    first, dots, last = asked.between.partition("..")
+    try:
+        return rec.between(float(first), float(last)) if dots else rec.between(float(first), float("inf"))
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("--between", [f"{asked.between!r} is no part of the record; type for example --between 20..60"]) from None

@@ -1,0 +1,56 @@
+"""``stickslip merge`` and ``stickslip export``: what becomes of study folders."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser
+
+__all__ = ["act"]
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    return {"merge": _merge, "export": _export}[command](command, words)
+
+
+def _merge(command: str, words: list[str]) -> int:
+    made = parser(
+        command, "Put the shards of one study together, as if it had been one run.", robot=False,
+        more="example: stickslip merge part1 part2 part3 --out whole",
+    )  # fmt: skip
+    made.add_argument("folders", metavar="FOLDER", nargs="+", help="study folders of the shards")
+    made.add_argument("--out", metavar="FOLDER", required=True, help="the study folder to make")
+    made.add_argument("--partial", action="store_true", help="tiles may be missing")
+    asked = made.parse_args(words)
+
+    from stickslip.sweeps import merge
+
+    return _tell(merge(asked.folders, asked.out, asked.partial), asked.out, asked.json)
+
+
+def _export(command: str, words: list[str]) -> int:
+    made = parser(
+        command, "Write the results of a study to one file.", robot=False, more="example: stickslip export study grid.nc",
+    )  # fmt: skip
+    made.add_argument("folder", metavar="FOLDER", help="a study folder")
+    made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv or .parquet file")
+    asked = made.parse_args(words)
+    target = show.writable("FILE", asked.file, (".nc", ".mat", ".csv", ".parquet"))
+
+    from stickslip.sweeps import export, open_study
+
+    grid = open_study(asked.folder)
+    export(grid, str(target))
+    return _tell(grid, str(target), asked.json)
+
+
+def _tell(grid: Any, written: str, as_json: bool) -> int:
+    sizes = {str(d): int(grid.sizes[d]) for d in grid["mean_velocity"].dims}
+    if as_json:
+        show.print_json({"written": written, "sizes": sizes, "attributes": dict(grid.attrs)})
+    else:
+        shape = " x ".join(f"{name} {n}" for name, n in sizes.items()) or "one case"
+        print(f"{grid.attrs['maker']}: {shape}; written to {written}")
+    return 0

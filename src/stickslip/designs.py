@@ -1,0 +1,201 @@
+"""Which points of a space of numbers to solve, where a grid is not what is wanted: zipped columns, random designs, tables.
+
+A design is a set of named columns along one dimension. `sweep` takes any number of them before its axes, and crosses them with the
+axes: ``sweep(make, sobol(1024, amplitude=(1e-4, 8e-4), omega=(60, 300)), tilt_deg=[1.7, 2.7])``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.errors import InputError, Problems
+
+__all__ = ["Design", "latin_hypercube", "sobol", "table", "zipped"]
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Columns of values along one dimension.
+
+    Parameters
+    ----------
+    dim : str
+        Name of the dimension.
+    columns : dict of arrays
+        Values of each argument, one for each point.
+    attributes : dict
+        How it was made: kind, seed and bounds. They go into the dataset and the manifest.
+    labels : array, optional
+        Coordinate of the dimension; without it the points are counted from 0.
+    """
+
+    dim: str
+    columns: dict[str, Any]
+    attributes: dict[str, Any] = field(default_factory=dict)
+    labels: Any = None
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+
+def zipped(dim: str = "case", /, **columns: Any) -> Design:
+    """Columns that go together: point i has the i-th value of each.
+
+    Parameters
+    ----------
+    dim : str
+        Name of the dimension.
+    **columns : sequences of one length
+        Arguments of the maker.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> pairs = ss.designs.zipped(amplitude=[5.525e-4, 6.032e-4], tilt_deg=[1.7, 2.7])
+    >>> grid = ss.sweep(ss.presets.piezo_rig, pairs, law="coulomb")
+    >>> grid.mean_velocity.dims, grid.mean_velocity.values.round(6).tolist()
+    (('case',), [0.002015, 0.003827])
+    """
+    import numpy as np
+
+    arrays = {name: np.asarray(values) for name, values in columns.items()}
+    problems = Problems("design")
+    if not arrays:
+        problems.add("no columns are given; type for example zipped(amplitude=[4e-4, 5e-4], tilt_deg=[1.7, 2.7])")
+    lengths = {name: a.shape for name, a in arrays.items()}
+    if len(set(lengths.values())) > 1 or any(a.ndim != 1 or not a.size for a in arrays.values()):
+        shapes = ", ".join(f"{name} {shape}" for name, shape in lengths.items())
+        problems.add(f"the columns have the shapes {shapes}; allowed are flat ones of the same length, from one value on")
+    problems.check()
+    return Design(dim, {name: _plain(a) for name, a in arrays.items()}, {"design": "zipped"})
+
+
+def table(rows: Any, dim: str = "case") -> Design:
+    r"""Arbitrary rows: a dict of columns, a pandas DataFrame, or the path of a CSV file whose first line names the columns.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("rows.csv").write_text("amplitude,law\n4e-4,coulomb\n5e-4,lugre\n")
+    >>> {name: column.tolist() for name, column in table("rows.csv").columns.items()}
+    {'amplitude': [0.0004, 0.0005], 'law': ['coulomb', 'lugre']}
+    """
+    if isinstance(rows, str) or hasattr(rows, "__fspath__"):
+        rows = _read(rows)
+    elif hasattr(rows, "to_dict") and hasattr(rows, "columns"):
+        rows = {str(name): rows[name].to_numpy() for name in rows.columns}
+    if not isinstance(rows, Mapping):
+        raise InputError("table", [f"rows = {rows!r}; allowed is a dict of columns, a DataFrame or the path of a CSV file"])
+    made = zipped(dim, **{str(name): values for name, values in rows.items()})
+    return Design(dim, made.columns, {"design": "table"})
+
+
+def _read(path: Any) -> dict[str, list[Any]]:
+    import csv
+
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            lines = [line for line in csv.reader(file) if line]
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            "table", [f"{str(path)!r} cannot be read: {error}; give the path of a CSV file with a line of names first"]
+        ) from None
+    if len(lines) < 2 or any(len(line) != len(lines[0]) for line in lines):
+        raise InputError("table", [f"{str(path)!r} is no table: allowed is a line of names, then lines with as many values"])
+    return {name.strip(): _numbers([line[i] for line in lines[1:]]) for i, name in enumerate(lines[0])}
+
+
+def _numbers(texts: list[str]) -> list[Any]:
+    try:
+        return [float(text) for text in texts]
+    except ValueError:
+        return [text.strip() for text in texts]
+
+
+def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
+    """A scrambled Sobol sequence: points that fill a box evenly, the next ones in the gaps of those before (Sobol 1967, Owen 1998).
+
+    Parameters
+    ----------
+    count : int
+        Number of points; a power of 2 is balanced best.
+    seed : int
+        Of the scrambling. The same seed gives the same points; it is stored with the results.
+    dim : str
+        Name of the dimension.
+    **bounds : (low, high)
+        Range of each argument; (low, high, "log") spreads its logarithm.
+
+    Examples
+    --------
+    >>> points = sobol(4, seed=1, amplitude=(0.0, 1.0))
+    >>> sorted(int(4 * a) for a in points.columns["amplitude"])
+    [0, 1, 2, 3]
+    """
+    from scipy.stats import qmc
+
+    def unit(n: int, d: int) -> Any:
+        sampler = qmc.Sobol(d, scramble=True, rng=seed)
+        whole = 1 << max(math.ceil(math.log2(n)), 0)  # a power of 2 is what the sampler likes; the first n of them are taken
+        return sampler.random(whole)[:n]
+
+    return _random("sobol", unit, count, seed, dim, bounds)
+
+
+def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
+    """A Latin hypercube: each argument has exactly one point in each of `count` equal strips (McKay, Beckman and Conover 1979).
+
+    Parameters
+    ----------
+    count, seed, dim, **bounds
+        As for `sobol`.
+
+    Examples
+    --------
+    >>> points = latin_hypercube(5, seed=1, amplitude=(0.0, 5.0), mu0=(1.0, 100.0, "log"))
+    >>> sorted(int(a) for a in points.columns["amplitude"]), points.attributes["seed"]
+    ([0, 1, 2, 3, 4], 1)
+    """
+    from scipy.stats import qmc
+
+    return _random("latin_hypercube", lambda n, d: qmc.LatinHypercube(d, rng=seed).random(n), count, seed, dim, bounds)
+
+
+def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[str, Any]) -> Design:
+    problems = Problems(kind)
+    for name, value in (("count", count), ("seed", seed)):
+        if not isinstance(value, int) or isinstance(value, bool) or value < (1 if name == "count" else 0):
+            problems.add(f"{name} = {value!r}; allowed is a whole number; type for example {name}={1024 if name == 'count' else 1}")
+    if not bounds:
+        problems.add("no ranges are given; type for example amplitude=(1e-4, 8e-4)")
+    ranges = {name: _bounds(name, value, problems) for name, value in bounds.items()}
+    problems.check()
+    points = unit(count, len(ranges))
+    columns = {name: scale(points[:, i]) for i, (name, scale) in enumerate(ranges.items())}
+    told = {name: list(value) for name, value in bounds.items()}
+    return Design(dim, columns, {"design": kind, "seed": seed, "bounds": told})
+
+
+def _bounds(name: str, value: Any, problems: Problems) -> Any:
+    """From the unit interval to the range of one argument."""
+    try:
+        low, high, *how = value
+        low, high = float(low), float(high)
+    except (TypeError, ValueError):
+        low, high, how = math.nan, math.nan, []
+    log = how == ["log"]
+    if not (low < high < math.inf) or low == -math.inf or (how and not log) or (log and low <= 0):
+        allowed = '(low, high) with low < high, or (low, high, "log") with 0 < low'
+        problems.add(f"{name} = {value!r}; allowed is {allowed}; type for example {name}=(1e-4, 8e-4)")
+        return None
+    if log:
+        return lambda u: low * (high / low) ** u
+    return lambda u: low + (high - low) * u
+
+
+def _plain(array: Any) -> Any:
+    """Numbers as floats; everything else as it is."""
+    return array.astype(float) if array.dtype.kind in "iuf" else array

@@ -1,0 +1,249 @@
+"""Coexisting attractors and what is attracted by which: basins over starts, their shares, and how sure the shares are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.diagrams import periods_of
+from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.shifted import ShiftedDrive
+from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+
+__all__ = ["Attractor", "Basins", "basins"]
+
+Array = Any
+_SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scales, are one
+_POINTS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Attractor:
+    """A motion that attracts starts.
+
+    Parameters
+    ----------
+    period : int
+        Drive periods until it repeats; 0 where it does not within 32.
+    mean_velocity : float
+        V [m/s].
+    state : array
+        A strobe state on it.
+    share : float
+        Part of the starts that it attracts.
+    interval : (float, float)
+        Of that share, at 95 % confidence (Wilson), as if the starts were drawn by chance.
+    orbit : PeriodicOrbit or None
+        The orbit by Newton's method, with its multipliers, where it is periodic.
+    """
+
+    period: int
+    mean_velocity: float
+    state: Array
+    share: float
+    interval: tuple[float, float]
+    orbit: Any
+
+    def __repr__(self) -> str:
+        low, high = self.interval
+        kind = f"period {self.period}" if self.period else "no period up to 32"
+        return f"<Attractor: {kind}, V = {self.mean_velocity:.7g} m/s, share {self.share:.3f} ({low:.3f} to {high:.3f})>"
+
+
+@dataclass(frozen=True, eq=False)
+class Basins:
+    """Which start goes to which attractor.
+
+    Parameters
+    ----------
+    model : Robot
+        What moves.
+    map : xarray.Dataset
+        Over the starts: `attractor` (number in `attractors`, -1: none), mean_velocity [m/s], period.
+    attractors : list of Attractor
+        The largest share first.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), v=[-0.01, 0.0, 0.01], settle=60)
+    >>> found.map.attractor.values.tolist(), found.attractors[0].period
+    ([0, 0, 0], 1)
+    """
+
+    model: Any
+    map: Any
+    attractors: list[Attractor]
+
+    @cached_property
+    def fractions(self) -> list[float]:
+        """The shares, the largest first."""
+        return [a.share for a in self.attractors]
+
+    def __repr__(self) -> str:
+        return "<Basins: " + "; ".join(map(repr, self.attractors)) + f"; {self.map.attractor.size} starts>"
+
+
+def basins(
+    model: Any,
+    *,
+    settle: int = 300,
+    rtol: float = 1e-7,
+    progress: Callable[[int, int], None] | None = None,
+    **starts: Any,
+) -> Basins:
+    """Which of several coexisting motions a robot settles on, over a grid of starts.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot.
+    settle : int
+        Drive periods to run before looking.
+    rtol : float
+        Tolerance for dynamic laws.
+    progress : callable, optional
+        Called with (starts begun, starts).
+    **starts
+        ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring) and ``phase=`` (of the drive at the start, in drive
+        periods, 0 to 1): single values or arrays. If none is given: v and z over twice their scales.
+
+    Returns
+    -------
+    Basins
+        `map` (labelled Dataset), `attractors` (with shares and their confidence intervals), `fractions`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> b = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), v=[-0.01, 0.0, 0.01], settle=60)
+    >>> len(b.attractors), b.fractions
+    (1, [1.0])
+    """
+    needs_model("basins", model)
+    at = coordinates(model)
+    axes = _axes(at, starts, settle)
+    grid = np.meshgrid(*axes.values(), indexing="ij")
+    table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
+    states = np.column_stack([table.get(name, np.zeros(grid[0].size)) for name in at.names])
+    batch = _shifted(model, table["phase"]) if "phase" in table else spread_over(model, len(states))
+    ends = _ended(batch, states, settle, rtol, progress)
+    return _gathered(model, axes, *ends, at, rtol, "phase" in table)
+
+
+def _axes(at: Any, starts: dict[str, Any], settle: Any) -> dict[str, Array]:
+    problems, known = Problems("basins"), (*at.names, "phase")
+    if not isinstance(settle, (int, np.integer)) or settle < 1:
+        problems.add(f"settle = {settle!r}; allowed is a whole number from 1; type settle=300")
+    axes = {}
+    for name, value in (starts or {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names, at.scales, strict=True)}).items():
+        if name not in known:
+            problems.add(f"{name!r} is no coordinate of the start; {did_you_mean(name, known)}")
+            continue
+        try:
+            axis = np.atleast_1d(np.asarray(value, float))
+        except (TypeError, ValueError):
+            axis = np.empty((0, 0))
+        if axis.ndim != 1 or axis.size == 0 or not np.isfinite(axis).all():
+            problems.add(f"{name} = {value!r}; allowed is a finite number or a list of them; type {name}=np.linspace(-0.05, 0.05, 41)")
+        axes[name] = axis
+    problems.check()
+    return axes
+
+
+def _shifted(model: Any, phase: Array) -> Any:
+    """The robots whose drive is at a phase when they start."""
+    if getattr(model.drive, "breaks", ()) or getattr(model.drive, "jumps", ()):
+        raise InputError("basins", [f"phase is for smooth drives; {type(model.drive).__name__} has breaks or jumps; leave phase out"])
+    return model.replace(drive=ShiftedDrive(model.drive, phase))
+
+
+def _ended(batch: Any, states: Array, settle: int, rtol: float, progress: Any) -> tuple[Array, Array, Array]:
+    """Strobe points (cases, points, d), ways (cases, points) and which cases could be solved."""
+    end = strobe_map(batch, states, settle, rtol)
+    if progress is not None:
+        progress(len(states), len(states))
+    kept, ways = strobe_orbit(batch, end.state, _POINTS, rtol)
+    return np.moveaxis(kept, 0, 1), ways.T, end.status <= 1
+
+
+def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool) -> Basins:
+    import xarray as xr
+
+    period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
+    counts = np.where(period > 0, _POINTS - _POINTS % np.maximum(period, 1), _POINTS)
+    T = float(model.period)
+    V = np.where(np.arange(_POINTS) < counts[:, None], ways, 0.0).sum(axis=1) / (counts * T)
+    number = _numbers(_fingerprints(points, ways, period, V, at, T, by_phase), period, V, at.scales, good)
+    shape = tuple(len(axis) for axis in axes.values())
+    members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
+    order = sorted(range(len(members)), key=lambda k: -len(members[k]))
+    rank = np.full(len(members) + 1, -1)
+    rank[order] = np.arange(len(order))
+    found = [_attractor(model, members[k], len(number), points, period, V, by_phase) for k in order]
+    columns = {
+        "attractor": (tuple(axes), rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
+        "mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"}),
+        "period": (tuple(axes), period.reshape(shape), {"units": "1", "long_name": "drive periods until it repeats (0: none found)"}),
+    }
+    told = {"v": ("velocity at the start", "m/s"), "phase": ("phase of the drive at the start", "1"), "x": ("position at the start", "m")}
+    coords = {
+        n: (n, a, dict(zip(("long_name", "units"), told.get(n, ("inner state at the start", "m")), strict=True))) for n, a in axes.items()
+    }
+    return Basins(model, xr.Dataset(columns, coords), found)
+
+
+def _fingerprints(points: Array, ways: Array, period: Array, V: Array, at: Any, T: float, by_phase: bool) -> Array:
+    """Numbers that are the same for two starts on one motion, whichever of its periods they are in: sorted, in scales."""
+    if by_phase:  # the strobe is at another phase for each start: only what does not depend on it
+        return (V / at.scales[at.names.index("v")])[:, None]
+    mean = points.mean(axis=1) / at.scales
+    square = (points**2).mean(axis=1) / at.scales**2
+    return np.column_stack([mean, square, V / at.scales[at.names.index("v")]])
+
+
+def _numbers(prints: Array, period: Array, V: Array, scales: Array, good: Array) -> Array:
+    """A number for each motion; all motions without a period whose means lie near each other are one."""
+    number: Array = np.full(len(prints), -1)
+    kept: list[tuple[Array, int]] = []
+    for i in np.flatnonzero(good & np.isfinite(prints).all(axis=1)):
+        for k, (like, count) in enumerate(kept):
+            near = _SAME if count else 0.2
+            if count == period[i] and np.max(abs(prints[i] - like)) < near:
+                number[i] = k
+                break
+        else:
+            kept.append((prints[i], period[i]))
+            number[i] = len(kept) - 1
+    return number
+
+
+def _attractor(model: Any, members: Array, cases: int, points: Array, period: Array, V: Array, by_phase: bool) -> Attractor:
+    from stickslip.dynamics.orbits import periodic_orbit
+
+    first, count = members[0], int(period[members[0]])
+    orbit = None
+    if count and not by_phase:
+        try:
+            orbit = periodic_orbit(model, count, guess=points[first, -1])
+        except (SolveError, InputError):
+            orbit = None
+    share = len(members) / cases
+    return Attractor(count, float(np.mean(V[members])), points[first, -1], share, wilson(len(members), cases), orbit)
+
+
+def wilson(hits: int, cases: int, z: float = 1.959963984540054) -> tuple[float, float]:
+    """Confidence interval of a share (Wilson 1927).
+
+    Examples
+    --------
+    >>> [round(x, 4) for x in wilson(5, 10)]
+    [0.2366, 0.7634]
+    """
+    p, w = hits / cases, z * z / cases
+    middle, half = (p + w / 2) / (1 + w), z * np.sqrt(p * (1 - p) / cases + w / (4 * cases)) / (1 + w)
+    return float(max(middle - half, 0.0)), float(min(middle + half, 1.0))

@@ -1,0 +1,274 @@
+"""Branches of periodic orbits: continuation in a parameter, and the special points on the way."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip.dynamics.family import Family, family
+from stickslip.dynamics.mapping import coordinates
+from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.paths import Path, Point, follow
+from stickslip.dynamics.special import located
+from stickslip.errors import InputError, Problems, SolveError
+
+__all__ = ["Branch", "Special", "continuation"]
+
+Array = Any
+_ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
+
+
+class Special(NamedTuple):
+    """A special point of a branch: "fold", "flip", "grazing" or "type-border", the value of the parameter, and the orbit there."""
+
+    kind: str
+    value: float
+    orbit: PeriodicOrbit
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """A branch of periodic orbits along a parameter.
+
+    Parameters
+    ----------
+    family : Family
+        The robots.
+    period : int
+        Drive periods after which its motions repeat.
+    orbits : tuple of PeriodicOrbit
+        The points, in order.
+    values : array
+        The parameter at each.
+    special : list of Special
+        Folds, flips, grazings and borders of motion types, in order; ``orbit.notes`` says more.
+    ended : str
+        Why it ends where it ends.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=4e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")
+    >>> [(s.kind, round(s.value * 1e3, 5)) for s in b.special]  # I to III at 0.55297 mm
+    [('type-border', 0.55297)]
+    """
+
+    family: Family
+    period: int
+    orbits: tuple[PeriodicOrbit, ...]
+    values: Array
+    special: list[Special]
+    ended: str
+
+    @property
+    def parameter(self) -> str:
+        """Name of the parameter."""
+        return self.family.parameters[0]
+
+    @cached_property
+    def points(self) -> Any:
+        """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
+        import xarray as xr
+
+        columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
+        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in _COLUMNS}
+        columns["motion_type"] = ("point", [o.type for o in self.orbits])
+        columns["largest_multiplier"] = ("point", [float(abs(o.multipliers).max()) for o in self.orbits], {"units": "1"})
+        multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
+        columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, {"units": "1"})
+        columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, {"units": "1"})
+        told = [{"kind": s.kind, "value": s.value, "notes": list(s.orbit.notes)} for s in self.special]
+        attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
+        return xr.Dataset(columns, {self.parameter: ("point", self.values, self.family.describe(self.parameter))}, attrs)
+
+    def at(self, value: float) -> PeriodicOrbit:
+        """The orbit of this branch at a value of the parameter, by Newton's method from its nearest point."""
+        nearest = int(np.argmin(abs(self.values - value)))
+        return periodic_orbit(self.family.robot(value), self.period, guess=self.orbits[nearest], rtol=self.orbits[nearest].rtol)
+
+    def doubled(self, flip: Special | None = None, stop: float | None = None, step: float = 0.02, points: int = 200) -> Branch:
+        """The branch of twice the period that leaves this one at a flip.
+
+        Parameters
+        ----------
+        flip : Special, optional
+            Which; the first if not given.
+        stop : float, optional
+            Where to end; the ends of this branch if not given.
+        step, points
+            As for `continuation`.
+        """
+        flips = [s for s in self.special if s.kind == "flip"]
+        flip = flip or (flips[0] if flips else None)
+        if flip is None or flip.kind != "flip":
+            raise InputError("Branch.doubled", ["there is no flip on this branch; allowed is one of branch.special whose kind is 'flip'"])
+        ends = (float(np.min(self.values)), float(np.max(self.values)))
+        low, high = ends if stop is None else (min(stop, flip.value), max(stop, flip.value))
+        return _doubled(self, flip, low, high, step, points)
+
+    def __repr__(self) -> str:
+        told = "; ".join(f"{s.kind} at {s.value:.9g}" for s in self.special) or "no special point"
+        return (
+            f"<Branch: period {self.period}, {len(self.orbits)} points, "
+            f"{self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; {told}; {self.ended}>"
+        )
+
+
+_COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual")
+_TOLD = {
+    "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
+    "residual": {"units": "1", "long_name": "miss of the strobe point"},
+}
+
+
+def continuation(
+    make: Any,
+    *,
+    parameter: str,
+    start: float,
+    stop: float,
+    period: int = 1,
+    guess: Any = None,
+    step: float = 0.02,
+    points: int = 400,
+    rtol: float = RTOL,
+    **fixed: Any,
+) -> Branch:
+    """A branch of periodic orbits, followed in a parameter through folds and flips, stable or not.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from keywords, such as a preset; or a robot, whose numbers are then named with dots
+        (``parameter="drive.amplitude"``).
+    parameter : str
+        The keyword that varies.
+    start, stop : float
+        Where it begins and ends.
+    period : int
+        Drive periods after which the motions repeat.
+    guess : optional
+        As for `periodic_orbit`, at `start`.
+    step : float
+        First step, in the scaled space of state and parameter where start to stop is 1; it is adapted.
+    points : int
+        Most points.
+    rtol : float
+        Tolerance of the strobe map for dynamic laws.
+    **fixed
+        The other arguments of `make`.
+
+    Returns
+    -------
+    Branch
+        `points` (labelled Dataset), `special` (list of kind, value, orbit), `ended`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> b = ss.continuation(ss.presets.piezo_rig, parameter="mu0", start=0.05, stop=0.044, amplitude=6e-4, tilt_deg=1.7)
+    >>> [(s.kind, round(s.value, 4)) for s in b.special if s.kind == "flip"]
+    [('flip', 0.0468)]
+    """
+    robots = family("continuation", make, (parameter,), fixed)
+    _check(start, stop, step, points)
+    first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
+    path = Path(robots, period, coordinates(first.model), float(start), abs(float(stop) - float(start)), rtol, 1e-12)
+    found = path.at_value(path.scaled(first.state, start), start)
+    if not found.good:
+        raise SolveError(
+            f"the motion at {parameter} = {start:.9g} could not be kept fixed while following it: {found.why}; try another start"
+        )
+    towards = np.eye(len(found.at))[-1] * np.sign(stop - start)
+    return _followed(path, path.point(found, towards), min(start, stop), max(start, stop), step, points)
+
+
+def _check(start: Any, stop: Any, step: Any, points: Any) -> None:
+    problems = Problems("continuation")
+    for name, value in (("start", start), ("stop", stop), ("step", step)):
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+            problems.add(f"{name} = {value!r}; allowed is a finite number")
+    problems.check()
+    if start == stop:
+        problems.add(f"start and stop are both {start!r}; allowed are two different values of the parameter")
+    if not step > 0:
+        problems.add(f"step = {step!r}; allowed is a positive number; type step=0.02")
+    if not isinstance(points, (int, np.integer)) or points < 2:
+        problems.add(f"points = {points!r}; allowed is a whole number from 2; type points=400")
+    problems.check()
+
+
+def _followed(path: Path, first: Point, low: float, high: float, step: float, most: int) -> Branch:
+    """The branch from its first point until it leaves the range, with what lies between the points."""
+    slack = 1e-12 * (high - low)
+    found, special, ended = [first], [], ""
+    for item in follow(path, first, step, most, lambda value: low - slack <= value <= high + slack):
+        if isinstance(item, str):
+            ended = item
+            break
+        last = found[-1]
+        if path.period % 2 == 0 and item.half * last.half < 0:
+            end = _returned(path, last, item)
+            found += [end] if end is not None else []
+            ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
+            break
+        if not low <= item.value <= high:
+            item = _clipped(path, last, item, low if item.value < low else high)
+        special += [Special(kind, p.value, replace(p.orbit, notes=notes)) for kind, p, notes in located(path, last, item)]
+        found.append(item)
+    orbits = tuple(p.orbit for p in found)
+    return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
+
+
+def _returned(path: Path, a: Point, b: Point) -> Point | None:
+    """Where a doubled motion falls together with its halves: there the motion of half the period has a multiplier of -1."""
+    from scipy.optimize import brentq
+
+    shorter, part = replace(path, period=path.period // 2), a.half / (a.half - b.half)
+    near = a.u + part * (b.u - a.u)
+    kept: dict[float, Point] = {}
+
+    def flip(value: float) -> float:
+        found = shorter.at_value(near, value)
+        if not found.good:
+            return float("nan")
+        kept[value] = shorter.point(found, a.tangent)
+        return kept[value].flip
+
+    middle = float(path.unscaled(near)[1])
+    for width in (1e-6, 1e-5, 1e-4, 1e-3, 1e-2):
+        low, high = middle - width * path.span, middle + width * path.span
+        if flip(low) * flip(high) < 0:
+            where = brentq(flip, low, high, xtol=1e-14 * path.span, rtol=1e-14)
+            last = kept.get(where) or min(kept.values(), key=lambda p: abs(p.flip))
+            return replace(last, orbit=replace(last.orbit, period=path.period))
+    return None
+
+
+def _clipped(path: Path, last: Point, beyond: Point, end: float) -> Point:
+    """The point of the branch at the end of the range."""
+    part = (end - last.value) / (beyond.value - last.value) if beyond.value != last.value else 1.0
+    found = path.at_value(last.u + part * (beyond.u - last.u), end)
+    return path.point(found, last.tangent) if found.good else beyond
+
+
+def _doubled(branch: Branch, flip: Special, low: float, high: float, step: float, points: int) -> Branch:
+    orbit = flip.orbit
+    at = coordinates(orbit.model)
+    path = Path(branch.family, 2 * branch.period, at, flip.value, max(high - low, 1e-300), orbit.rtol, 1e-12)
+    values, vectors = np.linalg.eig(orbit.monodromy / at.scales[:, None] * at.scales)
+    aside = vectors[:, int(np.argmin(abs(values + 1)))].real
+    direction = np.append(aside / np.linalg.norm(aside), 0.0)
+    origin = path.scaled(orbit.state, flip.value)
+    for distance in (_ASIDE, _ASIDE / 4, _ASIDE / 16, _ASIDE / 64):
+        found = path.corrected(origin + distance * direction, direction)
+        if found.good and np.linalg.norm(found.at - origin) < 4 * distance:
+            first = path.point(found, direction)
+            return _followed(path, first, low, high, min(step, distance), points)
+    raise SolveError(
+        f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.value:.9g}: {found.why}"
+    )

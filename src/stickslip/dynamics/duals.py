@@ -1,0 +1,163 @@
+"""Derivatives of plain Python: numbers that carry their slopes, so that a law's own lines give its Jacobian.
+
+A law is written once. Called with these numbers instead of floats it gives the derivative of every line at every instant
+at once; nothing is differenced and nothing is typed again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+__all__ = ["Dual", "slopes_of", "variables"]
+
+Array = Any
+
+
+class Truth:
+    """A condition on numbers with slopes; `where` asks it to choose."""
+
+    __array_ufunc__ = None
+
+    def __init__(self, holds: Array):
+        self.holds = holds
+
+    def __ss_where__(self, yes: Any, no: Any) -> Any:
+        yes, no = _lift(yes), _lift(no)
+        count = max(len(yes.slopes), len(no.slopes))
+        slopes = [np.where(self.holds, yes.slope(i), no.slope(i)) for i in range(count)]
+        return Dual(np.where(self.holds, yes.value, no.value), slopes)
+
+    def __and__(self, other: Any) -> Truth:
+        return Truth(self.holds & _holds(other))
+
+    def __or__(self, other: Any) -> Truth:
+        return Truth(self.holds | _holds(other))
+
+    def __invert__(self) -> Truth:
+        return Truth(~self.holds)
+
+    __mul__ = __rand__ = __and__
+    __ror__ = __or__
+
+
+def _holds(other: Any) -> Any:
+    return other.holds if isinstance(other, Truth) else other
+
+
+class Dual:
+    """A number (or an array of them) with its derivatives by some variables."""
+
+    __array_ufunc__ = None  # NumPy's operators leave the work to ours
+
+    def __init__(self, value: Array, slopes: list[Any]):
+        self.value = value
+        self.slopes = slopes
+
+    def slope(self, i: int) -> Any:
+        """The derivative by variable i."""
+        return self.slopes[i] if i < len(self.slopes) else 0.0
+
+    def _with(
+        self, other: Any, value: Callable[[Any, Any], Any], left: Callable[[Any, Any], Any], right: Callable[[Any, Any], Any]
+    ) -> Dual:
+        b = _lift(other)
+        dl, dr = left(self.value, b.value), right(self.value, b.value)
+        count = max(len(self.slopes), len(b.slopes))
+        return Dual(value(self.value, b.value), [dl * self.slope(i) + dr * b.slope(i) for i in range(count)])
+
+    def _through(self, value: Any, slope: Any) -> Dual:
+        return Dual(value, [slope * s for s in self.slopes])
+
+    def __add__(self, other: Any) -> Dual:
+        return self._with(other, lambda a, b: a + b, lambda a, b: 1.0, lambda a, b: 1.0)
+
+    def __sub__(self, other: Any) -> Dual:
+        return self._with(other, lambda a, b: a - b, lambda a, b: 1.0, lambda a, b: -1.0)
+
+    def __mul__(self, other: Any) -> Dual:
+        return self._with(other, lambda a, b: a * b, lambda a, b: b, lambda a, b: a)
+
+    def __truediv__(self, other: Any) -> Dual:
+        return self._with(other, lambda a, b: a / b, lambda a, b: 1.0 / b, lambda a, b: -a / (b * b))
+
+    def __rsub__(self, other: Any) -> Dual:
+        return _lift(other) - self
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        return _lift(other) / self
+
+    def __pow__(self, power: Any) -> Dual:
+        if isinstance(power, Dual):
+            return (power * self.__ss_log__()).__ss_exp__()
+        return self._through(self.value**power, power * self.value ** (power - 1) if np.ndim(power) or power != 0 else 0.0)
+
+    def __rpow__(self, base: Any) -> Dual:
+        return (self * np.log(base)).__ss_exp__()
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Dual:
+        return self._through(-self.value, -1.0)
+
+    def __pos__(self) -> Dual:
+        return self
+
+    def __abs__(self) -> Dual:
+        return self._through(np.abs(self.value), np.sign(self.value))
+
+    def __gt__(self, other: Any) -> Truth:
+        return Truth(np.greater(self.value, _lift(other).value))
+
+    def __ge__(self, other: Any) -> Truth:
+        return Truth(np.greater_equal(self.value, _lift(other).value))
+
+    def __lt__(self, other: Any) -> Truth:
+        return Truth(np.less(self.value, _lift(other).value))
+
+    def __le__(self, other: Any) -> Truth:
+        return Truth(np.less_equal(self.value, _lift(other).value))
+
+    def __ss_exp__(self) -> Dual:
+        e = np.exp(self.value)
+        return self._through(e, e)
+
+    def __ss_log__(self) -> Dual:
+        return self._through(np.log(self.value), 1.0 / self.value)
+
+    def __ss_sqrt__(self) -> Dual:
+        root = np.sqrt(self.value)
+        return self._through(root, 0.5 / root)
+
+    def __ss_sin__(self) -> Dual:
+        return self._through(np.sin(self.value), np.cos(self.value))
+
+    def __ss_cos__(self) -> Dual:
+        return self._through(np.cos(self.value), -np.sin(self.value))
+
+    def __ss_tanh__(self) -> Dual:
+        t = np.tanh(self.value)
+        return self._through(t, 1.0 - t * t)
+
+
+def _lift(value: Any) -> Dual:
+    return value if isinstance(value, Dual) else Dual(value, [])
+
+
+def variables(*values: Array) -> list[Dual]:
+    """Numbers as independent variables: the slope of each by itself is 1.
+
+    Examples
+    --------
+    >>> x, y = variables(np.array([1.0, 2.0]), np.array([3.0, 4.0]))
+    >>> (x * y).slope(0).tolist(), (x * y).slope(1).tolist()
+    ([3.0, 4.0], [1.0, 2.0])
+    """
+    return [Dual(value, [1.0 if i == k else 0.0 for i in range(len(values))]) for k, value in enumerate(values)]
+
+
+def slopes_of(number: Any, count: int) -> list[Any]:
+    """The derivatives of a result by each of `count` variables; a plain number has none."""
+    return [_lift(number).slope(i) for i in range(count)]

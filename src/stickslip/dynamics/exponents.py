@@ -1,0 +1,290 @@
+"""Lyapunov exponents of a robot's motion, and the verdict: periodic, quasi-periodic or chaotic."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.generic import Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.mapping import coordinates, flight, needs_model, strobe_map, strobe_states
+from stickslip.dynamics.variational import transfers
+from stickslip.errors import InputError, Problems
+
+__all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
+
+Array = Any
+_CHUNK = 50  # drive periods that are kept as dense output at a time
+_ALIGN = 20  # drive periods in which directions turn into place
+_APART = 1e-7  # distance of two neighbours, in scales
+
+
+def lyapunov(
+    model: Any,
+    periods: int = 2000,
+    *,
+    settle: int = 200,
+    start: Any = None,
+    rtol: float = 1e-7,
+    progress: Callable[[int, int], None] | None = None,
+) -> Lyapunov:
+    """All Lyapunov exponents of the motion that a robot settles on, per drive period (natural logarithm).
+
+    The variational equation is solved along the dense output, with a saltation matrix at every switch. Under a set-valued law a
+    body that comes to rest forgets its velocity: the exponent is -inf, and `note` says so. The 0 of the cyclic position is left out.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot.
+    periods : int
+        Drive periods to average over.
+    settle : int
+        Drive periods to run before.
+    start : dict, optional
+        Where to begin, as for `solve`; from rest if not given.
+    rtol : float
+        Tolerance of the run.
+    progress : callable, optional
+        Called with (periods done, periods).
+
+    Returns
+    -------
+    Lyapunov
+        `largest`, `spectrum`, `error`, `errors`, `record`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> l = ss.lyapunov(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), periods=50)
+    >>> round(l.largest, 6)  # type IV: the logarithm of its multiplier
+    -2.418858
+    """
+    _check(model, periods, settle)
+    state = settled(model, start, settle, rtol)
+    run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
+    state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(state.shape[1]))[1], [], 0
+    while parts < periods:
+        count = min(_CHUNK, periods - parts)
+        run = flight(model, state[0], count, rtol)
+        state = strobe_states(run)[-1:]
+        grown, Q = _growth(run, Q)
+        logs.append(grown)
+        parts += count
+        if progress is not None:
+            progress(parts, periods)
+    return _told(np.concatenate(logs))
+
+
+def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
+    """The strobe state after some periods: array (1, coordinates)."""
+    from stickslip.dynamics.orbits import states_of
+
+    state = states_of(start, coordinates(model))[None, :]
+    return strobe_map(model, state, settle, rtol).state if settle else state
+
+
+def _check(model: Any, periods: Any, settle: Any) -> None:
+    needs_model("lyapunov", model)
+    problems = Problems("lyapunov")
+    for name, value, least in (("periods", periods, 20), ("settle", settle, 0)):
+        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < least:
+            problems.add(f"{name} = {value!r}; allowed is a whole number from {least}; type for example {name}={max(least, 2000)}")
+    problems.check()
+
+
+def _told(logs: Array) -> Lyapunov:
+    """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
+    dead = np.isneginf(logs).any(axis=0)
+    found = gathered(logs[:, ~dead], 1.0, "drive period") if not dead.all() else None
+    if not dead.any():
+        return found  # type: ignore[return-value]
+    lost, note = int(dead.sum()), "it comes to rest, and a body at rest has forgotten its velocity: a multiplier of exactly 0"
+    spectrum = np.full(lost, -np.inf) if found is None else np.append(found.spectrum, np.full(lost, -np.inf))
+    errors = np.zeros(lost) if found is None else np.append(found.errors, np.zeros(lost))
+    record = (
+        np.array([[len(logs), *spectrum]])
+        if found is None
+        else np.column_stack([found.record, np.full((len(found.record), lost), -np.inf)])
+    )
+    return Lyapunov(spectrum, errors, record, "drive period", float(len(logs)), note)
+
+
+def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
+    """The logarithms of the growth in every drive period of a run, and the frame at its end.
+
+    All directions but the last are carried along; the last has what the volume leaves over.
+    """
+    matrices, areas = transfers(run)
+    starts = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
+    number = np.minimum((starts / run.period_time + 1e-9).astype(int), run.periods - 1)
+    logs, volume = np.zeros((run.periods, len(Q))), np.zeros(run.periods)
+    np.add.at(volume, number, areas)
+    Q = (_carried if len(Q) > 2 else _carried_in_the_plane)(matrices, number, logs, Q) if len(Q) > 1 else Q
+    with np.errstate(invalid="ignore"):
+        logs[:, -1] = np.where(np.isneginf(volume), -np.inf, volume - logs[:, :-1].sum(axis=1))
+    return logs, Q
+
+
+def _carried(matrices: Array, number: Array, logs: Array, Q: Array) -> Array:
+    """The frame at the end; what its directions but the last grow by is added to `logs`."""
+    for M, k in zip(matrices, number, strict=True):
+        Q, R = np.linalg.qr(M @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k, :-1] += np.log(abs(np.diag(R)))[:-1]
+    return Q
+
+
+def _carried_in_the_plane(matrices: Array, number: Array, logs: Array, Q: Array) -> Array:
+    """The same for one direction in the plane, without the overhead of matrices."""
+    x, y, grown = float(Q[0, 0]), float(Q[1, 0]), [0.0] * len(logs)
+    for ((a, b), (c, d)), k in zip(matrices.tolist(), number.tolist(), strict=True):
+        x, y = a * x + b * y, c * x + d * y
+        size = math.hypot(x, y)
+        if size == 0.0:
+            grown[k], x, y = -math.inf, 0.0, 1.0
+        else:
+            grown[k], x, y = grown[k] + math.log(size), x / size, y / size
+    logs[:, 0] += grown
+    return np.array([[x, -y], [y, x]])
+
+
+def largest_exponents(
+    model: Any, periods: int = 400, *, settle: int = 200, start: Any = None, rtol: float = 1e-10, apart: float = _APART
+) -> tuple[Array, Array]:
+    """The largest exponent of every case of a batch, by two neighbours that are brought together after every drive period.
+
+    This is the second method beside `lyapunov`, and the one for maps: all cases run in one batch.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot or a batch.
+    periods, settle : int
+        Drive periods to average over, and to run before.
+    start : array (cases, coordinates), optional
+        Strobe states to begin with; rest if not given.
+    rtol : float
+        Tolerance; well below `apart`.
+    apart : float
+        Distance of the neighbours, in the scales of the coordinates.
+
+    Returns
+    -------
+    exponents, errors : array (cases,)
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> largest_exponents(robot, periods=20, settle=50)[0].round(4).tolist()
+    [-2.4189]
+    """
+    from stickslip.batch import labels_of
+
+    cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
+    state = np.zeros((cases, len(at.names))) if start is None else np.atleast_2d(np.asarray(start, float))
+    state = strobe_map(model, state, settle, max(rtol, 1e-8)).state if settle else state
+    both, away = _doubled(model), np.tile(apart * at.scales / np.sqrt(len(at.names)), (cases, 1))
+    logs = np.empty((_ALIGN + periods, cases))
+    for k in range(_ALIGN + periods):
+        ends = strobe_map(both, np.concatenate([state, state + away]), 1, rtol).state
+        state, gap = ends[:cases], (ends[cases:] - ends[:cases]) / at.scales
+        size = np.linalg.norm(gap, axis=1)
+        with np.errstate(divide="ignore"):
+            logs[k] = np.log(size / apart)
+        away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], 1 / np.sqrt(len(at.names))) * apart * at.scales
+    logs = logs[_ALIGN:]
+    return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))
+
+
+def _doubled(model: Any) -> Any:
+    """The batch twice over, in one dimension."""
+    from stickslip.batch import rows_of
+    from stickslip.fields import leaves, replace_leaf
+
+    names = tuple(name for name, _ in leaves(model))
+    rows = np.tile(rows_of(model, names), (2, 1))
+    return replace_leaf(model, {name: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)})
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What kind of motion a robot settles on, and on what evidence.
+
+    Parameters
+    ----------
+    kind : str
+        "periodic", "quasi-periodic", "chaotic" or "undecided".
+    period : int or None
+        Drive periods after which it repeats.
+    exponents : Lyapunov
+        Of the motion.
+    orbit : PeriodicOrbit or None
+        The periodic orbit that it is, found by Newton's method.
+    why : str
+        The evidence in a sentence.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> told = ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=20, settle=20)
+    >>> told.kind, told.period, told.orbit.type
+    ('periodic', 1, 'III')
+    """
+
+    kind: str
+    period: int | None
+    exponents: Lyapunov
+    orbit: Any
+    why: str
+
+    def __repr__(self) -> str:
+        return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
+
+
+def verdict(model: Any, periods: int = 1000, *, settle: int = 500, start: Any = None, rtol: float = 1e-8) -> Verdict:
+    """Periodic, quasi-periodic or chaotic: from the exponents and the strobe point together, never from looks.
+
+    Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
+    multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:
+    it does not come back, and the largest exponent is zero within three errors that are small. Anything else is undecided.
+
+    Parameters
+    ----------
+    model, periods, settle, start, rtol
+        As for `lyapunov`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=50, settle=50).kind
+    'periodic'
+    """
+    from stickslip.dynamics.orbits import periodic_orbit
+    from stickslip.dynamics.repeating import repetition
+    from stickslip.errors import SolveError
+
+    _check(model, periods, settle)
+    state = settled(model, start, settle, rtol)
+    back = repetition(model, state[0], rtol)
+    exponents = lyapunov(model, periods, settle=0, start=state[0], rtol=rtol)
+    if back.period is not None:
+        try:
+            orbit = periodic_orbit(model, back.period, guess=back.state)
+        except (SolveError, InputError):
+            orbit = None
+        if orbit is not None and orbit.stable:
+            why = (
+                f"the strobe point comes back after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
+            )
+            return Verdict("periodic", back.period, exponents, orbit, why)
+    told = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
+    if back.period is None and exponents.chaotic:
+        return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
+    if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
+        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero")
+    return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")

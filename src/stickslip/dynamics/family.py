@@ -1,0 +1,86 @@
+"""One parameter of a robot as a variable: a maker with its other arguments fixed, for single values and for batches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, did_you_mean
+from stickslip.fields import leaves, replace_leaf
+from stickslip.sweeps.axes import check_names  # a family is a sweep whose values are not known before
+from stickslip.sweeps.naming import AXES
+
+__all__ = ["Family", "family"]
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Robots that differ in some parameters.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from keywords, or a robot whose numbers are named with dots.
+    parameters : tuple of str
+        The keywords that vary.
+    fixed : dict
+        The other keywords.
+    """
+
+    make: Any
+    parameters: tuple[str, ...]
+    fixed: dict[str, Any]
+
+    def robot(self, *values: float) -> Any:
+        """The robot at one point."""
+        arguments = {**self.fixed, **dict(zip(self.parameters, map(float, values), strict=True))}
+        return self.make(**arguments) if callable(self.make) else self.make.replace(arguments)
+
+    def robots(self, *values: Any) -> Any:
+        """Robots at many points, as one batch: arrays of one length."""
+        columns = dict(zip(self.parameters, (np.asarray(v, float) for v in values), strict=True))
+        if not callable(self.make):
+            return self.make.replace({**self.fixed, **columns})
+        try:
+            return self.make(**self.fixed, **columns)
+        except InputError:
+            raise
+        except (TypeError, ValueError):  # a maker that cannot take arrays
+            return _point_by_point(self.make, self.fixed, columns)
+
+    def describe(self, parameter: str) -> dict[str, str]:
+        """Name and unit of a parameter, as a plot shows them."""
+        known = AXES.get(parameter.rpartition(".")[2])
+        return {"long_name": known[0], "units": known[1]} if known else {"long_name": parameter, "units": "1"}
+
+
+def _point_by_point(make: Any, fixed: dict[str, Any], columns: dict[str, Any]) -> Any:
+    """The robots of a maker that takes single numbers, put together."""
+    robots = [
+        make(**fixed, **dict(zip(columns, point, strict=True))) for point in zip(*(c.tolist() for c in columns.values()), strict=True)
+    ]
+    tables = [dict(leaves(robot)) for robot in robots]
+    return replace_leaf(robots[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
+
+
+def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, Any]) -> Family:
+    """A family, its names checked."""
+    from stickslip.errors import Problems
+
+    problems = Problems(what)
+    if callable(make) or hasattr(make, "replace"):
+        check_names(make, [*fixed, *parameters], (), problems)
+    else:
+        problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
+    for name in parameters:
+        if name in fixed:
+            problems.add(f"{name} is the parameter that varies and is given a value too; leave {name}={fixed[name]!r} out")
+    problems.check()
+    if not callable(make):
+        names = [name for name, _ in leaves(make)]
+        for name in parameters:
+            if name not in names:
+                raise InputError(what, [f"{name!r} is no number of the robot; {did_you_mean(name, names)}"])
+    return Family(make, parameters, fixed)

@@ -1,0 +1,236 @@
+"""Lyapunov exponents of any map and of any flow: QR along the orbit, with a record of how they converge and an error.
+
+The derivative may be given; else the function's own lines are called with numbers that carry their slopes, so write it with
+`stickslip.maths` (or plain arithmetic).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.duals import slopes_of, variables
+from stickslip.errors import InputError, Problems
+
+__all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
+
+Array = Any
+
+
+@dataclass(frozen=True, eq=False)
+class Lyapunov:
+    """Lyapunov exponents with what one must know to believe them.
+
+    Parameters
+    ----------
+    spectrum : array (n,)
+        The exponents, the largest first, natural logarithm per `unit`. -inf: disturbances in that direction end in finite time.
+    errors : array (n,)
+        Standard errors, from the scatter of the means of long stretches.
+    record : array (m, 1 + n)
+        How they converged: time so far (in units) and the exponents until then.
+    unit : str
+        What one unit of time is: "drive period", "iteration" or "time".
+    steps : int
+        How many units they were averaged over.
+    note : str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> l = lyapunov_of_map(lambda x: (0.5 * x[0],), [1.0], iterations=100)
+    >>> round(l.largest, 6), l.chaotic, l.record.shape
+    (-0.693147, False, (100, 2))
+    """
+
+    spectrum: Array
+    errors: Array
+    record: Array
+    unit: str
+    steps: float
+    note: str = ""
+
+    @property
+    def largest(self) -> float:
+        """The largest exponent."""
+        return float(self.spectrum[0])
+
+    @property
+    def error(self) -> float:
+        """Standard error of the largest exponent."""
+        return float(self.errors[0])
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether the largest exponent is positive by more than three of its errors (and not by rounding)."""
+        return bool(self.largest > max(3 * self.error, 1e-6) and np.isfinite(self.largest))
+
+    @property
+    def dimension(self) -> float:
+        """Kaplan-Yorke dimension of the attractor."""
+        total = 0.0
+        for k, exponent in enumerate(self.spectrum):
+            if total + exponent < 0:
+                return float(k + (total / abs(exponent) if np.isfinite(exponent) else 0.0))
+            total += float(exponent)
+        return float(len(self.spectrum))
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{a:.6g} ± {e:.1g}" for a, e in zip(self.spectrum, self.errors, strict=True))
+        return f"<Lyapunov: {told} per {self.unit}, over {self.steps:g}{'; ' + self.note if self.note else ''}>"
+
+
+def error_of_mean(samples: Array, stretches: int = 20) -> Array:
+    """Standard error of the mean of correlated samples (n, ...): from the means of long stretches, at least `stretches` of them."""
+    length = max(len(samples) // stretches, 1)
+    count = len(samples) // length
+    means = samples[: count * length].reshape(count, length, *samples.shape[1:]).mean(axis=1)
+    return means.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(samples.shape[1:], np.inf)
+
+
+def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 200) -> Lyapunov:
+    """The result from the growth in every stretch of length `time`: array (n, exponents)."""
+    order = np.argsort(-logs.mean(axis=0), kind="stable")
+    logs = logs[:, order]
+    count = np.arange(1, len(logs) + 1)
+    shown = np.unique(np.linspace(0, len(logs) - 1, min(points, len(logs))).astype(int))
+    means = np.cumsum(logs, axis=0)[shown] / (count[shown] * time)[:, None]
+    record = np.column_stack([count[shown] * time, means])
+    return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time, note)
+
+
+def _jacobian(f: Callable[..., Any], *before: Any) -> Callable[[Array], Array]:
+    """The derivative of a function's own lines."""
+
+    def derivative(x: Array) -> Array:
+        found = f(*before, variables(*x))
+        rows = found if isinstance(found, (tuple, list, np.ndarray)) else [found]
+        return np.array([slopes_of(row, len(x)) for row in rows], float)
+
+    return derivative
+
+
+def _checked(what: str, x0: Any, **whole: Any) -> Array:
+    problems = Problems(what)
+    try:
+        x = np.atleast_1d(np.asarray(x0, float))
+    except (TypeError, ValueError):
+        x = np.array([np.nan])
+    if x.ndim != 1 or not np.isfinite(x).all():
+        problems.add(f"x0 = {x0!r}; allowed is a list of finite numbers, one for each coordinate")
+    for name, value in whole.items():
+        if not value > 0:
+            problems.add(f"{name} = {value!r}; allowed is a positive number")
+    problems.check()
+    return x
+
+
+def lyapunov_of_map(
+    f: Callable[..., Any], x0: Any, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
+) -> Lyapunov:
+    """Lyapunov exponents of a map x -> f(x), per iteration.
+
+    Parameters
+    ----------
+    f : callable
+        Takes a list of numbers, returns as many.
+    x0 : sequence of float
+        Where to begin.
+    iterations, settle : int
+        How many iterations to average over, and how many to run before.
+    jacobian : callable, optional
+        The matrix of f's derivatives at x; if not given it comes from f's own lines.
+
+    Returns
+    -------
+    Lyapunov
+
+    Examples
+    --------
+    >>> henon = lambda x: (1 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0])
+    >>> l = lyapunov_of_map(henon, [0.1, 0.1], iterations=5000)
+    >>> round(float(l.spectrum.sum()), 6), l.chaotic  # the sum is ln 0.3
+    (-1.203973, True)
+    """
+    x, Q = _checked("lyapunov_of_map", x0, iterations=iterations), None
+    slope = jacobian or _jacobian(f)
+    for _ in range(settle):
+        x = np.atleast_1d(np.asarray(f(x), float))
+    Q, logs = np.eye(len(x)), np.empty((int(iterations), len(x)))
+    for k in range(int(iterations)):
+        Q, R = np.linalg.qr(np.asarray(slope(x), float) @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k] = np.log(abs(np.diag(R)))
+        x = np.atleast_1d(np.asarray(f(x), float))
+    if not np.isfinite(x).all():
+        raise InputError("lyapunov_of_map", [f"the map leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
+    return gathered(logs, 1.0, "iteration")
+
+
+def lyapunov_of_flow(
+    f: Callable[..., Any],
+    x0: Any,
+    *,
+    duration: float = 500.0,
+    settle: float = 50.0,
+    every: float = 0.5,
+    jacobian: Callable[..., Any] | None = None,
+    rtol: float = 1e-9,
+    mode: int = 0,
+) -> Lyapunov:
+    """Lyapunov exponents of a flow x' = f(x), smooth or switching, per unit of time.
+
+    Parameters
+    ----------
+    f : callable or SwitchingFlow
+        Takes a list of numbers, returns their rates. Of a `SwitchingFlow` a saltation matrix is taken at every switch.
+    x0 : sequence of float
+        Where to begin.
+    duration, settle : float
+        How long to average, and how long to run before.
+    every : float
+        Time between two orthonormalisations.
+    jacobian : callable, optional
+        The matrix of f's derivatives at x; if not given it comes from f's own lines.
+    rtol : float
+        Tolerance of the integrator (DOP853).
+    mode : int
+        In which mode a `SwitchingFlow` begins.
+
+    Returns
+    -------
+    Lyapunov
+
+    Examples
+    --------
+    >>> damped = lambda x: (x[1], -x[0] - 0.2 * x[1])
+    >>> lyapunov_of_flow(damped, [1.0, 0.0], duration=100.0).spectrum.round(3).tolist()  # the real parts of the eigenvalues
+    [-0.1, -0.1]
+    """
+    from scipy.integrate import solve_ivp
+
+    x = _checked("lyapunov_of_flow", x0, duration=duration, every=every)
+    if hasattr(f, "switches"):
+        from stickslip.dynamics.flow_orbits import exponents_of
+
+        logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)  # type: ignore[arg-type]
+        return gathered(logs, every, "unit of time")
+    n, slope = len(x), jacobian or _jacobian(f)
+
+    def rates(t: float, y: Array) -> Array:
+        return np.concatenate([np.asarray(f(y[:n]), float), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
+
+    if settle > 0:
+        x = solve_ivp(lambda t, y: np.asarray(f(y), float), (0.0, settle), x, method="DOP853", rtol=rtol, atol=rtol).y[:, -1]
+    Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
+    for k in range(len(logs)):
+        end = solve_ivp(rates, (0.0, every), np.concatenate([x, Q.ravel()]), method="DOP853", rtol=rtol, atol=rtol).y[:, -1]
+        if not np.isfinite(end).all():
+            raise InputError("lyapunov_of_flow", [f"the flow leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
+        x = end[:n]
+        Q, R = np.linalg.qr(end[n:].reshape(n, n))
+        logs[k] = np.log(abs(np.diag(R)))
+    return gathered(logs, every, "unit of time")

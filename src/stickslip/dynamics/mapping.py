@@ -1,0 +1,230 @@
+"""The strobe map: where a state at t = 0 is after some drive periods, for many starts and many robots in one batch.
+
+The position of a robot appears nowhere in its equations. It is no coordinate of the map, and its multiplier, which is 1, is
+left out; a mechanism with a spring has x as its first coordinate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.forces import is_dynamic, memories_of, normal_load, rest_velocity
+from stickslip.forces import states_of as inner_states
+
+__all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "strobe_map", "strobe_orbit"]
+
+Array = Any
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """The coordinates of a strobe state: their names, and the size against which each is measured."""
+
+    names: tuple[str, ...]
+    scales: Array
+
+    def start(self, state: Any) -> dict[str, Any]:
+        """A state, or a table of them, as `solve` takes a start."""
+        state = np.asarray(state, float)
+        inner = [i for i, name in enumerate(self.names) if name not in ("x", "v")]
+        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names) if name in ("x", "v")}
+        if inner:
+            found["z"] = state[..., inner[0]] if len(inner) == 1 else state[..., inner]
+        return {name: value[()] for name, value in found.items()}
+
+    def distance(self, a: Any, b: Any) -> Any:
+        """The largest difference of two states in their scales."""
+        return np.max(abs(np.asarray(a, float) - np.asarray(b, float)) / self.scales, axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period."""
+
+    state: Array  # (cases, coordinates)
+    displacement: Array  # [m]
+    status: Array
+    v_max: Array
+    v_min: Array
+
+
+def coordinates(model: Any) -> Coordinates:
+    """The coordinates of a model's strobe state.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> coordinates(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)).names
+    ('v', 'z')
+    """
+    law = model.friction
+    count = inner_states(law)
+    inner = ("z",) if count == 1 else tuple(f"z{i}" for i in range(count))
+    speed = _largest(getattr(model, "free_velocity", model.velocity_scale)) or _largest(model.velocity_scale) or 1.0
+    shift = () if getattr(model, "cyclic", False) else ("x",)
+    scales = [speed * _largest(model.period) / (2 * np.pi)] * len(shift) + [speed]
+    if count:
+        scale = getattr(law, "scale", None)
+        typical = speed * _largest(model.period) if scale is None else scale(normal_load(model, 0.0, 0.0))
+        scales += [_largest(s) for s in (typical if isinstance(typical, tuple) else (typical,) * count)]
+    return Coordinates((*shift, "v", *inner), np.array(scales))
+
+
+def _largest(value: Any) -> float:
+    return float(np.max(np.abs(np.asarray(value, float))))
+
+
+def spread_over(model: Any, cases: int) -> Any:
+    """A single case as a batch of `cases` equal ones; a batch stays what it is."""
+    numbers = dict(leaves(model))
+    if any(np.ndim(value) for value in numbers.values()):
+        return model
+    name = next(iter(numbers))
+    return replace_leaf(model, {name: np.full(cases, float(numbers[name]))})
+
+
+def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -> Ends:
+    """The states after some drive periods.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot, or a batch of as many as there are states.
+    states : array (cases, coordinates)
+        States at t = 0 in the order of `coordinates`.
+    periods : int
+        How many drive periods.
+    rtol : float
+        Tolerance for dynamic laws.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> strobe_map(robot, [[0.0], [1e-3]], periods=3).displacement.round(9).tolist()
+    [0.000185664, 0.000186046]
+    """
+    states = np.atleast_2d(np.asarray(states, float))
+    if memories_of(model.friction):
+        raise InputError(
+            type(model.friction).__name__,
+            ["the law remembers whole numbers (modes), so that velocity and inner states on the strobe do not say everything; orbits, "
+             "exponents and basins need a law without modes; type ss.solve(robot, periods=...) and look at its strobe points instead"],
+        )  # fmt: skip
+    if getattr(model.friction, "scalar_only", False):
+        return _one_by_one(model, states, periods, rtol)
+    from stickslip.solvers.arcs import handles
+
+    if not is_dynamic(model.friction) and handles(model) is None:
+        return _by_arcs(model, states, periods)
+    return _in_lanes(model, states, periods, rtol)
+
+
+def _in_lanes(model: Any, states: Array, periods: int, rtol: float) -> Ends:
+    """The engine's lanes: their table has x, then v at the contact, the inner states, and x again where the equations know it."""
+    from stickslip.batch import rows_of
+    from stickslip.engine import lanes, tableaux
+    from stickslip.solvers.exact import REPEAT
+    from stickslip.solvers.rosenbrock import LOOSE, SAFETY
+    from stickslip.solvers.stepping import BUDGET
+
+    cyclic, dynamic = bool(getattr(model, "cyclic", False)), is_dynamic(model.friction)
+    tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
+    kernel = lanes.kernel_of(model, tableau, record=False)
+    rows = rows_of(model, kernel.names)
+    rows = np.array(np.broadcast_to(rows, (len(states), rows.shape[1])), order="C")
+    offset = np.broadcast_to(np.asarray(rest_velocity(model), float), len(states))[:, None]
+    x, v, z = (np.zeros((len(states), 1)), states[:, :1], states[:, 1:]) if cyclic else (states[:, :1], states[:, 1:2], states[:, 2:])
+    table = np.ascontiguousarray(np.hstack([x, v - offset, z] if cyclic else [x, v - offset, z, x]))
+    job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)
+    found = lanes.run(kernel, rows, table, job)
+    y = np.where(found.status[:, None] <= 1, found.end[:, 1:], np.nan)
+    end = np.hstack([y[:, :1] + offset, y[:, 1:]] if cyclic else [y[:, -1:], y[:, :1] + offset, y[:, 1:-1]])
+    return Ends(end, found.end[:, 0] - table[:, 0], found.status, found.v_max + offset[:, 0], found.v_min + offset[:, 0])
+
+
+def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
+    from stickslip.solvers.exact import solve_batch
+
+    raw = solve_batch(spread_over(model, len(states)), periods, 0, {"x": 0.0, "v": states[:, 0]})
+    return Ends(raw["v_end"][:, None], raw["x_end"], raw["status"], raw["v_max"], raw["v_min"])
+
+
+def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
+    """Any other method: a run for each case."""
+    cases = _cases(model, len(states))
+    runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
+    ends = np.array([strobe_states(run)[-1] for run in runs])
+    way = np.array([run.strobe_x[-1] - run.strobe_x[0] for run in runs])
+    top, low = (np.array([extreme(run.v) for run in runs]) for extreme in (np.max, np.min))
+    return Ends(ends, way, np.zeros(len(runs), int), top, low)
+
+
+def _cases(model: Any, count: int) -> list[Any]:
+    """Every case of a batch as a model of its own."""
+    from stickslip.batch import rows_of
+
+    names = tuple(name for name, _ in leaves(model))
+    rows = rows_of(model, names)
+    rows = np.broadcast_to(rows, (count, len(names)))
+    return [replace_leaf(model, dict(zip(names, map(float, row), strict=True))) for row in rows]
+
+
+def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any:
+    """The trajectory from a strobe state, with its dense output and its events."""
+    from stickslip.solvers import solve
+
+    options = {"rtol": rtol} if is_dynamic(model.friction) else {}
+    return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)
+
+
+def strobe_states(run: Any) -> Array:
+    """The strobe states of a run, one row for each drive period and one for its end."""
+    columns = [] if getattr(run.model, "cyclic", False) else [run.strobe_x]
+    columns += [run.strobe_v] + ([] if run.strobe_z is None else [run.strobe_z])
+    return np.column_stack(columns)
+
+
+def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
+    """The states and the displacement of `count` periods in a row: arrays (count, cases, coordinates) and (count, cases)."""
+    state, kept, ways = np.atleast_2d(np.asarray(states, float)), [], []
+    for _ in range(count):
+        end = strobe_map(model, state, 1, rtol)
+        state = end.state
+        kept.append(state)
+        ways.append(end.displacement)
+    return np.array(kept), np.array(ways)
+
+
+def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6) -> Array:
+    """The derivative of the strobe map by central differences of one batch.
+
+    Parameters
+    ----------
+    step : float
+        Half the distance of the two points, in the scales of `coordinates`.
+    """
+    at = coordinates(model)
+    d = len(at.names)
+    shifts = np.vstack([np.eye(d), -np.eye(d)]) * (step * at.scales)
+    ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state
+    return ((ends[:d] - ends[d:]) / (2 * step * at.scales[:, None])).T
+
+
+def needs_model(what: str, model: Any) -> None:
+    """Say what to type where something else than one robot was given."""
+    if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
+        raise InputError(
+            what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
+        )
+    if any(np.ndim(value) for _, value in leaves(model)):
+        raise InputError(
+            what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
+        )
+    if getattr(model, "period", None) is None:
+        raise InputError(what, [f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"])

@@ -1,0 +1,100 @@
+"""Newton's method on maps that are evaluated in batches: the slopes and the trial steps of one iteration are one batch each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+__all__ = ["Found", "newton"]
+
+Array = Any
+Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1
+
+STEP = 1e-6  # half the distance of the points of a central difference
+SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went too far, tried together
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Where Newton's method ended."""
+
+    at: Array
+    residual: float
+    iterations: int
+    jacobian: Array
+    good: bool
+    why: str
+
+
+def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array, Array]:
+    """The residuals and their Jacobian by central differences, in one batch."""
+    n = len(u)
+    found = residuals(np.vstack([u, u + step * np.eye(n), u - step * np.eye(n)]))
+    with np.errstate(invalid="ignore"):
+        return found[0], ((found[1 : n + 1] - found[n + 1 :]) / (2 * step)).T
+
+
+def newton(
+    residuals: Residuals, guess: Array, tolerance: float = 1e-12, most: int = 25, floor: float = 1e-9, reach: float = np.inf
+) -> Found:
+    """A root of F(u) = 0.
+
+    Parameters
+    ----------
+    residuals : callable
+        Gives F for a table of trial points, one row each. Unknowns and equations are measured in their own scales.
+    guess : array
+    tolerance : float
+        The residual at which it is done.
+    most : int
+        Largest number of iterations.
+    floor : float
+        A residual below it that does not shrink any more has met rounding, and counts as found.
+    reach : float
+        Longest step.
+
+    Examples
+    --------
+    >>> found = newton(lambda u: u**2 - 2.0, np.array([1.0]))
+    >>> bool(abs(found.at[0] - 2**0.5) < 1e-14), found.good
+    (True, True)
+    """
+    u = np.array(guess, float)
+    F, J = slopes_at(residuals, u)
+    size = _size(F)
+    for k in range(most + 1):
+        if not np.isfinite(size) or not np.isfinite(J).all():
+            return Found(u, size, k, J, False, "the map gave no number here")
+        if size <= tolerance:
+            return Found(u, size, k, J, True, "found")
+        if k == most:
+            break
+        step = np.linalg.lstsq(J, -F, rcond=1e-13)[0]
+        step = step * min(1.0, reach / max(float(np.linalg.norm(step)), 1e-300))
+        ahead, slopes = slopes_at(residuals, u + step)
+        if _size(ahead) < size:
+            u, F, J, size = u + step, ahead, slopes, _size(ahead)
+            continue
+        share = _best_share(residuals, u, step, size)
+        if share == 0.0:
+            good = size <= floor
+            return Found(u, size, k, J, good, "found, to rounding" if good else "no part of Newton's step makes the residual smaller")
+        u = u + share * step
+        F, J = slopes_at(residuals, u)
+        size = _size(F)
+    good = size <= floor
+    return Found(u, size, most, J, good, "found, to rounding" if good else f"{most} iterations were not enough")
+
+
+def _best_share(residuals: Residuals, u: Array, step: Array, size: float) -> float:
+    """The part of a step that leaves the smallest residual; 0 if none leaves less than there is."""
+    sizes = np.array([_size(f) for f in residuals(u + SHARES[:, None] * step)])
+    best = int(np.argmin(sizes))
+    return float(SHARES[best]) if sizes[best] < size else 0.0
+
+
+def _size(F: Array) -> float:
+    return float(np.max(np.abs(F))) if np.isfinite(F).all() else float("inf")

@@ -1,0 +1,274 @@
+"""Periodic orbits, stable or not, by Newton's method on the strobe map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.motion import Motion, motion
+from stickslip.dynamics.mapping import (
+    Coordinates,
+    coordinates,
+    difference_jacobian,
+    flight,
+    needs_model,
+    strobe_map,
+    strobe_orbit,
+    strobe_states,
+)  # fmt: skip
+from stickslip.dynamics.newton import Found, newton
+from stickslip.dynamics.variational import monodromy, multipliers_of
+from stickslip.errors import InputError, SolveError
+from stickslip.forces import is_dynamic
+
+__all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
+
+Array = Any
+RTOL = 1e-12
+_RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
+_SETTLING = 100  # drive periods that a guess is run for
+_CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
+_SAME = 1e-7  # strobe states closer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbit:
+    """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.
+
+    Parameters
+    ----------
+    model : Robot
+        What moves.
+    period : int
+        Drive periods until the motion repeats.
+    state : array
+        The state on the strobe t = 0 mod T, in the order of `names`.
+    residual : float
+        How far the state is from itself after one motion period, in the scales of its coordinates.
+    rtol : float
+        Tolerance of the runs that it was computed with.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))
+    >>> orbit.type, orbit.stable, orbit.names, [float(round(m, 6)) for m in orbit.multipliers]
+    ('IV', True, ('v',), [0.089023])
+    """
+
+    model: Any
+    period: int
+    state: Array
+    residual: float
+    rtol: float = RTOL
+    notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the numbers of the state are."""
+        return coordinates(self.model).names
+
+    @property
+    def start(self) -> dict[str, Any]:
+        """The strobe state as `solve` takes a start."""
+        return coordinates(self.model).start(self.state)
+
+    @cached_property
+    def run(self) -> Any:
+        """One motion period, with its dense output."""
+        return flight(self.model, self.state, self.period, max(self.rtol, _RUNS))
+
+    @property
+    def events(self) -> list[Any]:
+        """Every change of mode within the motion period (dynamic laws: reversals of v)."""
+        return self.run.events
+
+    @cached_property
+    def monodromy(self) -> Array:
+        """The derivative of the strobe map over one motion period."""
+        return monodromy(self.run)
+
+    @cached_property
+    def multipliers(self) -> Array:
+        """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
+        return multipliers_of(self.monodromy, not is_dynamic(self.model.friction) and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances die out: all multipliers within the unit circle."""
+        return bool(np.all(abs(self.multipliers) < 1.0))
+
+    @cached_property
+    def differences(self) -> Array:
+        """The multipliers once more, from differences of the strobe map: the second opinion."""
+        found = np.linalg.eigvals(difference_jacobian(self.model, self.state, self.period, self.rtol))
+        return found[np.argsort(-abs(found), kind="stable")]
+
+    @cached_property
+    def mean_velocity(self) -> float:
+        """Mean velocity V [m/s]: the way made in one motion period over its time."""
+        run = self.run
+        return float((run.strobe_x[-1] - run.strobe_x[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
+
+    @cached_property
+    def motion(self) -> Motion:
+        """What `ss.motion` says of it."""
+        return motion(flight(self.model, self.state, 3 * self.period, max(self.rtol, 1e-8)))
+
+    @property
+    def type(self) -> str:
+        """Type of the motion: "I" to "IV", "rest", "presliding" or "other"."""
+        return self.motion.type
+
+    @property
+    def pattern(self) -> str:
+        """Signs of the motion period in order, such as "+0-0"."""
+        return self.motion.pattern
+
+    @property
+    def margin(self) -> float:
+        """Distance to the next border of motion types; 0 is on it."""
+        return self.motion.margin
+
+    @property
+    def memory(self) -> float:
+        """Drive periods in which a small disturbance falls to 1/e (negative: grows); 0 where sticking wipes it out at once."""
+        largest = float(abs(self.multipliers).max())
+        return 0.0 if largest == 0.0 else float("inf") if largest == 1.0 else -self.period / float(np.log(largest))
+
+    def __repr__(self) -> str:
+        state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
+        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        return (
+            f"<PeriodicOrbit: period {self.period}, type {self.type}, V = {self.mean_velocity:.9g} m/s, "
+            f"{'stable' if self.stable else 'unstable'} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+        )
+
+
+def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12) -> PeriodicOrbit:
+    """A periodic motion of a robot, stable or unstable, by Newton's method on the strobe map.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot.
+    period : int
+        Drive periods after which the motion repeats.
+    guess : dict, array, Trajectory or PeriodicOrbit, optional
+        Where to begin: a start as `solve` takes it, a strobe state, a run (its last strobe state) or an orbit nearby. If not given,
+        the robot is run from rest, and the strobe states that come back most nearly are tried, and their means (which lead to an
+        unstable motion between the points of a doubled one).
+    rtol : float
+        Tolerance of the strobe map for dynamic laws.
+    tolerance : float
+        The residual to be reached, in the scales of the coordinates (velocity: A mu omega).
+
+    Returns
+    -------
+    PeriodicOrbit
+        `multipliers`, `stable`, `mean_velocity`, `type`, `state`, `events`, `margin`, `residual`.
+
+    Raises
+    ------
+    SolveError
+        Where Newton's method does not converge: why, and what to try.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), period=1)
+    >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
+    (False, -2.625)
+    """
+    needs_model("periodic_orbit", model)
+    if not isinstance(period, (int, np.integer)) or isinstance(period, bool) or period < 1:
+        raise InputError("periodic_orbit", [f"period = {period!r}; allowed is a whole number from 1, in drive periods; type period=1"])
+    at, tried = coordinates(model), []
+    for state in _guesses(model, int(period), guess, at):
+        found = _solve(model, int(period), state, rtol, tolerance)
+        tried.append(found)
+        if found.good and not _shorter(model, found.at * at.scales, int(period), rtol):
+            return PeriodicOrbit(model, int(period), found.at * at.scales, found.residual, rtol)
+    raise SolveError(_failure(int(period), tried, guess))
+
+
+def _failure(period: int, tried: list[Found], guess: Any) -> str:
+    repeated = sum(f.good for f in tried)
+    if repeated:
+        return (
+            f"no motion of period {period} was found: Newton's method went from all {repeated} guesses to one that repeats earlier; "
+            f"type a smaller period, or a guess on the motion of period {period} (such as guess=run of a robot that has settled on it)"
+        )
+    best = min(tried, key=lambda f: f.residual)
+    hint = "give a guess nearer to it (guess=orbit of a robot nearby), or follow it there with ss.continuation"
+    if guess is None:
+        hint += "; if the robot still settles, give guess=ss.solve(robot, periods=2000)"
+    how = f"{best.why} (residual {best.residual:.1e} after {best.iterations} iterations)"
+    return f"Newton's method found no motion of period {period}: {how}; {hint}"
+
+
+def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float) -> Found:
+    scales = coordinates(model).scales
+
+    def residuals(u: Array) -> Array:
+        return strobe_map(model, u * scales, period, rtol).state / scales - u
+
+    return newton(residuals, np.asarray(state, float) / scales, tolerance)
+
+
+def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
+    """Whether a motion repeats before its period is over."""
+    if period == 1:
+        return False
+    points = strobe_orbit(model, state, period, rtol)[0][:, 0]
+    at = coordinates(model)
+    return any(period % k == 0 and at.distance(points[k - 1], state) < _SAME for k in range(1, period))
+
+
+def _guesses(model: Any, period: int, guess: Any, at: Coordinates) -> list[Array]:
+    return _from_rest(model, period, at) if guess is None else [states_of(guess, at)]
+
+
+def states_of(start: Any, at: Coordinates) -> Array:
+    """A strobe state from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None."""
+    if start is None:
+        return np.zeros(len(at.names))
+    if isinstance(start, PeriodicOrbit):
+        return start.state
+    if hasattr(start, "strobe_v"):
+        return strobe_states(start)[-1]
+    if isinstance(start, dict):
+        return np.array([_named(start, name) for name in at.names])
+    try:
+        state = np.asarray(start, float).ravel()
+    except (TypeError, ValueError):
+        state = np.empty(0)
+    if state.shape != (len(at.names),):
+        raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type dict(v=0.0)"])
+    return state
+
+
+def _named(start: dict[str, Any], name: str) -> float:
+    """One number of a start; z0, z1, ... are entries of z."""
+    if name in start or not name.startswith("z"):
+        return float(start.get(name, 0.0))
+    z = np.ravel(np.asarray(start.get("z", 0.0), float))
+    return float(z[int(name[1:]) if len(z) > 1 else 0])
+
+
+def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
+    """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
+    settled = strobe_map(model, np.zeros((1, len(at.names))), _SETTLING, 1e-6).state
+    points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]
+    means = 0.5 * (points[1:] + points[:-1])
+    tried = np.vstack([points, means])
+    ends = strobe_map(model, tried, period, 1e-8).state
+    miss = at.distance(ends, tried)
+    if period > 1:  # a point of a shorter motion comes back too: take those that move first
+        sooner = np.min([at.distance(strobe_map(model, tried, k, 1e-8).state, tried) for k in range(1, period) if period % k == 0], axis=0)
+        miss = np.where(sooner < 1e-5, np.inf, miss)
+    order = np.argsort(miss, kind="stable")
+    return [tried[i] for i in order[: 6 if period == 1 else 12]]

@@ -1,0 +1,160 @@
+"""Sections of a run and its spectrum: strobe points at a phase, Poincaré points on v = 0, lines at the drive's harmonics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.steady import needs_run, period_number
+from stickslip.errors import InputError, did_you_mean
+
+__all__ = ["poincare", "spectrum", "strobe"]
+
+Array = Any
+
+
+def strobe(run: Any, phase: float = 0.0, settle: int | None = None) -> Any:
+    """The states of a run at one phase of every drive period.
+
+    Parameters
+    ----------
+    run : Trajectory
+    phase : float
+        In drive periods, from 0 to 1.
+    settle : int, optional
+        Drive periods to leave out; those of the run if not given.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``point``: time [s], v [m/s], z, and the displacement since the point before [m] (the position itself drifts).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), periods=100)
+    >>> (strobe(run, phase=0.25).v[-2:] * 1e3).round(3).values.tolist()
+    [11.296, 12.645]
+    """
+    needs_run("strobe", run)
+    if not 0 <= phase <= 1:
+        raise InputError("strobe", [f"phase = {phase!r}; allowed is 0 to 1, in drive periods; type phase=0.25"])
+    first = run.settle if settle is None else settle
+    t = run.strobe_times[:-1][first:] + phase * run.period_time
+    return _dataset(run, np.minimum(t, run.strobe_times[-1]))
+
+
+def poincare(run: Any, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> Any:
+    """The states of a run at which a column passes a value, such as v = 0.
+
+    Parameters
+    ----------
+    run : Trajectory
+    on : str
+        The column: "v", "z", "acceleration" or any other that `Trajectory.at` gives.
+    value : float
+        The value that is passed.
+    direction : int
+        +1 only where it rises, -1 only where it falls, 0 both. A body that comes to rest passes v = 0 when it starts again.
+    settle : int, optional
+        Drive periods to leave out; those of the run if not given.
+
+    Returns
+    -------
+    xarray.Dataset
+        As from `strobe`, and the phase of the drive.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), periods=100)
+    >>> poincare(run, direction=1).phase[-2:].round(6).values.tolist()  # it starts forwards at one phase
+    [0.100694, 0.100694]
+    """
+    needs_run("poincare", run)
+    columns = [name for name, column in run.at(run.strobe_times[:1]).items() if np.ndim(column) == 1 and name != "t"]
+    if on not in columns:
+        raise InputError("poincare", [f"on = {on!r} is no column with one number at each instant; {did_you_mean(str(on), columns)}"])
+    if direction not in (-1, 0, 1):
+        raise InputError("poincare", [f"direction = {direction!r}; allowed is -1, 0 or 1"])
+    begin = (run.settle if settle is None else settle) * run.period_time
+    t = run.t[run.t >= begin]
+    t = np.unique(t)
+    level = run.at(t)[on] - value
+    rising, falling = (level[:-1] <= 0) & (level[1:] > 0), (level[:-1] >= 0) & (level[1:] < 0)
+    where = np.flatnonzero({1: rising, -1: falling, 0: rising | falling}[direction])
+    return _dataset(run, _halved(run, on, value, t[where], t[where + 1], np.where(rising[where], 1.0, -1.0)))
+
+
+def _halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
+    """The instants between low and high at which the column leaves the value, to the last bit."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        beyond = sign * (run.at(middle)[on] - value) > 0 if len(middle) else np.zeros(0, bool)
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return high
+
+
+def _dataset(run: Any, t: Array) -> Any:
+    import xarray as xr
+
+    found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
+    columns: dict[str, Any] = {"time": ("point", t, {"units": "s"}), "v": ("point", found["v"], {"units": "m/s", "long_name": "velocity"})}
+    if found["z"] is not None:
+        dims = ("point",) if np.ndim(found["z"]) == 1 else ("point", "inner_state")
+        columns["z"] = (dims, found["z"], {"long_name": "inner state"})
+    columns["displacement"] = ("point", np.diff(found["x"], prepend=np.nan), {"units": "m", "long_name": "way since the point before"})
+    columns["phase"] = ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"})
+    return xr.Dataset(columns)
+
+
+def spectrum(run: Any, column: str = "v", harmonics: int = 40, periods: int | None = None) -> Any:
+    """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and between where it repeats later.
+
+    The window holds whole motion periods and no taper, so a periodic motion gives exact lines and no leakage. Where no period is
+    found, a Hann window is laid over the last `periods` drive periods.
+
+    Parameters
+    ----------
+    run : Trajectory
+    column : str
+        Which column of the run.
+    harmonics : int
+        Up to which multiple of the drive's frequency.
+    periods : int, optional
+        Drive periods of the window; by default one motion period, or the settled part of a motion that does not repeat.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``order`` (frequency over the drive's): amplitude, phase [rad], frequency [Hz], and `harmonic` (whether order is whole).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> lines = spectrum(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), periods=100))
+    >>> lines.order[:3].values.tolist(), bool(lines.amplitude[1] > lines.amplitude[2] * 0)  # period two: lines at halves
+    ([0.0, 0.5, 1.0], True)
+    """
+    import xarray as xr
+
+    needs_run("spectrum", run)
+    found = period_number(run)
+    count = periods or found or max(len(run.strobe_times) - 1 - run.settle, 1)
+    per = max(64 * harmonics, 1024)
+    end = float(run.strobe_times[-1])
+    t = end - count * run.period_time + (np.arange(count * per) + 0.5) * (run.period_time / per)
+    signal = np.asarray(run.at(np.clip(t, 0.0, end))[column], float)
+    taper = np.ones(len(t)) if found and count % found == 0 else np.hanning(len(t))
+    lines = np.fft.rfft(signal * taper)[: harmonics * count + 1] / taper.sum()
+    order = np.arange(len(lines)) / count
+    amplitude = np.where(order > 0, 2.0, 1.0) * abs(lines)
+    columns = {
+        "amplitude": ("order", amplitude, {"long_name": f"amplitude of {column}"}),
+        "phase": ("order", np.angle(lines * np.exp(-1j * np.pi * order / per)), {"units": "rad"}),
+        "frequency": ("order", order / run.period_time, {"units": "Hz"}),
+        "harmonic": ("order", np.arange(len(lines)) % count == 0),
+    }
+    attrs = {"column": column, "period": found or 0, "window": "none" if taper[0] == 1 else "Hann", "periods": count}
+    return xr.Dataset(columns, {"order": ("order", order, {"long_name": "frequency over the drive's", "units": "1"})}, attrs)

@@ -1,0 +1,263 @@
+"""`compare`: a record beside what several laws give, the drive's phase aligned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.motion import coulomb_twin, motion
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.friction import LAWS
+from stickslip.identifying.problems import _best_phase, _curve
+from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
+from stickslip.identifying.targets import Target, target
+from stickslip.records import Record
+
+__all__ = ["Comparison", "Row", "compare"]
+
+_PHASES = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One law, or the record itself, over one motion period.
+
+    Parameters
+    ----------
+    label : str
+    mean_velocity : float
+        [m/s]
+    type, pattern : str
+        Motion type and signs of the velocity.
+    rms : float
+        Root mean square of law less record over all samples [m/s or m]; NaN for the record.
+    r2 : float
+        Part of the record's variance that the law explains.
+    events : tuple of (phase, kind)
+        When the body sticks, slips or reverses, in drive periods after the drive's zero crossing (model's phase).
+    phase, value : arrays
+        The curve: drive phase and velocity (or position) [m/s or m].
+    model : Robot or None
+    """
+
+    label: str
+    mean_velocity: float
+    type: str
+    pattern: str
+    rms: float
+    r2: float
+    events: tuple[tuple[float, str], ...]
+    phase: Any
+    value: Any
+    model: Any = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """A record and several laws, as rows: `record` first, then the laws in the order in which they were given.
+
+    Parameters
+    ----------
+    record : Row
+        What was measured: the mean cycle, on the phase of the law that fits best.
+    laws : tuple of Row
+    noise : float
+        Of the record [m/s or m].
+    kind : {"velocity", "position"}
+    samples : tuple of arrays
+        Phase and value of every sample.
+    notes : tuple of str
+    """
+
+    record: Row
+    laws: tuple[Row, ...]
+    noise: float
+    kind: str
+    samples: tuple[Any, Any]
+    notes: tuple[str, ...]
+
+    def __getitem__(self, label: str) -> Row:
+        """The row of this label."""
+        rows = {row.label: row for row in (self.record, *self.laws)}
+        if label not in rows:
+            raise InputError("comparison", [f"has no {label!r}; {did_you_mean(label, rows)}"])
+        return rows[label]
+
+    @property
+    def best(self) -> Row:
+        """The law with the smallest rms over the cycle."""
+        return min(self.laws, key=lambda row: row.rms)
+
+    @property
+    def closest_in_mean(self) -> Row:
+        """The law with the mean velocity nearest to the record's."""
+        return min(self.laws, key=lambda row: abs(row.mean_velocity - self.record.mean_velocity))
+
+    def to_table(self) -> list[dict[str, Any]]:
+        """One dict of numbers and words for each row."""
+        names = ("label", "mean_velocity", "type", "pattern", "rms", "r2", "events")
+        return [{name: getattr(row, name) for name in names} for row in (self.record, *self.laws)]
+
+    def plot(self, ax: Any = None) -> Any:
+        """Record and laws over one drive period, as Figs 7 to 10 of the paper; returns the axes."""
+        from stickslip.identifying.doors import plot_comparison
+
+        return plot_comparison(self, ax)
+
+    def report(self, path: Any = None) -> Any:
+        """The comparison as text; with a path as one HTML file."""
+        if path is None:
+            return str(self)
+        from stickslip.identifying.doors import write_report
+
+        return write_report(path, [], comparison=self)
+
+    def __str__(self) -> str:
+        unit = "m/s" if self.kind == "velocity" else "m"
+        width = max(len(row.label) for row in (self.record, *self.laws))
+        lines = [f"{'':<{width}}  mean velocity [m/s]  type        rms [{unit}]   R²"]
+        for row in (self.record, *self.laws):
+            rest = "" if np.isnan(row.rms) else f"{row.rms:<11.4g}  {row.r2:.5f}"
+            lines.append(f"{row.label:<{width}}  {row.mean_velocity:<19.7g}  {row.type:<10}  {rest}".rstrip())
+        lines.append(f"noise of the record {self.noise:.3g} {unit}; over the cycle {self.best.label} is closest")
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    __repr__ = __str__
+
+
+def compare(
+    record: Record,
+    robot: Any,
+    laws: Sequence[Any] | dict[str, Any] = ("coulomb", "lugre"),
+    *,
+    using: str = "auto",
+    frequency: float | None = None,
+    noise: float | None = None,
+    rtol: float = 1e-8,
+) -> Comparison:
+    """A record beside what friction laws give for the same robot: curves on one phase, mean velocities, rms, events and motion types.
+
+    Each law's curve is shifted in the drive's phase until it fits the record best; nothing else is fitted.
+
+    Parameters
+    ----------
+    record : Record
+    robot : Robot
+        The robot that was measured.
+    laws : list, or dict of label -> law
+        Laws; or names: that of the robot's own law, or "coulomb" for Coulomb friction at the robot's kinetic coefficients (Eq. 2.4).
+        A whole robot may stand for a law.
+    using : {"auto", "velocity", "position"}
+    frequency : float, optional
+        Drive frequency [Hz]; otherwise it is refined from the record.
+    noise : float, optional
+        Standard deviation of one sample [SI].
+    rtol : float
+        Of the solver.
+
+    Returns
+    -------
+    Comparison
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.564e-4)
+    >>> found = ss.compare(ss.virtual_rig(robot, noise=1e-5, seed=1), robot, laws=["coulomb", "lugre"])
+    >>> found.best.label, found["Coulomb"].type, found["LuGre"].r2 > 0.9999
+    ('LuGre', 'II', True)
+    """
+    robots = _robots(record, robot, laws)
+    seen = target(record, using, noise, frequency, "record")
+    curves = {label: steady_curve(model, None, rtol) for label, model in robots.items()}
+    shifts = {label: _best_phase(seen, curve) for label, curve in curves.items()}
+    rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
+    best = min(rows, key=lambda row: row.rms).label
+    return Comparison(
+        _measured(record, seen, shifts[best]), rows, seen.sigma, seen.kind,
+        (np.mod(seen.phase + shifts[best], 1.0), seen.y), tuple(_notes(record, robot, seen, curves)),
+    )  # fmt: skip
+
+
+def _robots(record: Any, robot: Any, laws: Any) -> dict[str, Any]:
+    problems = Problems("compare")
+    found: dict[str, Any] = {}
+    if not isinstance(record, Record):
+        problems.add(f"record = {record!r}; allowed is a Record; type for example ss.read(path)")
+    if not (hasattr(robot, "friction") and hasattr(robot, "replace")):
+        raise InputError(
+            "compare", [*problems.found, f"robot = {robot!r}; allowed is a Robot; type ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)"]
+        )
+    pairs = list(laws.items()) if isinstance(laws, dict) else [(None, law) for law in ([laws] if isinstance(laws, str) else laws)]
+    for label, law in pairs:
+        model = _with_law(robot, law, problems)
+        if model is not None:
+            name = label or type(model.friction).__name__
+            found[name if name not in found else f"{name} ({len(found) + 1})"] = model
+    if not pairs:
+        problems.add('laws is empty; type for example laws=["coulomb", "lugre"]')
+    problems.check()
+    return found
+
+
+def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
+    own = type(robot.friction).__name__.lower()
+    if hasattr(law, "friction"):
+        return law
+    if not isinstance(law, str):
+        return robot.replace(friction=law)
+    if law.lower() == own:
+        return robot
+    if law.lower() == "coulomb":
+        twin = coulomb_twin(robot)
+        if twin is not None:
+            return twin
+    if law.lower() in LAWS:
+        problems.add(f"laws names {law!r}, whose numbers the robot (with {own}) does not have; give the law itself, such as ss.LuGre(...)")
+    else:
+        problems.add(f"laws names {law!r}; {did_you_mean(law, LAWS)}")
+    return None
+
+
+def _row(label: str, model: Any, curve: SteadyCurve, seen: Target, shift: float) -> Row:
+    rest = _curve(seen, curve, seen.phase + shift) - seen.y
+    spread = float(np.average((seen.y - seen.y.mean()) ** 2, weights=seen.weight))
+    square = float(np.average(rest**2, weights=seen.weight))
+    phase = np.arange(_PHASES * curve.period) / _PHASES
+    value = curve.v(phase) if seen.kind == "velocity" else curve.x(phase)
+    m = motion(curve.run)
+    return Row(
+        label, curve.mean_velocity, m.type, m.pattern, float(np.sqrt(square)), 1 - square / spread, _events(curve), phase, value, model
+    )
+
+
+def _events(curve: SteadyCurve) -> tuple[tuple[float, str], ...]:
+    """Changes of mode in the last motion period, by phase."""
+    T, start = curve.run.period_time, float(curve.run.strobe_times[-1 - curve.period])
+    found = [((e.t - start) / T, e.kind) for e in curve.run.events if e.t >= start]
+    return tuple((float(phase), kind) for phase, kind in found)
+
+
+def _measured(record: Record, seen: Target, shift: float) -> Row:
+    """The record's own row: its mean cycle on the phase of the best law."""
+    bins = int(np.clip(seen.count / 12, 24, _PHASES))
+    place = np.mod(seen.phase + shift, 1.0)
+    index = np.minimum((place * bins).astype(int), bins - 1)
+    count = np.bincount(index, seen.weight * np.ones(seen.count), bins)
+    mean = np.bincount(index, seen.weight * seen.y, bins) / np.where(count > 0, count, np.nan)
+    m, V = record.motion(seen.frequency), record.mean_velocity(seen.frequency)
+    first = -float(shift)
+    events = tuple((float(np.mod(start - first, 1.0)), "stick") for start, _, sign in m.intervals if sign == 0)
+    return Row("record", V, m.type, m.pattern, float("nan"), float("nan"), events, (np.arange(bins) + 0.5) / bins, mean)
+
+
+def _notes(record: Record, robot: Any, seen: Target, curves: dict[str, SteadyCurve]) -> list[str]:
+    notes = ["the record is synthetic"] if record.synthetic else []
+    given = 1 / float(robot.period)
+    if abs(seen.frequency / given - 1) > 1e-3:
+        notes.append(f"the record's drive frequency is {seen.frequency:.6g} Hz and the robot's {given:.6g} Hz; compared by phase")
+    notes += [f"{label}: the motion does not repeat within the run" for label, curve in curves.items() if not curve.settled]
+    return notes

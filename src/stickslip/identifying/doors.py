@@ -1,0 +1,105 @@
+"""A fit or a comparison as a picture, and as one offline HTML page."""
+
+from __future__ import annotations
+
+import io
+import platform
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+__all__ = ["plot_comparison", "plot_fit", "write_report"]
+
+_SHOWN = 8  # records with pictures of their own
+
+
+def plot_fit(fit: Any, record: int, ax: Any) -> Any:
+    """Record and fit."""
+    from stickslip import plot
+
+    return plot.fitted(fit, record, ax)
+
+
+def plot_comparison(found: Any, ax: Any) -> Any:
+    """Record and laws."""
+    from stickslip import plot
+
+    return plot.comparison(found, ax)
+
+
+def write_report(path: str | Path, fits: list[Any], comparison: Any = None, ranking: Any = None, sources: list[Any] | None = None) -> Path:
+    """Write one HTML file with data, fits, residuals, uncertainties, ranking and provenance; returns its path.
+
+    Parameters
+    ----------
+    path : str or Path
+    fits : list of Fit
+    comparison : Comparison, optional
+    ranking : Ranking, optional
+    sources : list of Record, optional
+        The records, for their provenance.
+    """
+    from stickslip import __version__, report
+
+    made = report.page(
+        "identification.html",
+        title="Friction from measured records" if fits else "Record and friction laws",
+        synthetic=any("synthetic" in note for fit in fits for note in fit.notes)
+        or bool(comparison and any("synthetic" in n for n in comparison.notes)),
+        fits=[_told(fit) for fit in fits],
+        comparison=None
+        if comparison is None
+        else {"rows": comparison.to_table(), "notes": comparison.notes, "picture": _drawn(comparison.plot), "text": str(comparison)},
+        ranking=None
+        if ranking is None
+        else {"rows": ranking.rows, "verdict": ranking.verdict, "effective": ranking.effective, "count": ranking.count},
+        sources=[_source(rec) for rec in sources or []],
+        provenance={"stickslip": __version__, "Python": platform.python_version(), "system": platform.platform()},
+    )
+    return report.write(path, made)
+
+
+def _told(fit: Any) -> dict[str, Any]:
+    from stickslip import plot
+    from stickslip.identifying.words import parameter_rows
+
+    free = {f.name: f for f in fit.problem.parameters.free}
+    rows = [
+        {"name": n, "value": v, "error": e, "low": a, "high": b, "bounds": (free[n].low, free[n].high), "log": free[n].log}
+        for n, v, e, a, b in parameter_rows(fit)
+    ]
+    pictures = []
+    for i in range(min(len(fit.problem.targets), _SHOWN)):
+        if fit.problem.targets[i].kind == "mean" and i > 0:
+            continue
+        drawn = (_drawn(partial(plot.fitted, fit, i)), _drawn(partial(plot.residuals, fit, i)))
+        pictures.append((*drawn, fit.quality[i]))
+    table = fit.correlations.tolist()
+    return {
+        "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,
+        "correlations": table, "count": fit.count, "starts": fit.starts, "agree": fit.agree, "provenance": fit.provenance,
+    }  # fmt: skip
+
+
+def _source(rec: Any) -> dict[str, Any]:
+    return {
+        "summary": str(rec.summary),
+        "source": {k: v for k, v in rec.source.items() if k in ("path", "format", "bytes", "sha256", "dialect")},
+    }
+
+
+def _drawn(draw: Callable[[Any], Any]) -> str:
+    """What `draw` puts on the axes, as SVG."""
+    from matplotlib.figure import Figure
+
+    from stickslip.plot import publication
+    from stickslip.plot.style import WIDTH
+
+    with publication():
+        figure = Figure(figsize=(1.3 * WIDTH, 2.5), layout="constrained")
+        draw(figure.subplots())
+        buffer = io.StringIO()
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]

@@ -1,0 +1,290 @@
+"""A friction law whose motion is prescribed by a record: what force does it give? Many parameter sets at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.forces import is_dynamic
+from stickslip.identifying.parameters import Parameters
+
+__all__ = ["DrivenProblem", "Motion", "driven_force", "motion_of"]
+
+_STEP = 1e-5
+_NUDGE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A prescribed motion with the force that was measured over it.
+
+    Parameters
+    ----------
+    t : array (n,)
+        [s]
+    v : array (n,)
+        Mean velocity over the interval that ends at each sample [m/s].
+    load : array (n,)
+        Normal force [N].
+    force : array (n,)
+        Measured friction force [N], positive against positive v.
+    before : int
+        How many of the samples only lead in; they are not compared.
+    flipped : bool
+        Whether the sign of the measured force was turned, so that friction takes energy.
+    label : str
+    """
+
+    t: Any
+    v: Any
+    load: Any
+    force: Any
+    before: int
+    flipped: bool
+    label: str
+
+    @property
+    def kind(self) -> str:
+        """What is fitted."""
+        return "force"
+
+    @property
+    def y(self) -> Any:
+        """The values that are compared."""
+        return self.force[self.before :]
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return len(self.force) - self.before
+
+    def every(self, step: int) -> Motion:
+        """The same motion, thinned out."""
+        last = np.arange(0, len(self.t), step)
+        x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
+        t = self.t[last]
+        v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+        return Motion(t, v, self.load[last], self.force[last], int(np.searchsorted(last, self.before)), self.flipped, self.label)
+
+
+def motion_of(rec: Any, load: float | None, label: str) -> Motion:
+    """The motion of a record with a position (or velocity) and a force.
+
+    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
+    """
+    c, F = rec["force"], rec["force"].si
+    t = c.time
+    x = rec["position"].si if "position" in rec else _integrated(t, rec["velocity"].si)
+    if load is None and "load" not in rec:
+        raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
+    N = rec["load"].si if load is None else np.full(len(t), float(load))
+    good = np.isfinite(t) & np.isfinite(x) & np.isfinite(F) & np.isfinite(N) & (N > 0)
+    good &= np.concatenate([[True], np.diff(t) > 0])
+    t, x, F, N = t[good], x[good], F[good], N[good]
+    if len(t) < 16:
+        raise InputError("identify", [f"{label} has {len(t)} samples with position, force and a positive load; allowed are 16 or more"])
+    flipped = float(np.sum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
+    F = -F if flipped else F
+    lead = _first_period(rec, t, F)
+    if lead:
+        shift = t[lead] - t[0]
+        t = np.concatenate([t[:lead] - shift, t])
+        x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
+    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    return Motion(t, v, N, F, lead, flipped, label)
+
+
+def _integrated(t: Any, v: Any) -> Any:
+    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+
+
+def _first_period(rec: Any, t: Any, F: Any) -> int:
+    """Samples of the first period, if there are at least two and the force is at its end what it was at its start."""
+    try:
+        frequency = rec.drive_frequency().value
+    except InputError:
+        return 0
+    lead = int(np.searchsorted(t, t[0] + 1 / frequency))
+    back = abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F)
+    return lead if back and (t[-1] - t[0]) * frequency >= 2 else 0
+
+
+def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
+    """Friction force of a law at every sample of a motion: array (samples, cases) [N].
+
+    Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
+    them; a law's discrete memory is switched at the end of a step. A set-valued law gives at rest whatever was measured, within its
+    break-away.
+    """
+    if not is_dynamic(law):
+        return _set_valued(law, motion, cases)
+    out = np.empty((len(motion.t), cases))
+    states, modes = int(getattr(law, "states", 1)), int(getattr(law, "modes", 0))
+    z = np.zeros((states, cases)) if states != 1 else np.zeros(cases)
+    mode = tuple(np.zeros(cases) for _ in range(modes))
+    scale = law.scale(float(motion.load.mean())) if hasattr(law, "scale") else 1e-6
+    nudge = _NUDGE * np.abs(np.asarray(scale, float)) * np.ones(cases)
+    steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
+    for k, (v, N, h) in enumerate(zip(motion.v.tolist(), motion.load.tolist(), steps.tolist(), strict=True)):
+        if mode and v * side < 0:
+            z, mode = _switched(law, 0.0, N, z, mode, came=side)
+        side = v or side
+        z, mode = _stepped(law, v, N, h, z, mode, nudge)
+        zdot = _rate(law, v, z, N, mode)
+        out[k] = law.force(v, _given(z, states), _given(zdot, states), N, *([mode] if modes else []))
+    return out
+
+
+def _given(z: Any, states: int) -> Any:
+    """Inner states as a law takes them."""
+    return z if states == 1 else tuple(z)
+
+
+def _rate(law: Any, v: float, z: Any, N: float, mode: Any) -> Any:
+    found = law.rate(v, z if z.ndim == 1 else tuple(z), N, *([mode] if mode else []))
+    return np.asarray(found) if z.ndim == 1 else np.stack([np.broadcast_to(part, z.shape[1:]) for part in found]) if len(found) else z
+
+
+def _stepped(law: Any, v: float, N: float, h: float, z: Any, mode: Any, nudge: Any) -> tuple[Any, Any]:
+    """Inner states and memory after a step of length h at constant velocity."""
+    if v != 0 and h > 0 and z.size:
+        f = _rate(law, v, z, N, mode)
+        slope = (_rate(law, v, z + nudge, N, mode) - f) / nudge
+        a = np.minimum(slope * h, 30.0)
+        small = abs(a) < 1e-8
+        z = z + h * f * np.where(small, 1.0, np.expm1(a) / np.where(small, 1.0, a))
+    return _switched(law, v, N, z, mode) if mode else (z, mode)
+
+
+def _switched(law: Any, v: float, N: float, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
+    """The memory after every switch whose guard has fallen; where v passes zero, every one that falls only there."""
+    given = z if z.ndim == 1 else tuple(z)
+    before = None if came is None else [guard for guard, _, _ in law.switches(came, given, N, mode)]
+    for i, (guard, new_mode, new_z) in enumerate(law.switches(v, given, N, mode)):
+        fallen = np.asarray(guard) <= 0
+        if before is not None:
+            fallen = fallen & (np.asarray(before[i]) > 0)
+        mode = tuple(np.where(fallen, new, old) for new, old in zip(new_mode, mode, strict=True))
+        if new_z is not None:
+            parts = new_z if z.ndim == 1 else np.stack([np.broadcast_to(part, z.shape[1:]) for part in new_z])
+            z = np.where(fallen, parts, z)
+    return z, mode
+
+
+def _set_valued(law: Any, motion: Motion, cases: int) -> Any:
+    v, N, F = motion.v[:, None], motion.load[:, None], motion.force[:, None]
+    moving = v != 0
+    sliding = np.broadcast_to(law.sliding(np.where(moving, v, 1.0), N), (len(v), cases))
+    backward, forward = law.breakaway(N)
+    return np.where(moving, sliding, np.clip(F, backward, forward))
+
+
+@dataclass(eq=False)
+class DrivenProblem:
+    """Fit of a law's force over prescribed motions. All derivatives, and all places of a multistart, are one batch.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    targets : tuple of Motion
+    level : float
+        Standard deviation of the force, the same for all samples [N].
+    thin : int
+        The multistart looks at every so many-th sample.
+    """
+
+    parameters: Parameters
+    targets: tuple[Motion, ...]
+    level: float
+    thin: int = 1
+    solves: int = 0
+    values: Any = None  # measured values that replace those of the targets (bootstrap)
+    _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return np.concatenate([m.y for m in self.targets]) if self.values is None else self.values
+
+    @property
+    def sigma(self) -> Any:
+        """Standard deviation of each value."""
+        return np.full(len(self.y), self.level)
+
+    @property
+    def nuisances(self) -> int:
+        """None are fitted besides the free parameters."""
+        return 0
+
+    def with_values(self, y: Any) -> DrivenProblem:
+        """The same fit for other measured values."""
+        return DrivenProblem(self.parameters, self.targets, self.level, self.thin, values=y)
+
+    def only(self, fixed: dict[str, float]) -> DrivenProblem:
+        """The same fit with some parameters held."""
+        return DrivenProblem(self.parameters.only(fixed), self.targets, self.level, self.thin, values=self.values)
+
+    def rough(self) -> DrivenProblem:
+        """The same fit with fewer samples, for the search."""
+        if self.thin <= 1 or self.values is not None:
+            return self
+        return DrivenProblem(self.parameters, tuple(m.every(self.thin) for m in self.targets), self.level)
+
+    @property
+    def quiet(self) -> float:
+        """The noise of a force is not known beforehand."""
+        return -np.inf
+
+    def batch(self, places: Any) -> Any:
+        """Forces for many places (cases, parameters): array (values, cases); NaN where a place makes no law."""
+        places = np.asarray(places, float)
+        good, batches = self.parameters.batches(places)
+        found = np.full((len(self.y), len(places)), np.nan)
+        if good.any():
+            cases = int(good.sum())
+            self.solves += cases * len(self.targets)
+            with np.errstate(all="ignore"):
+                parts = [driven_force(law, m, cases)[m.before :] for law, m in zip(batches, self.targets, strict=True)]
+            found[:, good] = np.concatenate(parts)
+        return found
+
+    def predicted(self, place: Any) -> Any:
+        """Values in the order of `y`; None where the parameters make no law."""
+        key = tuple(np.asarray(place, float).tolist())
+        if key not in self._memory:
+            if len(self._memory) > 4:
+                self._memory.clear()
+            found = self.batch(np.asarray(place)[None, :])[:, 0]
+            self._memory[key] = found if np.isfinite(found).all() else None
+        return self._memory[key]
+
+    def residuals(self, place: Any) -> Any:
+        """(model - measured) / sigma."""
+        found = self.predicted(place)
+        return np.full(len(self.y), 1e4) if found is None else (found - self.y) / self.sigma
+
+    def jacobian(self, place: Any) -> Any:
+        """Derivatives of the residuals by differences, all parameters in one batch."""
+        place = np.asarray(place, float)
+        sign = np.where(place + _STEP <= 1.0, 1.0, -1.0)
+        moved = self.batch(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]))
+        slopes = (moved[:, 1:] - moved[:, :1]) / (sign * _STEP)
+        return np.nan_to_num(slopes) / self.level
+
+    def aligned(self, place: Any) -> Any:
+        """Nothing is aligned: force and motion have one clock."""
+        return np.asarray(place, float)
+
+    def bounds(self) -> tuple[Any, Any]:
+        """Bounds of a place."""
+        n = len(self.parameters.free)
+        return np.zeros(n), np.ones(n)
+
+    def coarse(self, places: Any) -> Any:
+        """Sum of squares of many places, as one batch."""
+        rest = (self.batch(places) - self.y[:, None]) / self.level
+        score = np.sum(rest * rest, axis=0)
+        return np.where(np.isfinite(score), score, np.inf)

@@ -1,0 +1,230 @@
+"""What an identification found: values, how sure they are, and what the residuals say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, did_you_mean
+
+__all__ = ["Fit", "Quality"]
+
+#: Parameters that are correlated more than this are named.
+CORRELATED = 0.95
+METHODS = ("covariance", "profile", "bootstrap")
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How well one record is met.
+
+    Parameters
+    ----------
+    label, kind : str
+    count : int
+    rms : float
+        Of the residuals, in the unit of the record [SI].
+    noise : float
+        What the record's own noise is, where that is known [SI]; NaN otherwise.
+    r2 : float
+        Part of the variance that is explained; NaN for a single number.
+    correlation : float
+        Of neighbouring residuals: 0 for white noise; near 1 what is left has a shape, so the law or the drive is not right.
+    """
+
+    label: str
+    kind: str
+    count: int
+    rms: float
+    noise: float
+    r2: float
+    correlation: float
+
+    @property
+    def suspicious(self) -> bool:
+        """Whether more is left than noise."""
+        white = 3.5 / np.sqrt(max(self.count, 1))
+        too_large = (
+            np.isfinite(self.noise)
+            and self.rms > 1.15 * self.noise
+            and self.rms**2 > self.noise**2 * (1 + 5 * np.sqrt(2 / max(self.count, 1)))
+        )
+        return bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) or too_large))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """The result of `identify`.
+
+    Parameters
+    ----------
+    values : dict
+        The free parameters.
+    errors : dict
+        Their standard errors, from the covariance.
+    covariance : array
+        Of the free parameters in the order of `values`.
+    problem : SteadyProblem or DrivenProblem
+    place, jacobian, residuals : arrays
+        Where the search ended, on its own scale.
+    scale : float
+        Factor on the noise: 1 where the noise was given, else what the residuals ask for.
+    starts, agree, steps : int
+        Places of the multistart, how many polished ones ended here, steps of the last polish.
+    notes : tuple of str
+    law : str
+    provenance : dict
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> truth = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb", mu0=0.2)
+    >>> rec = ss.virtual_rig(truth, noise=1e-4, seed=3)
+    >>> fit = ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    >>> round(fit.values["mu0"], 3), fit.interval("mu0")[0] < 0.2 < fit.interval("mu0")[1]
+    (0.2, True)
+    """
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    covariance: Any
+    problem: Any
+    place: Any
+    jacobian: Any
+    residuals: Any
+    scale: float
+    starts: int
+    agree: int
+    steps: int
+    notes: tuple[str, ...]
+    law: str
+    provenance: dict[str, Any] = field(default_factory=dict)
+
+    # ---- how sure ----
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the free parameters."""
+        return tuple(self.values)
+
+    @property
+    def count(self) -> int:
+        """Number of measured values."""
+        return len(self.residuals)
+
+    @property
+    def fitted(self) -> int:
+        """How many numbers were fitted, phases and offsets included."""
+        return len(self.names) + self.problem.nuisances
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom that are left."""
+        return max(self.count - self.fitted, 0)
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals in standard deviations."""
+        return float(self.residuals @ self.residuals)
+
+    @property
+    def correlations(self) -> Any:
+        """Correlations of the free parameters, in the order of `values`."""
+        size = np.sqrt(np.diag(self.covariance))
+        return self.covariance / np.where(np.outer(size, size) > 0, np.outer(size, size), 1.0)
+
+    def interval(self, name: str, level: float = 0.95, method: str = "covariance", **options: Any) -> tuple[float, float]:
+        """A confidence interval of a parameter.
+
+        Parameters
+        ----------
+        name : str
+        level : float
+        method : {"covariance", "profile", "bootstrap"}
+            From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
+            parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers``).
+
+        Returns
+        -------
+        tuple of float
+            It ends at a bound where the data do not end it before.
+        """
+        if name not in self.values:
+            raise InputError("interval", [f"{name!r} is not a free parameter; {did_you_mean(name, self.values)}"])
+        if not 0 < level < 1 or method not in METHODS:
+            raise InputError(
+                "interval", [f"level = {level!r}, method = {method!r}; allowed are 0 < level < 1 and one of {', '.join(METHODS)}"]
+            )
+        from stickslip.identifying import uncertainty
+
+        return getattr(uncertainty, f"by_{method}")(self, name, level, **options)
+
+    # ---- what was fitted ----
+    def model(self, record: int = 0) -> Any:
+        """The fitted model of one record: a robot, or a law where force was fitted against motion."""
+        return self.problem.parameters.model(self.values, record)
+
+    @cached_property
+    def predicted(self) -> tuple[Any, ...]:
+        """What the fitted model gives at the samples of each record [SI]."""
+        return self._split(self.problem.predicted(self.place))
+
+    def _split(self, whole: Any) -> tuple[Any, ...]:
+        edges = np.cumsum([0, *(t.count for t in self.problem.targets)])
+        return tuple(whole[a:b] for a, b in pairwise(edges))
+
+    @cached_property
+    def quality(self) -> tuple[Quality, ...]:
+        """How well each record is met."""
+        from stickslip.identifying.uncertainty import quality
+
+        return quality(self)
+
+    @property
+    def correlated(self) -> list[str]:
+        """Sentences on pairs of parameters that these data hardly tell apart."""
+        found, table = [], self.correlations
+        for i in range(len(self.names)):
+            for j in range(i):
+                if abs(table[i, j]) > CORRELATED:
+                    found.append(f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self._remedy}")
+        return found
+
+    @property
+    def _remedy(self) -> str:
+        count = len(self.problem.targets)
+        if self.problem.targets[0].kind == "force":
+            return "add a record with another stroke or speed"
+        return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
+
+    @property
+    def warnings(self) -> list[str]:
+        """Everything a user should know before trusting the values."""
+        from stickslip.identifying.uncertainty import remarks
+
+        return [*remarks(self), *self.correlated, *self.notes]
+
+    # ---- show ----
+    def report(self, path: str | Path | None = None) -> Any:
+        """The fit as text; with a path as one HTML file with data, fit, residuals, uncertainties and provenance (its path is returned)."""
+        if path is None:
+            from stickslip.identifying.words import told
+
+            return told(self)
+        from stickslip.identifying.doors import write_report
+
+        return write_report(path, [self])
+
+    def plot(self, record: int = 0, ax: Any = None) -> Any:
+        """Record and fit over one drive period; returns the axes."""
+        from stickslip.identifying.doors import plot_fit
+
+        return plot_fit(self, record, ax)
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{n} = {v:.5g} ± {self.errors[n]:.1g}" for n, v in self.values.items())
+        return f"<Fit of {self.law}: {parts}>"

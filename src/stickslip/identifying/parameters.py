@@ -1,0 +1,211 @@
+"""Free, fixed and tied parameters of several records, and the numbers that a search moves."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.fields import leaves, replace_leaf
+
+__all__ = ["Free", "Parameters"]
+
+
+@dataclass(frozen=True)
+class Free:
+    """A number to be found.
+
+    Parameters
+    ----------
+    name : str
+        As in ``free``; ``amplitude[0]`` belongs to the first record alone.
+    low, high : float
+        Bounds.
+    log : bool
+        Whether the search moves its logarithm.
+    """
+
+    name: str
+    low: float
+    high: float
+    log: bool = False
+
+    def inner(self, value: Any) -> Any:
+        """The value on the scale of the search, 0 to 1 between the bounds."""
+        if self.log:
+            return np.log(np.asarray(value) / self.low) / np.log(self.high / self.low)
+        return (np.asarray(value) - self.low) / (self.high - self.low)
+
+    def outer(self, place: Any) -> Any:
+        """The value at a place between 0 and 1."""
+        if self.log:
+            return self.low * (self.high / self.low) ** np.asarray(place)
+        return self.low + (self.high - self.low) * np.asarray(place)
+
+    @property
+    def argument(self) -> str:
+        """The argument that it sets."""
+        return self.name.partition("[")[0]
+
+    @property
+    def record(self) -> int | None:
+        """The record it belongs to; None for all."""
+        found = re.fullmatch(r".*\[(\d+)\]", self.name)
+        return int(found[1]) if found else None
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters:
+    """How the numbers of a search become models, one for each record.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        A maker, such as a preset or a law's class; or a robot, whose fields are then named with dots.
+    free : tuple of Free
+    fixed : tuple of dict
+        For each record the arguments that do not change.
+    tied : dict
+        Argument -> another argument's name, or a function of the dict of all free values.
+    """
+
+    make: Any
+    free: tuple[Free, ...]
+    fixed: tuple[dict[str, Any], ...]
+    tied: dict[str, Any]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the free parameters."""
+        return tuple(f.name for f in self.free)
+
+    def values(self, place: Any) -> dict[str, Any]:
+        """Free values at a place between the bounds; arrays if `place` has a second axis (parameters, cases)."""
+        return {f.name: f.outer(p)[()] for f, p in zip(self.free, place, strict=True)}
+
+    def place(self, values: dict[str, float]) -> Any:
+        """The place of these values."""
+        return np.array([float(f.inner(values[f.name])) for f in self.free])
+
+    def arguments(self, values: dict[str, Any], record: int) -> dict[str, Any]:
+        """All arguments of the model of one record."""
+        found = dict(self.fixed[record])
+        for f in self.free:
+            if f.record in (None, record):
+                found[f.argument] = values[f.name]
+        for name, rule in self.tied.items():
+            found[name] = rule({**found, **values}) if callable(rule) else found[rule]
+        return found
+
+    def model(self, values: dict[str, Any], record: int) -> Any:
+        """The model of one record; raises `InputError` where the values make none."""
+        arguments = self.arguments(values, record)
+        return self.make(**arguments) if callable(self.make) else self.make.replace(arguments)
+
+    def models(self, place: Any) -> list[Any] | None:
+        """The models of all records at a place; None where there is none for one of them."""
+        values = self.values(place)
+        try:
+            return [self.model(values, record) for record in range(len(self.fixed))]
+        except InputError:
+            return None
+
+    def batches(self, places: Any) -> tuple[Any, list[Any]]:
+        """For many places: which of them make models, and for each record a batch of those that do.
+
+        A maker need not take arrays: models are made one by one, and their numbers are put together.
+        """
+        made = [self.models(place) for place in places]
+        good = [models for models in made if models is not None]
+        return np.array([models is not None for models in made], bool), [_stacked(list(each)) for each in zip(*good, strict=True)]
+
+    def only(self, fixed: dict[str, float]) -> Parameters:
+        """The same with some of the free parameters held."""
+        kept = tuple(f for f in self.free if f.name not in fixed)
+        held = [dict(each) for each in self.fixed]
+        for f in self.free:
+            if f.name in fixed:
+                for record, each in enumerate(held):
+                    if f.record in (None, record):
+                        each[f.argument] = fixed[f.name]
+        return Parameters(self.make, kept, tuple(held), self.tied)
+
+
+def parameters(
+    make: Any, free: dict[str, Any], tied: dict[str, Any] | None, arguments: dict[str, Any], count: int, what: str = "identify"
+) -> Parameters:
+    """Check what the user gave; everything wrong with it is reported at once."""
+    problems = Problems(what)
+    known = _known(make)
+    spread = _free(free, count, problems)
+    for name in [*dict.fromkeys(f.argument for f in spread), *arguments, *(tied or {})]:
+        if known is not None and name not in known:
+            problems.add(f"{name!r} is not known; {did_you_mean(name, known)}")
+    fixed = _fixed(arguments, count, problems)
+    for name, rule in (tied or {}).items():
+        if not callable(rule) and known is not None and rule not in known:
+            problems.add(f"{name} is tied to {rule!r}, which is not known; {did_you_mean(str(rule), known)}")
+    if not spread:
+        problems.add('free names no parameter; type for example free={"mu0": (0.05, 0.5)}')
+    problems.check()
+    return Parameters(make, tuple(spread), fixed, dict(tied or {}))
+
+
+def _stacked(models: list[Any]) -> Any:
+    """Models of one kind as one whose numbers are arrays."""
+    tables = [dict(leaves(model)) for model in models]
+    return replace_leaf(models[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
+
+
+def _known(make: Any) -> list[str] | None:
+    """Names of the arguments; None if any is allowed."""
+    if not callable(make):
+        return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
+    found = inspect.signature(make).parameters.values()
+    return None if any(p.kind is p.VAR_KEYWORD for p in found) else [p.name for p in found]
+
+
+def _free(free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
+    found = []
+    for name, bounds in free.items():
+        parts = tuple(bounds) if isinstance(bounds, (tuple, list)) else ()
+        log = len(parts) == 3 and parts[2] == "log"
+        if len(parts) not in (2, 3) or (len(parts) == 3 and not log) or not _ordered(parts[:2], log):
+            allowed = '(low, high) with low < high, or (low, high, "log") with 0 < low'
+            problems.add(f'free: {name} = {bounds!r}; allowed is {allowed}; type for example "{name}": (0.05, 0.5)')
+            continue
+        low, high = float(parts[0]), float(parts[1])
+        each = [name.replace("[:]", f"[{i}]") for i in range(count)] if name.endswith("[:]") else [name]
+        found += [Free(one, low, high, log) for one in each]
+    for f in found:
+        if f.record is not None and f.record >= count:
+            problems.add(f"free: {f.name} names record {f.record}; there are {count}, counted from 0")
+    return found
+
+
+def _ordered(bounds: tuple[Any, ...], log: bool) -> bool:
+    try:
+        low, high = float(bounds[0]), float(bounds[1])
+    except (TypeError, ValueError):
+        return False
+    return bool(np.isfinite(low) and np.isfinite(high) and low < high and (low > 0 or not log))
+
+
+def _fixed(arguments: dict[str, Any], count: int, problems: Problems) -> tuple[dict[str, Any], ...]:
+    fixed: list[dict[str, Any]] = [{} for _ in range(count)]
+    for name, value in arguments.items():
+        many = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim == 1)
+        if many and len(value) != count:
+            problems.add(f"{name} has {len(value)} values and there are {count} records; give one value, or one for each record")
+            continue
+        for record in range(count):
+            fixed[record][name] = value[record] if many else value
+    return tuple(fixed)
+
+
+Rule = Callable[[dict[str, Any]], Any]

@@ -1,0 +1,275 @@
+"""Residuals of several records under one model, and their derivatives: steady motion of robots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, SolveError
+from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
+from stickslip.identifying.targets import Target
+from stickslip.solvers import solve
+
+__all__ = ["SteadyProblem"]
+
+#: Residual of a value that a model cannot give, in standard deviations.
+IMPOSSIBLE = 1e4
+_STEP = 2e-5  # of the distance between the bounds: differences for derivatives
+_GRID = 256  # phases tried for the alignment of a curve
+
+
+@dataclass(eq=False)
+class SteadyProblem:
+    """Fit of steady curves and of mean velocities.
+
+    A search moves the places of the free parameters (0 to 1 between their bounds) and, for each curve, the drive's phase in the middle of
+    the record and, where the frequency was found in the data, by how much the phase slips from its first to its last sample. A position
+    has an offset besides, which is linear and is taken out.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    targets : tuple of Target
+    rtol : float
+        Of the solver.
+    """
+
+    parameters: Parameters
+    targets: tuple[Target, ...]
+    rtol: float = 1e-8
+    central: bool = True
+    solves: int = 0
+    _warm: dict[int, Any] = field(default_factory=dict)
+    _curves: dict[tuple[Any, ...], list[Any] | None] = field(default_factory=dict)
+
+    # ---- layout ----
+    @property
+    def curves(self) -> tuple[int, ...]:
+        """Which records are curves and so have a phase of their own."""
+        return tuple(i for i, t in enumerate(self.targets) if t.kind != "mean")
+
+    @property
+    def nuisances(self) -> int:
+        """How many phases and offsets are fitted besides the free parameters."""
+        return len(self._timing) + sum(t.kind == "position" for t in self.targets)
+
+    @property
+    def _timing(self) -> tuple[tuple[int, str], ...]:
+        """What is fitted of the drive's phase: (record, "phase" or "slip")."""
+        both = [(i, what) for i in self.curves for what in ("phase", "slip")]
+        return tuple((i, what) for i, what in both if what == "phase" or self.targets[i].slips)
+
+    def _phase(self, place: Any, i: int) -> Any:
+        """Drive phases of the samples of record i."""
+        target, n = self.targets[i], len(self.parameters.free)
+        phase = target.phase + place[n + self._timing.index((i, "phase"))]
+        return phase + place[n + self._timing.index((i, "slip"))] * target.course if target.slips else phase
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return np.concatenate([t.y for t in self.targets])
+
+    @property
+    def sigma(self) -> Any:
+        """Standard deviation of each value."""
+        return np.concatenate([t.sigma / np.sqrt(t.weight * np.ones(t.count)) for t in self.targets])
+
+    def with_values(self, y: Any) -> SteadyProblem:
+        """The same fit for other measured values."""
+        import dataclasses
+
+        edges = np.cumsum([0, *(t.count for t in self.targets)])
+        made = tuple(dataclasses.replace(t, y=y[a:b]) for t, a, b in zip(self.targets, edges[:-1], edges[1:], strict=True))
+        return SteadyProblem(self.parameters, made, self.rtol, self.central, _warm=dict(self._warm))
+
+    def only(self, fixed: dict[str, float]) -> SteadyProblem:
+        """The same fit with some parameters held."""
+        return SteadyProblem(self.parameters.only(fixed), self.targets, self.rtol, self.central, _warm=dict(self._warm))
+
+    def rough(self) -> SteadyProblem:
+        """The same fit for the search: looser tolerance, one-sided differences."""
+        return SteadyProblem(self.parameters, self.targets, max(self.rtol, 1e-6), False, _warm=dict(self._warm))
+
+    @property
+    def quiet(self) -> float:
+        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
+        known = all(t.kind != "mean" or t.given_sigma for t in self.targets)
+        return 1.1 * sum(t.count for t in self.targets) if known else -np.inf
+
+    # ---- predictions ----
+    def predicted(self, place: Any) -> Any:
+        """Values of all records in the order of `y`; None where the parameters make no model."""
+        motions = self._motions(place[: len(self.parameters.free)])
+        if motions is None:
+            return None
+        parts = []
+        for i, (target, motion) in enumerate(zip(self.targets, motions, strict=True)):
+            if target.kind == "mean":
+                parts.append(np.array([motion.mean_velocity]))
+                continue
+            parts.append(_curve(target, motion, self._phase(place, i)))
+        return np.concatenate(parts)
+
+    def _motions(self, place: Any) -> list[Any] | None:
+        """The steady curve of each record; the last few places are remembered."""
+        key = tuple(np.asarray(place, float).tolist())
+        if key not in self._curves:
+            if len(self._curves) > 8:
+                self._curves.pop(next(iter(self._curves)))
+            self._curves[key] = self._solved(place)
+        return self._curves[key]
+
+    def _solved(self, place: Any) -> list[Any] | None:
+        values = self.parameters.values(place)
+        found: list[Any] = []
+        try:
+            for i in range(len(self.targets)):
+                self.solves += 1
+                motion = steady_curve(self.parameters.model(values, i), self._warm.get(i), self.rtol)
+                self._warm[i] = motion.end
+                found.append(motion)
+        except (InputError, SolveError):
+            return None
+        return found
+
+    def residuals(self, place: Any) -> Any:
+        """(model - measured) / sigma."""
+        found = self.predicted(place)
+        if found is None or not np.isfinite(found).all():
+            return np.full(sum(t.count for t in self.targets), IMPOSSIBLE)
+        return (found - self.y) / self.sigma
+
+    def jacobian(self, place: Any) -> Any:
+        """Derivatives of the residuals, by differences; those for the phases need no solve."""
+        n, here = len(self.parameters.free), self.predicted(place)
+        columns = []
+        for k in range(n):
+            columns.append(self._slope(place, k, here))
+        slopes = {i: self._phase_slope(place, i) for i in self.curves}
+        columns += [slopes[i] * (self._course(i) if what == "slip" else 1.0) for i, what in self._timing]
+        return np.stack(columns, axis=1) / self.sigma[:, None]
+
+    def _slope(self, place: Any, k: int, here: Any) -> Any:
+        """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""
+        h, sides = 10 * _STEP if not self.central else _STEP, []
+        for sign in (1.0, -1.0):
+            moved = np.array(place, float)
+            moved[k] += sign * h
+            found = self.predicted(moved) if 0.0 <= moved[k] <= 1.0 else None
+            if found is not None:
+                sides.append((sign * h, found))
+            if sides and not self.central:
+                break
+        if len(sides) == 2:
+            return (sides[0][1] - sides[1][1]) / (2 * h)
+        if len(sides) == 1 and here is not None:
+            return (sides[0][1] - here) / sides[0][0]
+        return np.zeros(len(self.y))
+
+    def _phase_slope(self, place: Any, i: int, h: float = 1e-6) -> Any:
+        """Derivative of the values of record i by its phase; zero for the others."""
+        motions = self._motions(place[: len(self.parameters.free)])
+        parts = [np.zeros(t.count) for t in self.targets]
+        if motions is not None:
+            phase = self._phase(place, i)
+            up, down = (_curve(self.targets[i], motions[i], phase + sign * h) for sign in (1, -1))
+            parts[i] = (up - down) / (2 * h)
+        return np.concatenate(parts)
+
+    def _course(self, i: int) -> Any:
+        return np.concatenate([t.course if k == i else np.zeros(t.count) for k, t in enumerate(self.targets)])
+
+    # ---- search ----
+    def aligned(self, place: Any) -> Any:
+        """The place of the free parameters with the best phase of each curve behind it."""
+        motions = self._motions(place)
+        timing = [0.0 if motions is None or what == "slip" else _best_phase(self.targets[i], motions[i]) for i, what in self._timing]
+        return np.concatenate([place, timing])
+
+    def bounds(self) -> tuple[Any, Any]:
+        """Bounds of a whole place."""
+        n, m = len(self.parameters.free), len(self._timing)
+        return np.concatenate([np.zeros(n), np.full(m, -np.inf)]), np.concatenate([np.ones(n), np.full(m, np.inf)])
+
+    def coarse(self, places: Any) -> Any:
+        """How badly many places fit, told from mean and extreme velocities alone: one batch for each record. Lower is better."""
+        places = np.asarray(places, float)
+        good, batches = self.parameters.batches(places)
+        score = np.full(len(places), np.inf)
+        if not good.any():
+            return score
+        total = np.zeros(int(good.sum()))
+        for target, batch in zip(self.targets, batches, strict=True):
+            many = solve(batch, periods=100, settle="auto", rtol=1e-5, keep="summary")
+            self.solves += len(total)
+            total = total + _distance(target, {name: np.asarray(getattr(many, name), float) for name in _FEATURES})
+        score[good] = np.where(np.isfinite(total), total, np.inf)
+        return score
+
+
+_FEATURES = ("mean_velocity", "velocity_max", "velocity_min")
+
+
+def _distance(target: Target, seen: dict[str, Any]) -> Any:
+    """Squared distance of mean and extreme velocities from those of a record."""
+    if target.kind == "mean":
+        return ((seen["mean_velocity"] - target.y[0]) / target.sigma) ** 2
+    if target.kind == "position":
+        slope = np.polyfit(target.phase, target.y, 1)[0] * target.frequency
+        return ((seen["mean_velocity"] - slope) / (np.ptp(target.y) * target.frequency)) ** 2
+    low, high = np.quantile(_smoothed(target), (0.0, 1.0))
+    scale = max(high - low, 1e-300)
+    wanted = {"mean_velocity": float(np.average(target.y, weights=target.weight)), "velocity_max": high, "velocity_min": low}
+    return sum(((seen[name] - wanted[name]) / scale) ** 2 for name in _FEATURES)
+
+
+def _smoothed(target: Target) -> Any:
+    """The mean cycle in as many bins as its noise allows."""
+    bins = int(np.clip(target.count / 20, 12, 200))
+    index = np.minimum((np.mod(target.phase, 1.0) * bins).astype(int), bins - 1)
+    count = np.bincount(index, minlength=bins)
+    return (np.bincount(index, target.y, bins) / np.maximum(count, 1))[count > 0]
+
+
+def _curve(target: Target, motion: SteadyCurve, phase: Any) -> Any:
+    """What the model gives for one record; the offset of a position is that of least squares."""
+    if target.kind == "velocity":
+        return motion.v(phase)
+    x = motion.x(phase)
+    return x + np.average(target.y - x, weights=target.weight)
+
+
+def _best_phase(target: Target, motion: SteadyCurve) -> float:
+    """The phase of the first sample at which curve and record agree best: on a grid, then by a parabola."""
+    period = motion.period
+    grid = np.arange(_GRID * period) / _GRID
+    if target.kind == "velocity":
+        wave = motion.v(grid)
+        bins = _binned(target, target.y, period)
+    else:
+        drift = motion.mean_velocity / target.frequency
+        wave = motion.x(grid) - drift * grid
+        bins = _binned(target, target.y - drift * target.phase, period)
+        bins, wave = (bins[0] - np.average(bins[0], weights=bins[1]), bins[1]), wave - wave.mean()
+    mean, weight = bins
+    cost = _lagged(wave**2, weight) - 2 * _lagged(wave, weight * mean)
+    k = int(np.argmin(cost))
+    left, here, right = cost[k - 1], cost[k], cost[(k + 1) % len(cost)]
+    bend = left - 2 * here + right
+    return float((k + (0.5 * (left - right) / bend if bend > 0 else 0.0)) / _GRID)
+
+
+def _binned(target: Target, y: Any, period: int) -> tuple[Any, Any]:
+    n = _GRID * period
+    index = np.round(np.mod(target.phase, period) * _GRID).astype(int) % n
+    weight = np.bincount(index, target.weight * np.ones(len(y)), n)
+    return np.bincount(index, target.weight * y, n) / np.where(weight > 0, weight, 1), weight
+
+
+def _lagged(wave: Any, weights: Any) -> Any:
+    """Sum over i of wave[i + k] weights[i], for every k."""
+    return np.fft.irfft(np.fft.rfft(wave) * np.conj(np.fft.rfft(weights)), len(wave))

@@ -1,0 +1,246 @@
+"""`rank`: which law do the data support, and can they tell at all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.identifying.fit import Fit
+from stickslip.identifying.uncertainty import effective
+
+__all__ = ["Ranked", "Ranking", "rank"]
+
+#: A difference of AICc below which data do not tell two laws apart (Burnham and Anderson 2002), here for corrected sample sizes.
+UNDECIDED = 4.0
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One law in the ranking.
+
+    Parameters
+    ----------
+    label : str
+    parameters : int
+        Fitted numbers, phases included.
+    rms : float
+        Of the residuals over all records, in standard deviations of the noise as the fits see it.
+    aicc, bic : float
+        Information criteria, less those of the best law. Sample size counts independent residuals only.
+    weight : float
+        Akaike weight.
+    held_out : float
+        Rms on records that were not fitted [SI]; NaN where there are none.
+    """
+
+    label: str
+    parameters: int
+    rms: float
+    aicc: float
+    bic: float
+    weight: float
+    held_out: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ranking:
+    """Laws in the order in which the data support them, and the verdict.
+
+    Parameters
+    ----------
+    rows : tuple of Ranked
+        The best first.
+    decided : bool
+        Whether the data tell the first from the second.
+    verdict : str
+        One sentence.
+    effective : float
+        Independent values in the data.
+    count : int
+        Values in the data.
+    """
+
+    rows: tuple[Ranked, ...]
+    decided: bool
+    verdict: str
+    effective: float
+    count: int
+
+    @property
+    def best(self) -> Ranked:
+        """The first."""
+        return self.rows[0]
+
+    def __str__(self) -> str:
+        width = max(len(r.label) for r in self.rows)
+        lines = [f"{'':<{width}}  numbers  rms        ΔAICc      ΔBIC       weight  held out"]
+        for r in self.rows:
+            held = "" if np.isnan(r.held_out) else f"{r.held_out:.4g}"
+            lines.append(
+                f"{r.label:<{width}}  {r.parameters:<7}  {r.rms:<9.4g}  {r.aicc:<9.4g}  {r.bic:<9.4g}  {r.weight:<6.3f}  {held}".rstrip()
+            )
+        return "\n".join([*lines, self.verdict])
+
+    __repr__ = __str__
+
+
+def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
+    """Order fits of several laws to the same records by information criteria and by records that were held out.
+
+    Residuals that are correlated say less than their number: all criteria count the independent ones, as those of the best fit are. If
+    that leaves too little, or criteria and held-out records disagree, the verdict is that these data cannot tell.
+
+    Parameters
+    ----------
+    fits : list or dict of label -> Fit
+        From `identify`, all to the same records in the same way.
+    held_out : dict of label -> list of numbers, optional
+        For each label the rms on each held-out record, from `prediction_errors`.
+
+    Returns
+    -------
+    Ranking
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), noise=1e-4, seed=1)
+    >>> both = {law: ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=6e-4, law=law)
+    ...         for law in ("coulomb", "lugre")}
+    >>> print(ss.rank(both).verdict)
+    lugre is supported: ΔAICc to coulomb is ...
+    """
+    named = dict(fits) if isinstance(fits, dict) else _named(fits)
+    _check(named)
+    count = next(iter(named.values())).count
+    given = all(_given(fit) for fit in named.values())
+    smallest = min(named.values(), key=lambda fit: fit.cost)
+    independent = float(np.clip(sum(effective(part) for part in smallest._split(smallest.residuals)), 1.0, count))
+    parts = {label: _criteria(fit, independent, given) for label, fit in named.items()}
+    least = {k: min(p[k] for p in parts.values()) for k in (0, 1)}
+    weights = {label: np.exp(-0.5 * min(p[0] - least[0], 1400.0)) for label, p in parts.items()}
+    total = sum(weights.values())
+    outside = {label: _mean_square(held_out[label]) if held_out and label in held_out else float("nan") for label in named}
+    rows = sorted(
+        (
+            Ranked(
+                label,
+                fit.fitted,
+                float(np.sqrt(fit.cost / count)),
+                parts[label][0] - least[0],
+                parts[label][1] - least[1],
+                float(weights[label] / total),
+                outside[label],
+            )
+            for label, fit in named.items()
+        ),
+        key=lambda r: r.aicc,
+    )
+    decided, verdict = _verdict(rows, held_out)
+    return Ranking(tuple(rows), decided, verdict, independent, count)
+
+
+def prediction_errors(
+    fit: Fit, records: Any, *, load: float | None = None, frequency: float | None = None, **arguments: Any
+) -> list[float]:
+    """How well a fit predicts records that it has not seen: rms for each record [SI]. Only the drive's phase is fitted there.
+
+    Parameters
+    ----------
+    fit : Fit
+    records : Record or list of them
+    load, frequency
+        As for `identify`.
+    **arguments
+        Arguments of the model for these records, as for `identify`.
+
+    Returns
+    -------
+    list of float
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> one, two = (ss.virtual_rig(ss.presets.piezo_rig(1.7, A, law="coulomb"), noise=1e-4, seed=1) for A in (6e-4, 8e-4))
+    >>> fit = ss.identify(one, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    >>> [round(e, 4) for e in ss.prediction_errors(fit, two, tilt_deg=1.7, amplitude=8e-4, law="coulomb")]
+    [0.0001]
+    """
+    from stickslip.identifying.fitting import as_list, problem_of
+    from stickslip.identifying.search import polished
+
+    of = fit.problem.parameters
+    free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
+    using = fit.problem.targets[0].kind
+    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments)
+    problem = whole.only(fit.values)
+    found = polished(problem, problem.aligned(np.empty(0)))
+    edges = np.cumsum([0, *(t.count for t in problem.targets)])
+    rest = found.residuals * problem.sigma
+    return [float(np.sqrt(np.mean(rest[a:b] ** 2))) for a, b in pairwise(edges)]
+
+
+def _named(fits: Any) -> dict[str, Fit]:
+    found: dict[str, Fit] = {}
+    for fit in fits:
+        label = fit.law if fit.law not in found else f"{fit.law} ({len(found) + 1})"
+        found[label] = fit
+    return found
+
+
+def _check(named: dict[str, Fit]) -> None:
+    if len(named) < 2:
+        raise InputError("rank", [f"{len(named)} fits given; allowed are two or more; type ss.rank([fit_of_one_law, fit_of_another])"])
+    first = next(iter(named.values()))
+    for label, fit in named.items():
+        same = fit.count == first.count and np.allclose(fit.problem.y, first.problem.y, rtol=1e-9, atol=0.0)
+        if not same:
+            raise InputError(
+                "rank", [f"{label} was fitted to other values than the first; fit all laws to the same records in the same way"]
+            )
+
+
+def _given(fit: Fit) -> bool:
+    return all(getattr(t, "given_sigma", False) for t in fit.problem.targets)
+
+
+def _criteria(fit: Fit, independent: float, given: bool) -> tuple[float, float]:
+    """AICc and BIC for as many values as are independent."""
+    n, k = independent, fit.fitted + (0 if given else 1)
+    misfit = fit.cost * n / fit.count if given else n * np.log(max(fit.cost, 1e-300) / fit.count)
+    correction = 2 * k * (k + 1) / (n - k - 1) if n > k + 1.5 else 0.0 if given else np.inf
+    return float(misfit + 2 * k + correction), float(misfit + k * np.log(max(n, 2.0)))
+
+
+def _mean_square(values: Any) -> float:
+    return float(np.sqrt(np.mean(np.square(np.asarray(values, float)))))
+
+
+def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[bool, str]:
+    first, second = rows[0], rows[1]
+    if not np.isfinite(first.aicc) or np.isnan(second.aicc) or not np.isfinite(second.aicc):
+        return False, "these data cannot tell: there are fewer independent values than fitted numbers"
+    if second.aicc < UNDECIDED:
+        return False, f"these data cannot tell {first.label} from {second.label}: ΔAICc is {second.aicc:.2g}, less than {UNDECIDED:g}"
+    if held_out is not None and first.label in held_out and second.label in held_out:
+        return _held_out_verdict(rows, held_out)
+    return True, f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}"
+
+
+def _held_out_verdict(rows: list[Ranked], held_out: dict[str, Any]) -> tuple[bool, str]:
+    first = rows[0]
+    outside = min((r for r in rows if r.label in held_out), key=lambda r: r.held_out)
+    if outside.label != first.label and outside.held_out < 0.98 * first.held_out:
+        return False, f"these data cannot tell: {first.label} fits best, but {outside.label} predicts the held-out records better"
+    second = rows[1]
+    wins = int(np.sum(np.asarray(held_out[first.label]) <= np.asarray(held_out[second.label])))
+    return (
+        True,
+        f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}, and it predicts {wins} of "
+        f"{len(held_out[first.label])} held-out records better",
+    )

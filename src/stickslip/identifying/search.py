@@ -1,0 +1,104 @@
+"""Least squares that finds its way: a multistart in batches, then trust-region steps from the best places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+
+__all__ = ["Found", "polished", "searched"]
+
+_ALIGNED = 16  # places that are judged by their curves
+_POLISHED = 3  # places from which steps are taken
+_APART = 0.03  # places nearer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Where a search ended: place, residuals there, their derivatives, and in how many steps."""
+
+    place: Any
+    residuals: Any
+    jacobian: Any
+    steps: int
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return float(self.residuals @ self.residuals)
+
+
+def searched(problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None) -> tuple[Found, int]:
+    """The best place of a multistart, and how many of the polished starts ended there, roughly.
+
+    Parameters
+    ----------
+    problem : SteadyProblem or DrivenProblem
+    starts : int
+        Places of the multistart (a Sobol sequence, and the middle).
+    seed : int
+    progress : callable, optional
+        Called with (done, in all).
+    """
+    from scipy.stats import qmc
+
+    n = len(problem.parameters.free)
+    places = qmc.Sobol(n, seed=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
+    places = np.concatenate([np.full((1, n), 0.5), places])
+    score = problem.coarse(places)
+    if not np.isfinite(score).any():
+        raise InputError("identify", [f"none of {len(places)} places between the bounds makes a model; widen or correct the bounds"])
+    order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
+    if problem.nuisances == 0:  # the batch has judged them already
+        chosen = [(float(score[i]), problem.aligned(places[i])) for i in order]
+    else:
+        chosen = sorted((_judged(problem, places[i]) for i in order), key=lambda pair: pair[0])
+    ends: list[Found] = []
+    for k, (_, place) in enumerate(_spread(chosen)):
+        if progress:
+            progress(k, _POLISHED + 1)
+        ends.append(polished(problem, place, rough=True))
+        if ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
+            break
+    best = min(ends, key=lambda end: end.cost)
+    agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
+    if progress:
+        progress(_POLISHED + 1, _POLISHED + 1)
+    return best, agree
+
+
+def _judged(problem: Any, place: Any) -> tuple[float, Any]:
+    whole = problem.aligned(place)
+    rest = problem.residuals(whole)
+    return float(rest @ rest), whole
+
+
+def _spread(chosen: list[tuple[float, Any]]) -> list[tuple[float, Any]]:
+    """The best places that are apart from one another."""
+    kept: list[tuple[float, Any]] = []
+    for cost, place in chosen:
+        if all(abs(place - other).max() > _APART for _, other in kept):
+            kept.append((cost, place))
+        if len(kept) == _POLISHED:
+            break
+    return kept
+
+
+def polished(problem: Any, place: Any, rough: bool = False) -> Found:
+    """Trust-region steps from a place to the nearest least sum of squares."""
+    from scipy.optimize import least_squares
+
+    low, high = problem.bounds()
+    inside = np.clip(place, low + 1e-9, high - 1e-9)
+    if len(inside) == 0:
+        rest = problem.residuals(inside)
+        return Found(inside, rest, np.empty((len(rest), 0)), 0)
+    fit = least_squares(
+        problem.residuals, inside, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
+        ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
+    )  # fmt: skip
+    return Found(fit.x, fit.fun, fit.jac, int(fit.nfev))

@@ -1,0 +1,101 @@
+"""The steady motion of one robot as a curve over the drive's phase, found from a start that is nearly right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import SolveError
+from stickslip.solvers import solve
+
+__all__ = ["SteadyCurve", "steady_curve"]
+
+_FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
+_LONGEST = 4  # motion periods up to here are followed
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyCurve:
+    """The last motion period of a run.
+
+    Parameters
+    ----------
+    run : Trajectory
+    period : int
+        Drive periods until the motion repeats.
+    settled : bool
+        Whether the strobe point repeats.
+    """
+
+    run: Any
+    period: int
+    settled: bool
+
+    def _times(self, phase: Any) -> Any:
+        T = self.run.period_time
+        return self.run.strobe_times[-1 - self.period] + np.mod(phase, self.period) * T
+
+    def _states(self, phase: Any) -> tuple[Any, Any, Any]:
+        t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
+        return self.run.pieces.evaluate(t, self.run._index(t))
+
+    def v(self, phase: Any) -> Any:
+        """Velocity at phases counted in drive periods [m/s]."""
+        return self._states(phase)[1]
+
+    def x(self, phase: Any) -> Any:
+        """Position at phases counted in drive periods, going on from period to period [m]."""
+        whole = np.floor(np.asarray(phase) / self.period)
+        return self._states(phase)[0] - self.run.strobe_x[-1 - self.period] + whole * self.step
+
+    @property
+    def step(self) -> float:
+        """Displacement in one motion period [m]."""
+        return float(self.run.strobe_x[-1] - self.run.strobe_x[-1 - self.period])
+
+    @property
+    def mean_velocity(self) -> float:
+        """Mean velocity [m/s]."""
+        return self.step / (self.period * self.run.period_time)
+
+    @property
+    def end(self) -> dict[str, Any]:
+        """The strobe point, from which a neighbouring robot is started."""
+        z = self.run.strobe_z
+        return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
+
+
+def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8) -> SteadyCurve:
+    """The steady motion of a robot; starts near it make it cheap.
+
+    Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again.
+    """
+    spent, periods = 0, _FIRST
+    scale = float(getattr(robot, "free_velocity", None) or robot.velocity_scale or 1.0)
+    tolerance = min(30 * rtol, 1e-5) * scale
+    while True:
+        try:
+            run = solve(robot, periods=periods, samples=4, rtol=rtol, keep="trajectory", start=start)
+        except SolveError:
+            if start is None:
+                raise
+            start = None
+            continue
+        spent += periods
+        v = run.strobe_v
+        found = next((p for p in range(1, _LONGEST + 1) if len(v) > 2 * p and abs(v[-p:] - v[-2 * p : -p]).max() <= tolerance), None)
+        if found is not None or spent >= _MOST:
+            return SteadyCurve(run, found or 1, found is not None)
+        start, periods = _nearer(run, v), min(2 * periods, 100)
+
+
+def _nearer(run: Any, v: Any) -> dict[str, Any]:
+    """A start nearer to the limit of the strobe points."""
+    end = SteadyCurve(run, 1, False).end
+    last, before = v[-1] - v[-2], v[-2] - v[-3]
+    ratio = last / before if before else 0.0
+    if 0.05 < ratio < 0.98:
+        end["v"] += float(last * ratio / (1 - ratio))
+    return end

@@ -1,0 +1,356 @@
+"""Pictures of what a robot's motion becomes along a parameter: branches, diagrams, basins, exponents, spectra."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.forces import is_dynamic
+from stickslip.plot.style import COLOURS, INK, axes, prefix, publication
+
+__all__ = ["basins", "bifurcation", "chaos_map", "continuation", "convergence", "spectrum"]
+
+_MARKERS = {"flip": ("s", "flip"), "fold": ("D", "fold"), "grazing": ("v", "grazing"), "type-border": ("|", "border of types")}
+_CLOUD = "#8A94A0"
+
+
+def _named(text: str, unit: str, factor_prefix: str = "") -> str:
+    """An axis label with its unit; what has none shows none."""
+    return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
+
+
+def _scaled(values: Any, unit: str) -> tuple[float, str]:
+    """The prefix of an axis with a unit; numbers without one keep their size."""
+    return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
+
+
+def continuation(
+    branch: Any, observable: str = "v", ax: Any = None, diagram: Any = None, labels: Sequence[str] | None = None, special: bool = True
+) -> Any:
+    """Branches of periodic orbits: stable parts as full lines, unstable ones dashed, special points marked.
+
+    A branch of period p shows the strobe points of all its p drive periods where `observable` is a coordinate of the state.
+
+    Parameters
+    ----------
+    branch : Branch or list of Branch
+        From `stickslip.continuation`.
+    observable : str
+        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier".
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+    diagram : xarray.Dataset, optional
+        From `stickslip.bifurcation`: its points are drawn below the branches.
+    labels : list of str, optional
+        Names of the branches; their periods if not given.
+    special : bool
+        Whether to mark special points. Borders of motion types are marked under set-valued laws only, where they need no threshold.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    branches = list(branch) if isinstance(branch, (list, tuple)) else [branch]
+    if not branches or not all(hasattr(b, "points") and hasattr(b, "special") for b in branches):
+        raise InputError("plot", [f"branch = {branch!r}; allowed is a Branch or a list of them, from ss.continuation"])
+    parameter, across = branches[0].parameter, branches[0].points[branches[0].parameter]
+    shown = [_values(b, observable) for b in branches]
+    told = branches[0].points[observable].attrs
+    unit = told.get("units", {"v": "m/s", "z": "m"}.get(observable, "1"))
+    up, mark = _scaled(np.concatenate([s.ravel() for s in shown]), unit)
+    right, side = _scaled(across.values, across.attrs["units"])
+    with publication():
+        ax = axes(ax, height=2.6)
+        if diagram is not None:
+            _cloud(ax, diagram, parameter, observable, right, up)
+        for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
+            name = labels[i] if labels is not None else f"period {b.period}"
+            _line(ax, b, values * up, right, COLOURS[i % 7], name)
+        if special:
+            _marks(ax, branches, observable, right, up)
+        ax.set_xlabel(_named(across.attrs["long_name"], across.attrs["units"], side))
+        ax.set_ylabel(_named(_WORDS.get(observable, told.get("long_name", observable)), unit, mark))
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.2, handletextpad=0.5)
+        return ax
+
+
+_WORDS = {
+    "v": "velocity on the strobe $v$", "z": "bristle on the strobe $z$", "mean_velocity": "mean velocity $V$",
+    "largest_multiplier": "largest multiplier $|\\lambda|$", "margin": "margin of the motion type",
+}  # fmt: skip
+
+
+def _values(branch: Any, observable: str) -> Any:
+    """The observable along a branch: (points, 1), or (points, period) for a coordinate of the state."""
+    if observable not in branch.points:
+        raise InputError("plot", [f"observable = {observable!r}; allowed is one of {', '.join(map(str, branch.points.data_vars))}"])
+    if observable not in branch.orbits[0].names or branch.period == 1:
+        return branch.points[observable].values.astype(float)[:, None]
+    return np.array([_strobed(orbit, observable) for orbit in branch.orbits])
+
+
+def _strobed(orbit: Any, observable: str) -> Any:
+    """A coordinate at the start of every drive period of an orbit."""
+    run = orbit.run
+    if observable in ("x", "v"):
+        return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
+    z = np.asarray(run.strobe_z)[: orbit.period]
+    return z if z.ndim == 1 else z[:, int(observable[1:])]
+
+
+def _line(ax: Any, branch: Any, values: Any, right: float, colour: str, name: str) -> None:
+    stable = np.array([o.stable for o in branch.orbits])
+    x = branch.values * right
+    for column in values.T:
+        for state, dash, width in ((True, "-", 1.4), (False, (0, (3, 1.5)), 0.9)):
+            keep = stable == state
+            keep = keep | np.roll(keep, 1) & (np.arange(len(keep)) > 0)  # parts touch where stability changes
+            ax.plot(np.where(keep, x, np.nan), np.where(keep, column, np.nan), color=colour, linestyle=dash, linewidth=width, zorder=4)
+    ax.plot([], [], color=colour, label=name)
+
+
+def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float, up: float) -> None:
+    if observable not in diagram:
+        raise InputError("plot", [f"the diagram has no {observable!r}; it has {', '.join(map(str, diagram.data_vars))}"])
+    y = diagram[observable]
+    x = diagram[parameter].broadcast_like(y).values.ravel() * right
+    ax.plot(x, y.values.ravel() * up, ".", markersize=0.9, color=_CLOUD, markeredgewidth=0, zorder=1, rasterized=True)
+    ax.plot([], [], ".", markersize=4, color=_CLOUD, label="brute force")
+
+
+def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: float) -> None:
+    used: set[str] = set()
+    for b in branches:
+        for s in b.special:
+            if s.kind == "type-border" and is_dynamic(s.orbit.model.friction):
+                continue  # words with thresholds: no points of the dynamics
+            marker, name = _MARKERS[s.kind]
+            values = _strobed(s.orbit, observable) if observable in s.orbit.names else [_of_orbit(s.orbit, observable)]
+            face = COLOURS[6] if marker == "|" else "white"
+            style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
+            ax.plot(np.full(len(values), s.value * right), np.asarray(values) * up, marker, label=None if name in used else name, **style)
+            used.add(name)
+
+
+def _of_orbit(orbit: Any, observable: str) -> float:
+    return float(abs(orbit.multipliers).max()) if observable == "largest_multiplier" else float(getattr(orbit, observable))
+
+
+def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
+    """A bifurcation diagram by brute force; upwards and downwards in two colours, so that hysteresis shows.
+
+    Parameters
+    ----------
+    diagram : xarray.Dataset
+        From `stickslip.bifurcation`.
+    observable : str
+        "v", "z", "displacement", or "mean_velocity", "v_max", "v_min".
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    if "parameter" not in getattr(diagram, "attrs", {}) or observable not in diagram:
+        raise InputError(
+            "plot", [f"{type(diagram).__name__} without {observable!r}; allowed is the Dataset of ss.bifurcation and a column of it"]
+        )
+    across, y = diagram[diagram.attrs["parameter"]], diagram[observable]
+    unit = y.attrs.get("units", "1")
+    (right, side), (up, mark) = _scaled(across.values, across.attrs.get("units", "1")), _scaled(y.values, unit)
+    with publication():
+        ax = axes(ax, height=2.6)
+        for i, direction in enumerate(diagram.direction.values):
+            part = y.sel(direction=direction)
+            x = across.broadcast_like(part).values.ravel() * right
+            size = 1.6 if i == 0 else 0.8
+            ax.plot(x, part.values.ravel() * up, ".", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
+            ax.plot([], [], ".", markersize=5, color=COLOURS[i], label=str(direction))
+        ax.set_xlabel(_named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
+        ax.set_ylabel(_named(_WORDS.get(observable, y.attrs.get("long_name", observable)), unit, mark))
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, handletextpad=0.2)
+        return ax
+
+
+def basins(found: Any, ax: Any = None) -> Any:
+    """Which start goes to which attractor, over the first two axes of the grid of starts that have several values.
+
+    Parameters
+    ----------
+    found : Basins
+        From `stickslip.basins`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    if not hasattr(found, "attractors"):
+        raise InputError("plot", [f"found = {found!r}; allowed is what ss.basins gives"])
+    names = [str(d) for d in found.map.attractor.dims if found.map.sizes[d] > 1]
+    if len(names) < 2:
+        raise InputError("plot", ["a map needs two axes with several values; type for example ss.basins(robot, v=[...], z=[...])"])
+    across, upward = names[:2]
+    flat = found.map.attractor.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
+    (right, side), (up, mark) = (_scaled(found.map[n].values, found.map[n].attrs["units"]) for n in (across, upward))
+    with publication():
+        ax = axes(ax, height=2.8)
+        paints: list[Any] = ["#FFFFFF", *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))]]
+        norm = BoundaryNorm(np.arange(-1.5, len(paints) - 0.5), len(paints))
+        extent = [*_edges(found.map[across].values * right), *_edges(found.map[upward].values * up)]
+        ax.imshow(
+            flat.values, origin="lower", extent=extent, aspect="auto", cmap=ListedColormap(paints), norm=norm, interpolation="nearest"
+        )
+        for k, a in enumerate(found.attractors):
+            if a.orbit is not None and set(names[:2]) <= set(a.orbit.names):
+                place = [a.orbit.names.index(across), a.orbit.names.index(upward)]
+                ax.plot(
+                    a.orbit.state[place[0]] * right,
+                    a.orbit.state[place[1]] * up,
+                    "o",
+                    markersize=5,
+                    color=COLOURS[k % 7],
+                    markeredgecolor="white",
+                )
+        ax.set_xlabel(_named(found.map[across].attrs["long_name"], found.map[across].attrs["units"], side))
+        ax.set_ylabel(_named(found.map[upward].attrs["long_name"], found.map[upward].attrs["units"], mark))
+        told = [f"$V$ = {a.mean_velocity * 1e3:.3g} mm/s, {100 * a.share:.0f} %" for a in found.attractors]
+        handles = [Patch(color=paints[k + 1], label=text) for k, text in enumerate(told)]
+        ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, columnspacing=1.2)
+        return ax
+
+
+#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided.
+_MOTIONS = {
+    "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#C9A0C0", "8 to 32": "#12456B", "chaotic": "#D55E00",
+    "not decided": "#BBBBBB",
+}  # fmt: skip
+
+
+def chaos_map(found: Any, ax: Any = None) -> Any:
+    """A map of motions over two parameters: period numbers, and where the largest exponent is positive.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `stickslip.chaos_map`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    if not {"period", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
+        raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
+    upward, across = map(str, found.period.dims)
+    (right, side), (up, mark) = (_scaled(found[n].values, found[n].attrs["units"]) for n in (across, upward))
+    kinds = _kinds(found)
+    with publication():
+        ax = axes(ax, height=3.0)
+        paints = ListedColormap(list(_MOTIONS.values()))
+        extent = [*_edges(found[across].values * right), *_edges(found[upward].values * up)]
+        norm = BoundaryNorm(np.arange(-0.5, len(_MOTIONS)), len(_MOTIONS))
+        ax.imshow(kinds, origin="lower", extent=extent, aspect="auto", cmap=paints, norm=norm, interpolation="nearest")
+        handles = [Patch(color=c, label=name) for i, (name, c) in enumerate(_MOTIONS.items()) if (kinds == i).any()]
+        ax.set_xlabel(_named(found[across].attrs["long_name"], found[across].attrs["units"], side))
+        ax.set_ylabel(_named(found[upward].attrs["long_name"], found[upward].attrs["units"], mark))
+        ax.legend(
+            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0, handlelength=1.2
+        )
+        return ax
+
+
+def _kinds(found: Any) -> Any:
+    """The number of the motion's kind in `_MOTIONS` at every point."""
+    period, chaotic = found.period.values, found.exponent.values > 3 * found.error.values
+    bins = np.searchsorted([1, 2, 3, 4, 7], period, side="left")
+    return np.where(period > 0, bins, np.where(chaotic, 6, 7))
+
+
+def _pale(colour: str) -> tuple[float, ...]:
+    """A colour halfway to white."""
+    return tuple(0.45 * int(colour[i : i + 2], 16) / 255 + 0.55 for i in (1, 3, 5))
+
+
+def _edges(values: Any) -> tuple[float, float]:
+    """The outer edges of cells around evenly spaced values."""
+    half = 0.5 * (values[-1] - values[0]) / max(len(values) - 1, 1)
+    return float(values[0] - half), float(values[-1] + half)
+
+
+def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
+    """How Lyapunov exponents converge, with three standard errors of the end as a band.
+
+    Parameters
+    ----------
+    exponents : Lyapunov
+        From `stickslip.lyapunov` and its like.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+    count : int
+        How many exponents, from the largest.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    if not hasattr(exponents, "record"):
+        raise InputError("plot", [f"{exponents!r}; allowed is what ss.lyapunov gives"])
+    with publication():
+        ax = axes(ax)
+        ax.axhline(0.0, color=INK, linewidth=0.5)
+        for i in range(min(count, len(exponents.spectrum))):
+            end, error = exponents.spectrum[i], exponents.errors[i]
+            if not np.isfinite(end):
+                continue
+            ax.axhspan(end - 3 * error, end + 3 * error, color=COLOURS[i % 7], alpha=0.15, linewidth=0)
+            ax.plot(exponents.record[:, 0], exponents.record[:, 1 + i], color=COLOURS[i % 7], label=f"{end:.4g} ± {error:.1g}")
+        ax.set_xlim(0, exponents.record[-1, 0])
+        ax.set_xlabel(f"{exponents.unit}s averaged over")
+        ax.set_ylabel(f"exponent per {exponents.unit}")
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+        return ax
+
+
+def spectrum(lines: Any, ax: Any = None) -> Any:
+    """The lines of a motion over the order of the drive's frequency; harmonics of the drive stand out from lines between them.
+
+    Parameters
+    ----------
+    lines : xarray.Dataset
+        From `stickslip.spectrum`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    if "amplitude" not in getattr(lines, "data_vars", {}):
+        raise InputError("plot", [f"{type(lines).__name__} without an amplitude; allowed is the Dataset of ss.spectrum"])
+    with publication():
+        ax = axes(ax)
+        floor = float(lines.amplitude.max()) * 1e-6
+        for whole, colour, name in ((True, COLOURS[0], "harmonics of the drive"), (False, COLOURS[1], "between")):
+            part = lines.where((lines.harmonic == whole) & (lines.amplitude > floor), drop=True)
+            if part.order.size:
+                ax.vlines(part.order, floor, part.amplitude, color=colour, linewidth=1.0)
+                ax.plot(part.order, part.amplitude, "o", markersize=2, color=colour, label=name)
+        ax.set_yscale("log")
+        ax.set_ylim(floor, None)
+        ax.set_xlabel("frequency over the drive's")
+        ax.set_ylabel(f"amplitude of ${lines.attrs.get('column', 'v')}$")
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+        return ax

@@ -1,0 +1,200 @@
+"""Pictures of maps: motion types with the exact borders over them, and mean velocity with its best point."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
+from stickslip.errors import InputError
+from stickslip.plot.style import INK, axes, prefix, publication
+
+__all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
+
+#: Fills of the motion types: greys where nothing slides, then light and dark in turn, so that neighbours differ in grey too.
+TYPE_COLOURS: dict[str, str] = {
+    "rest": "#F1F1F1", "presliding": "#C6CBD1", "II": "#BCDFF4", "I": "#2F7FB8", "III": "#F0B03C", "IV": "#D2691E", "other": "#B279A2",
+    "unsolved": "#FFFFFF",
+}  # fmt: skip
+#: Types whose names are written in white.
+DARK = ("I", "IV", "other")
+_SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to bear its name inside
+
+
+def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, ax: Any = None) -> Any:
+    """The motion type over a plane, each region with its name, and the exact borders of Coulomb friction drawn over it.
+
+    Parameters
+    ----------
+    grid : Dataset
+        From `sweep` or `map`, with two axes of numbers.
+    x, y : str, optional
+        Which axis goes where; by default the first across and the second up.
+    borders : bool
+        Whether to draw the exact borders, where they are known (`coulomb_borders`). Under a dynamic law they are those of its twin with
+        Coulomb friction.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    first, second = plane_of(grid, x, y)
+    across, up = scaled(grid, first), scaled(grid, second)
+    types = np.asarray(grid["motion_type"].transpose(second, first).values)
+    present = [name for name in TYPE_COLOURS if (types == name).any()]
+    codes = np.zeros(types.shape, int)
+    for i, name in enumerate(present):
+        codes[types == name] = i
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    with publication():
+        ax = _square(ax)
+        colours = ListedColormap([TYPE_COLOURS[name] for name in present])
+        norm = BoundaryNorm(np.arange(len(present) + 1) - 0.5, len(present))
+        ax.pcolormesh(across.values, up.values, codes, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+        legend = [name for i, name in enumerate(present) if not _name_region(ax, across.values, up.values, codes == i, name)]
+        drawn = borders and _draw_borders(ax, grid, first, second, across, up)
+        _legend(ax, legend, "Coulomb, exact" if drawn else None)
+        return _framed(ax, across, up)
+
+
+def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Any = None) -> Any:
+    """The mean velocity over a plane, with the borders of the motion types and the fastest point marked.
+
+    Parameters
+    ----------
+    grid : Dataset
+        From `sweep` or `map`, with two axes of numbers.
+    x, y : str, optional
+        Which axis goes where; by default the first across and the second up.
+    borders : bool
+        Whether to draw lines between the motion types that were computed.
+    optimum : bool
+        Whether to mark the point of largest speed.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    first, second = plane_of(grid, x, y)
+    across, up = scaled(grid, first), scaled(grid, second)
+    V = np.asarray(grid["mean_velocity"].transpose(second, first).values, float)
+    unitless = {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
+    factor, letter = (1.0, "") if unitless else prefix(V[np.isfinite(V)])
+    unit = "" if unitless else f"{letter}m/s"
+    V = V * factor
+    top, bottom = np.nanmax(V, initial=0.0), np.nanmin(V, initial=0.0)
+    both = bottom < -1e-3 * max(top, -bottom)
+    limits = {"vmin": -max(top, -bottom), "vmax": max(top, -bottom), "cmap": "PuOr_r"} if both else {"vmin": 0.0, "cmap": "cividis"}
+    with publication():
+        ax = _square(ax)
+        shown = ax.pcolormesh(across.values, up.values, V, shading="nearest", rasterized=True, **limits)
+        bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
+        bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless else f"mean velocity $V$ ({unit})")
+        bar.outline.set_linewidth(0.5)
+        if borders:
+            _type_lines(ax, grid, first, second, across.values, up.values, INK if both else "white")
+        if optimum and np.isfinite(V).any():
+            _mark_best(ax, V, across, up, unit)
+        return _framed(ax, across, up)
+
+
+# ---- parts ----
+class _Axis:
+    """An axis as it is drawn: values over an SI prefix, and what stands beside it."""
+
+    def __init__(self, values: Any, factor: float, label: str):
+        self.values, self.factor, self.label = values, factor, label
+
+
+def scaled(grid: Any, name: str) -> _Axis:
+    """An axis of a dataset as it is drawn."""
+    values, attrs = np.asarray(grid[name].values, float), grid[name].attrs
+    unit = attrs.get("units", "1")
+    factor, letter = prefix(values) if unit in ("m", "V", "N", "kg", "s", "m/s", "N/m") and unit != "kg" else (1.0, "")
+    shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({letter}{unit})"
+    return _Axis(values * factor, factor, attrs.get("long_name", name) + shown)
+
+
+def plain_label(grid: Any, name: str) -> str:
+    """Name and unit of an axis, without a prefix."""
+    unit = grid[name].attrs.get("units", "1")
+    shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({unit})"
+    return grid[name].attrs.get("long_name", name) + shown
+
+
+def _square(ax: Any) -> Any:
+    return axes(ax, 2.9)
+
+
+def _framed(ax: Any, across: _Axis, up: _Axis) -> Any:
+    ax.set_xlabel(across.label)
+    ax.set_ylabel(up.label)
+    ax.spines[["top", "right"]].set_visible(True)
+    return ax
+
+
+def _name_region(ax: Any, x: Any, y: Any, mask: Any, name: str) -> bool:
+    """Write a type's name into the widest part of its largest region; False if there is no room."""
+    from scipy.ndimage import distance_transform_edt
+
+    padded = np.pad(mask, 1)
+    rows, columns = mask.shape
+    depth = distance_transform_edt(padded, sampling=(1.0 / rows, 1.0 / columns))[1:-1, 1:-1]
+    i, j = np.unravel_index(np.argmax(depth), depth.shape)
+    if depth[i, j] < _SMALLEST * (1 + 0.25 * max(len(name) - 3, 0)):
+        return False
+    ax.text(x[j], y[i], name, ha="center", va="center", fontsize=8, color="white" if name in DARK else INK, zorder=6)
+    return True
+
+
+def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
+    try:
+        curves = coulomb_borders(grid, first, second)
+    except InputError:
+        return False
+    for curve in curves:
+        ax.plot(curve.x * across.factor, curve.y * up.factor, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
+        ax.plot(curve.x * across.factor, curve.y * up.factor, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
+    ax.set_xlim(across.values.min(), across.values.max())
+    ax.set_ylim(up.values.min(), up.values.max())
+    return bool(curves)
+
+
+def _legend(ax: Any, names: list[str], line: str | None) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    handles: list[Any] = [Patch(facecolor=TYPE_COLOURS[n], edgecolor=INK, linewidth=0.4, label=n) for n in names]
+    handles += [Line2D([], [], color="black", linewidth=0.8, label=line)] if line else []
+    if handles:
+        ax.legend(
+            handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4, columnspacing=1.0
+        )
+
+
+def _type_lines(ax: Any, grid: Any, first: str, second: str, x: Any, y: Any, colour: str) -> None:
+    """Lines between the regions of different types."""
+    types = np.asarray(grid["motion_type"].transpose(second, first).values)
+    for name in np.unique(types):
+        mask = (types == name).astype(float)
+        if 0 < mask.sum() < mask.size and min(mask.shape) > 1:
+            ax.contour(x, y, mask, levels=[0.5], colors=[colour], linewidths=0.5, zorder=3)
+
+
+def _mark_best(ax: Any, V: Any, across: _Axis, up: _Axis, unit: str) -> None:
+    """A star at the largest speed, with its value, written towards the middle of the map."""
+    i, j = np.unravel_index(np.nanargmax(abs(V)), V.shape)
+    x, y = across.values[j], up.values[i]
+    ax.plot(x, y, marker="*", markersize=9, color="white", markeredgecolor="black", markeredgewidth=0.7, zorder=8, clip_on=False)
+    right = x > 0.5 * (across.values.min() + across.values.max())
+    high = y > 0.5 * (up.values.min() + up.values.max())
+    offset = (-6 if right else 6, -7 if high else 7)
+    words = {"ha": "right" if right else "left", "va": "top" if high else "bottom", "fontsize": 7}
+    box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+    ax.annotate(f"{V[i, j]:.3g} {unit}".strip(), (x, y), xytext=offset, textcoords="offset points", bbox=box, zorder=9, **words)

@@ -1,0 +1,158 @@
+"""Pictures of measured records: beside what laws give, with what was fitted to them, and what is left over."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
+
+__all__ = ["comparison", "fitted", "record_spectrum", "residuals"]
+
+_DOTS = 3000  # samples that are drawn
+
+
+def _dots(x: Any, y: Any) -> tuple[Any, Any]:
+    """Not more samples than a picture can show, evenly chosen."""
+    step = max(len(x) // _DOTS, 1)
+    return x[::step], y[::step]
+
+
+def _measured(ax: Any, x: Any, y: Any, factor: float, label: str) -> None:
+    ax.plot(*_dots(x, y * factor), ".", color=INK, markersize=1.6, alpha=0.35, linewidth=0, label=label, rasterized=True)
+
+
+def _words(kind: str, unit: str) -> str:
+    what = {"velocity": ("velocity", "m/s"), "position": ("position", "m"), "force": ("friction force", "N")}[kind]
+    return f"{what[0]} ({unit}{what[1]})"
+
+
+def comparison(found: Any, ax: Any = None) -> Any:
+    """A record and several laws over one drive period, as Figs 7 to 10 of the paper.
+
+    Parameters
+    ----------
+    found : Comparison
+        From `stickslip.compare`.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    with publication():
+        ax = axes(ax)
+        phase, y = found.samples
+        middle = {"velocity": 0.0}.get(found.kind, float(np.mean(y)))
+        factor, unit = prefix(y - middle)
+        _measured(ax, phase, y - middle, factor, "record")
+        for k, row in enumerate(found.laws):
+            value = row.value - (0.0 if found.kind == "velocity" else row.value.mean())
+            ax.plot(
+                np.mod(row.phase, 1.0)[: len(row.phase)], value * factor, color=COLOURS[k % 6], linestyle=DASHES[k % 6], label=row.label
+            )
+        ax.set(xlabel="drive periods", ylabel=_words(found.kind, unit), xlim=(0, 1))
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(found.laws) + 1, borderaxespad=0.2, columnspacing=1.2)
+    return ax
+
+
+def fitted(fit: Any, record: int = 0, ax: Any = None) -> Any:
+    """One record and what the fitted model gives: over the drive's phase, or force against position.
+
+    Parameters
+    ----------
+    fit : Fit
+        From `stickslip.identify`.
+    record : int
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    with publication():
+        ax = axes(ax)
+        target, curve = fit.problem.targets[record], fit.predicted[record]
+        if target.kind == "mean":
+            return _means(fit, ax)
+        x, label = _abscissa(fit, record)
+        y = curve - _rest(fit, record)
+        middle = float(np.mean(y)) if target.kind == "position" else 0.0
+        factor, unit = prefix(y - middle)
+        _measured(ax, x, y - middle, factor, "record")
+        order = np.argsort(x, kind="stable") if target.kind != "force" else np.arange(len(x))
+        ax.plot(x[order], (curve[order] - middle) * factor, color=COLOURS[0], linewidth=0.9, label=fit.law)
+        ax.set(xlabel=label, ylabel=_words(target.kind, unit))
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+    return ax
+
+
+def _rest(fit: Any, record: int) -> Any:
+    return fit._split(fit.residuals * fit.problem.sigma)[record]
+
+
+def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
+    target = fit.problem.targets[record]
+    if target.kind == "force":
+        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.before :]
+        factor, unit = prefix(moved - moved.mean())
+        return (moved - moved.mean()) * factor, f"position ({unit}m)"
+    return np.mod(fit.problem._phase(fit.place, record), 1.0), "drive periods"
+
+
+def _means(fit: Any, ax: Any) -> Any:
+    """Mean velocities, measured against fitted."""
+    y, model = fit.problem.y, np.concatenate(fit.predicted)
+    factor, unit = prefix(y, model)
+    ends = np.array([0.0, 1.08 * max(y.max(), model.max())]) * factor
+    ax.plot(ends, ends, color=INK, linewidth=0.6)
+    ax.plot(y * factor, model * factor, "o", color=COLOURS[0], markersize=4)
+    ax.set(xlabel=f"measured mean velocity ({unit}m/s)", ylabel=f"fitted ({unit}m/s)")
+    return ax
+
+
+def residuals(fit: Any, record: int = 0, ax: Any = None) -> Any:
+    """What a fit leaves over of one record: noise if the law is right, a shape if it is not.
+
+    Parameters
+    ----------
+    fit : Fit
+    record : int
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    with publication():
+        ax = axes(ax)
+        target, rest = fit.problem.targets[record], _rest(fit, record)
+        factor, unit = prefix(rest)
+        x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
+        ax.axhline(0.0, color=INK, linewidth=0.6)
+        ax.plot(*_dots(x, rest * factor), ".", color=COLOURS[1], markersize=1.8, alpha=0.5, linewidth=0, rasterized=True)
+        words = _words("velocity" if target.kind == "mean" else target.kind, unit)
+        ax.set(xlabel=label, ylabel=f"model less record, {words}")
+    return ax
+
+
+def record_spectrum(record: Any, channel: str = "velocity", ax: Any = None) -> Any:
+    """Amplitude spectrum of a channel.
+
+    Parameters
+    ----------
+    record : Record
+    channel : str
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    with publication():
+        ax = axes(ax)
+        lines, amplitude = record.spectrum(channel)
+        ax.semilogy(lines[1:], np.maximum(amplitude[1:], 1e-300), color=COLOURS[0], linewidth=0.8)
+        ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {record[channel].name} (SI)")
+    return ax

@@ -1,0 +1,143 @@
+"""The bytes of MATLAB files of versions 4 to 7.2, every length checked: the usual library can crash the process on damaged ones."""
+
+from __future__ import annotations
+
+import zlib
+from typing import Any
+
+import numpy as np
+
+__all__ = ["version4", "version5"]
+
+_KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8", 16: "u1", 17: "u2", 18: "u4"}
+_MATRIX, _COMPRESSED = 14, 15
+_STRUCT, _CHAR, _NUMERIC = 2, 4, range(6, 16)
+_MOST = 2**31  # bytes that a compressed variable may grow to
+_OLD = {0: "f8", 1: "f4", 2: "i4", 3: "i2", 4: "u2", 5: "u1"}
+
+
+def version5(data: bytes, notes: list[str]) -> dict[str, Any]:
+    """The variables of a version 5 file by name: arrays, texts, and dicts for structs. `ValueError` where the bytes make no sense."""
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
+    if order is None:
+        raise ValueError("its header does not say the byte order")
+    found: dict[str, Any] = {}
+    place = 128
+    while place + 8 <= len(data):
+        kind, body, place = _element(data, place, order, notes)
+        if kind == _COMPRESSED:
+            body = _inflated(body)
+            kind, body, _ = _element(body, 0, order, notes)
+        if kind != _MATRIX:
+            raise ValueError(f"an element of type {kind} stands where a variable should")
+        name, value = _matrix(body, order, notes, 0)
+        if value is None:
+            notes.append(f"{name} is left out: it is no array of numbers")
+        else:
+            found[name] = value
+    return found
+
+
+def _inflated(body: bytes) -> bytes:
+    machine = zlib.decompressobj()
+    try:
+        return machine.decompress(body, _MOST)
+    except zlib.error as error:
+        raise ValueError(f"a compressed variable is damaged, {error}") from None
+
+
+def _element(data: bytes, place: int, order: str, notes: list[str]) -> tuple[int, bytes, int]:
+    """Type and bytes of an element, and where the next begins; the last one may be cut short, which is noted."""
+    if place + 8 > len(data):
+        raise ValueError("it ends within a variable")
+    first, size = (int(x) for x in np.frombuffer(data[place : place + 8], f"{order}u4"))
+    if first >> 16:  # a small element: four bytes of data within the tag
+        kind, size = first & 0xFFFF, first >> 16
+        if size > 4:
+            raise ValueError("a small element is too long")
+        return kind, data[place + 4 : place + 4 + size], place + 8
+    start = place + 8
+    if start + size > len(data):
+        raise ValueError(f"a variable says {size} bytes where {len(data) - start} are left")
+    end = start + size
+    return first, data[start:end], end if first == _COMPRESSED else min(start + -(-size // 8) * 8, max(len(data), end))
+
+
+def _matrix(body: bytes, order: str, notes: list[str], depth: int) -> tuple[str, Any]:
+    """Name and value of a variable."""
+    if depth > 16:
+        raise ValueError("structs are nested too deeply")
+    if not body:
+        return "", np.empty(0)
+    _, flags, place = _element(body, 0, order, notes)
+    word = int(np.frombuffer(flags[:4], f"{order}u4")[0]) if len(flags) >= 4 else 0
+    _, dims, place = _element(body, place, order, notes)
+    shape = tuple(int(n) for n in np.frombuffer(dims[: len(dims) // 4 * 4], f"{order}i4"))
+    _, label, place = _element(body, place, order, notes)
+    name, kind = label.decode("latin-1"), word & 0xFF
+    if any(n < 0 for n in shape):
+        raise ValueError(f"{name!r} has shape {shape}")
+    if kind in _NUMERIC or kind == _CHAR:
+        value, place = _numbers(body, place, order, shape, notes)
+        if kind == _CHAR:
+            return name, "".join(chr(int(c)) for c in value.ravel(order="F")[:4000])
+        if word & 0x0800:
+            imaginary, place = _numbers(body, place, order, shape, notes)
+            value = value + 1j * imaginary
+        return name, value
+    return (name, _struct(body, place, order, notes, depth)) if kind == _STRUCT and shape == (1, 1) else (name, None)
+
+
+def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], notes: list[str]) -> tuple[Any, int]:
+    kind, raw, place = _element(body, place, order, notes)
+    if kind not in _KINDS:
+        raise ValueError(f"numbers of type {kind}")
+    kept = np.dtype(f"{order}{_KINDS[kind]}")
+    count = 1
+    for n in shape:
+        count *= n
+    if count * kept.itemsize != len(raw):
+        raise ValueError(f"{len(raw)} bytes for an array of shape {shape}")
+    return np.frombuffer(raw, kept).astype(float).reshape(shape, order="F"), place
+
+
+def _struct(body: bytes, place: int, order: str, notes: list[str], depth: int) -> dict[str, Any]:
+    _, width, place = _element(body, place, order, notes)
+    _, names, place = _element(body, place, order, notes)
+    size = int(np.frombuffer(width[:4], f"{order}i4")[0]) if len(width) >= 4 else 0
+    if not 0 < size <= 256:
+        raise ValueError(f"field names of {size} bytes")
+    fields = [names[i : i + size].split(b"\0")[0].decode("latin-1") for i in range(0, len(names), size)]
+    found = {}
+    for field in fields:
+        _, part, place = _element(body, place, order, notes)
+        value = _matrix(part, order, notes, depth + 1)[1]
+        if value is not None:
+            found[field] = value
+    return found
+
+
+def version4(data: bytes) -> dict[str, Any]:
+    """The matrices of a version 4 file by name."""
+    found: dict[str, Any] = {}
+    place = 0
+    while place < len(data):
+        if place + 20 > len(data):
+            raise ValueError("it ends within a header")
+        order = "<" if 0 <= int(np.frombuffer(data[place : place + 4], "<i4")[0]) < 5000 else ">"
+        kind, rows, cols, imaginary, length = (int(x) for x in np.frombuffer(data[place : place + 20], f"{order}i4"))
+        number = _OLD.get(kind // 10 % 10)
+        if number is None or kind % 10 > 1 or min(rows, cols, length) < 0 or imaginary not in (0, 1):
+            raise ValueError(f"a header of type {kind}, {rows} x {cols}")
+        kept = np.dtype(order + number)
+        start = place + 20 + length
+        place = start + rows * cols * kept.itemsize * (1 + imaginary)
+        if place > len(data):
+            raise ValueError(f"{rows} x {cols} numbers where {len(data) - start} bytes are left")
+        name = data[start - length : start].split(b"\0")[0].decode("latin-1")
+        parts = np.frombuffer(data[start:place], kept).astype(float).reshape(1 + imaginary, cols, rows)
+        value = parts[0].T + (1j * parts[1].T if imaginary else 0.0)
+        found[name] = (
+            "".join(chr(int(c)) for c in value.ravel()) if kind % 10 == 1 and (value >= 0).all() and (value < 65536).all() else value
+        )
+    return found

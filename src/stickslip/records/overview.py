@@ -1,0 +1,141 @@
+"""The summary of a record: what was measured, how often, how cleanly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.records.units import unit_of
+
+__all__ = ["Line", "Overview", "clipped", "noise", "overview"]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One channel in numbers, in the channel's own unit."""
+
+    name: str
+    unit: str | None
+    role: str | None
+    count: int
+    rate: float
+    rate_unit: str
+    duration: float
+    gaps: int
+    missing: int
+    least: float
+    largest: float
+    noise: float
+    clipped: int
+
+
+@dataclass(frozen=True)
+class Overview:
+    """The summary of a record.
+
+    Parameters
+    ----------
+    lines : tuple of Line
+        One for each channel.
+    frequency, frequency_error : float or None
+        Drive frequency and its standard error [Hz]; None where none could be found.
+    notes : tuple of str
+    format : str
+    synthetic : bool
+    """
+
+    lines: tuple[Line, ...]
+    frequency: float | None
+    frequency_error: float | None
+    notes: tuple[str, ...]
+    format: str
+    synthetic: bool
+
+    def __str__(self) -> str:
+        rows = ["SYNTHETIC: made by a virtual rig, not measured"] if self.synthetic else []
+        rows.append(f"{self.format}, {len(self.lines)} channels")
+        for c in self.lines:
+            more = [f"noise {c.noise:.3g}" if np.isfinite(c.noise) else "", f"{c.gaps} gaps" if c.gaps else ""]
+            more += [f"{c.missing} missing" if c.missing else "", f"{c.clipped} clipped" if c.clipped else ""]
+            size = f"{c.least:.6g} to {c.largest:.6g}"
+            rows.append(
+                f"  {c.name} [{c.unit or '?'}]{f', {c.role}' if c.role else ''}: {c.count} values at {c.rate:.6g} {c.rate_unit}, "
+                + ", ".join([size, *(m for m in more if m)])
+            )
+        if self.frequency is not None:
+            rows.append(f"drive frequency {self.frequency:.9g} ± {self.frequency_error:.2g} Hz")
+        return "\n".join([*rows, *(f"note: {note}" for note in self.notes)])
+
+
+def overview(rec: Any) -> Overview:
+    """The summary of a record."""
+    with np.errstate(all="ignore"):  # a damaged record holds any number
+        lines = tuple(_line(c) for c in rec.channels.values())
+        try:
+            found = rec.drive_frequency()
+        except (InputError, np.linalg.LinAlgError):
+            found = None
+    value, error = (None, None) if found is None else (found.value, found.error)
+    return Overview(lines, value, error, rec.notes, str(rec.source.get("format", "")), rec.synthetic)
+
+
+def _line(c: Any) -> Line:
+    values = abs(c.values) if np.iscomplexobj(c.values) else c.values
+    good = values[np.isfinite(values)]
+    least, largest = (float(good.min()), float(good.max())) if len(good) else (float("nan"),) * 2
+    span = float(np.nanmax(c.t) - np.nanmin(c.t)) if len(c.t) and np.isfinite(c.t).any() else 0.0
+    unit = unit_of(c.axis_unit)
+    missing = len(values) - len(good)
+    return Line(
+        c.name, c.unit, c.role, len(c), float(c.rate), c.rate_unit, span * (unit.factor if unit else 1.0), len(c.gaps), missing,
+        least, largest, noise(values) if c.over_time else float("nan"), clipped(values),
+    )  # fmt: skip
+
+
+def noise(y: Any) -> float:
+    """Standard deviation of the noise of a channel, in its unit: from third differences, which a smooth signal hardly has.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> 0.95 < noise(np.sin(np.arange(20000) / 200) + rng.normal(size=20000)) < 1.05
+    True
+    """
+    y = np.asarray(y, float)
+    bends = np.diff(y, 3)
+    bends = bends[np.isfinite(bends)]
+    if len(bends) < 8:
+        return float("nan")
+    return float(np.median(abs(bends - np.median(bends))) / 0.6744897501960817 / np.sqrt(20))
+
+
+def clipped(y: Any, least: int = 3) -> int:
+    """How many samples sit on the end of the range: runs of equal extreme values that begin or end with a jump.
+
+    Examples
+    --------
+    >>> clipped(np.clip(np.sin(np.arange(1000) / 10), -0.8, 0.8)) > 300, clipped(np.sin(np.arange(1000) / 10))
+    (True, 0)
+    """
+    y = np.asarray(y, float)
+    if len(y) < 8 or not np.nanmax(y, initial=-np.inf) > np.nanmin(y, initial=np.inf):
+        return 0
+    count = 0
+    for value in {np.nanmax(y), np.nanmin(y)} - {0.0}:  # zero is rest
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], y == value, [False]]).astype(int)))
+        starts, ends = edges[::2], edges[1::2]
+        usual = np.nanmedian(abs(np.diff(y, 2))) if len(y) > 3 else 0.0
+        runs = [(a, b) for a, b in zip(starts, ends, strict=True) if b - a >= least and _jump(y, a, b) > 2 * usual]
+        if len(runs) > 1:
+            count += sum(int(b - a) for a, b in runs)
+    return count
+
+
+def _jump(y: Any, a: int, b: int) -> float:
+    """The larger of the steps by which a run is entered and left."""
+    into = abs(y[a] - y[a - 1]) if a > 0 else 0.0
+    out = abs(y[b] - y[b - 1]) if b < len(y) else 0.0
+    return float(max(into, out))

@@ -1,0 +1,42 @@
+"""What a format's reader hands over: columns as they stand in the file, before anything is made of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+__all__ = ["Column", "Raw"]
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column of numbers of a file.
+
+    Parameters
+    ----------
+    name : str
+        "" if the file has none.
+    unit : str or None
+    values : array (n,)
+    axis : Column, optional
+        What the values stand over, where the file says so.
+    role : str, optional
+        Where the file says so.
+    """
+
+    name: str
+    unit: str | None
+    values: Any
+    axis: Column | None = None
+    role: str | None = None
+
+
+@dataclass(eq=False)
+class Raw:
+    """The columns of a file, what else it says, and what there is to remark."""
+
+    format: str
+    columns: list[Column] = field(default_factory=list)
+    info: dict[str, Any] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    table: bool = False  # columns of one table share an axis, which is one of them

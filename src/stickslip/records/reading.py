@@ -1,0 +1,304 @@
+"""`read`: from a file of any known format to a `Record`. The format is told from the bytes, not from the name."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.records.channel import ROLES, Channel
+from stickslip.records.raw import Column, Raw
+from stickslip.records.record import Record
+from stickslip.records.units import heading, quantity_of, unit_of
+
+__all__ = ["read"]
+
+_TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
+_FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
+_MOST_BYTES = 4e9
+
+
+def read(
+    path: str | Path,
+    *,
+    units: dict[str, str] | None = None,
+    columns: Sequence[str] | None = None,
+    roles: dict[str, str] | None = None,
+    rate: float | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    byte_order: str | None = None,
+) -> Record:
+    r"""Read a measured record: CSV, TSV, TXT, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX.
+
+    Separator, decimal mark, headings and units are found out. Units are never guessed: a channel without one is read with
+    ``unit=None`` and a line in `Record.notes`; the first step that needs the unit stops and shows what to type.
+
+    Parameters
+    ----------
+    path : str or Path
+    units : dict, optional
+        Units of channels (or of the time column) by name, such as ``{"LDV": "m/s"}``.
+    columns : sequence of str, optional
+        Headings of all columns of a table, with units: ``["t [ms]", "v [mm/s]"]``.
+    roles : dict, optional
+        What channels are for, by name: one of "velocity" (of the body), "absolute velocity" (of the inner mass), "position", "force",
+        "load", "drive", "acceleration", "pressure", "voltage". Otherwise it follows from name and unit, where these leave no doubt.
+    rate : float, optional
+        Samples per second of a file without a time axis [Hz].
+    separator, decimal : str, optional
+        Of a text file, where they are not found out rightly.
+    byte_order : {"little", "big"}, optional
+        Of a binary UFF58 file that names the wrong one.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    InputError
+        The file cannot be read or is damaged beyond use. Smaller damage is told in `Record.notes`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> with open("run.csv", "w") as file:
+    ...     _ = file.write("t [ms];v [mm/s];F\n0;1,5;2\n1;2,5;2\n2;3,5;3\n")
+    >>> rec = ss.read("run.csv", units={"F": "N"})
+    >>> rec["velocity"].values.tolist(), rec["velocity"].unit, rec["velocity"].rate
+    ([1.5, 2.5, 3.5], 'mm/s', 1000.0)
+    """
+    path = Path(path).expanduser()
+    data = _bytes(path)
+    with np.errstate(all="ignore"):  # a damaged file holds any number
+        return _record(path, data, _parsed(data, separator, decimal, byte_order), units or {}, columns, roles or {}, rate)
+
+
+def _record(
+    path: Path, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
+) -> Record:
+    """The record of what a format's reader found, with what the user says about it."""
+    problems = Problems("read")
+    _rename(raw, columns, problems)
+    _give_units(raw, units, problems)
+    _check_roles(raw, roles, problems)
+    if rate is not None and not rate > 0:
+        problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
+    problems.check()
+    channels = _channels(raw, rate, roles)
+    source = {"path": str(path), "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
+    return Record({c.name: c for c in channels}, tuple(raw.notes), source)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        if path.is_file() and path.stat().st_size > _MOST_BYTES:
+            raise InputError("read", [f"{str(path)!r} has {path.stat().st_size / 1e9:.1f} GB; allowed are 4 GB; cut the record"])
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError("read", [f"{str(path)!r} cannot be read: {error.strerror}; give the path of a record"]) from None
+
+
+def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
+    """What the reader of the format finds."""
+    from stickslip.records import extras, hierarchical, matlab, text, uff
+
+    if not data.strip():
+        raise InputError("read", ["the file is empty"])
+    if data[:8] == b"\x89HDF\r\n\x1a\n" or data[512:520] == b"\x89HDF\r\n\x1a\n":
+        return hierarchical.parse_hdf5(data)
+    if data[:3] == b"CDF" and data[3:4] in (b"\x01", b"\x02"):
+        return hierarchical.parse_netcdf3(data)
+    if data[:10] == b"MATLAB 5.0" or data[126:128] in (b"IM", b"MI") or _is_matlab4(data):
+        return matlab.parse(data)
+    if data[:4] == b"TDSm":
+        return extras.parse_tdms(data)
+    if data[:4] == b"PK\x03\x04":
+        return extras.parse_xlsx(data)
+    if re.match(rb"\s*-1[ \t]*\r?\n\s*\d+b?\s", data[:400]):
+        return uff.parse(data, byte_order)
+    return text.parse(data, separator, decimal)
+
+
+def _is_matlab4(data: bytes) -> bool:
+    """Whether the bytes begin with the header of a version 4 matrix: type, rows, columns, imaginary flag, length of the name."""
+    if len(data) < 21:
+        return False
+    for order in ("<", ">"):
+        kind, rows, cols, imaginary, length = (int(x) for x in np.frombuffer(data[:20], f"{order}i4"))
+        if kind in (*range(0, 60, 10), *range(1000, 1060, 10)) and rows > 0 and cols > 0 and imaginary in (0, 1) and 1 < length < 64:
+            return data[20 + length - 1 : 20 + length] == b"\0"
+    return False
+
+
+# ---- what the user adds ----
+def _rename(raw: Raw, columns: Sequence[str] | None, problems: Problems) -> None:
+    if columns is None:
+        return
+    if len(columns) != len(raw.columns):
+        problems.add(
+            f'columns names {len(columns)} columns; the file has {len(raw.columns)}; name every one, such as columns=["t [ms]", ...]'
+        )
+        return
+    raw.columns = [Column(*heading(text), c.values, c.axis) for text, c in zip(columns, raw.columns, strict=True)]
+
+
+def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
+    _name_all(raw)
+    known = [c.name for c in raw.columns] + [c.axis.name for c in raw.columns if c.axis is not None]
+    for name, text in units.items():
+        if name not in known:
+            problems.add(f"units names {name!r}; {did_you_mean(name, dict.fromkeys(known))}")
+        elif unit_of(text) is None:
+            problems.add(f'the unit {text!r} of {name!r} is not known; allowed are SI units with prefixes, such as "mm/s", "uN", "bar"')
+
+    def with_unit(c: Column) -> Column:
+        axis = None if c.axis is None else with_unit(c.axis)
+        return Column(c.name, units.get(c.name, c.unit), c.values, axis, c.role)
+
+    raw.columns = [with_unit(c) for c in raw.columns]
+
+
+def _name_all(raw: Raw) -> None:
+    """A name for every column, and no name twice."""
+    seen: dict[str, int] = {}
+    named = []
+    for i, c in enumerate(raw.columns, start=1):
+        name = c.name or f"column {i}"
+        seen[name] = seen.get(name, 0) + 1
+        named.append(Column(name if seen[name] == 1 else f"{name} ({seen[name]})", c.unit, c.values, c.axis, c.role))
+    raw.columns = named
+
+
+def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
+    for name, role in roles.items():
+        if name not in [c.name for c in raw.columns]:
+            problems.add(f"roles names {name!r}; {did_you_mean(name, [c.name for c in raw.columns])}")
+        if role not in ROLES and role != "convected velocity":
+            problems.add(f"the role {role!r} of {name!r} is not known; {did_you_mean(role, ROLES)}")
+
+
+# ---- axes ----
+def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
+    axes = _table_axes(raw) if raw.table else {}
+    used = {id(axis) for axis in axes.values()}
+    found = []
+    for c in raw.columns:
+        if id(c) in used:
+            continue
+        axis = c.axis or axes.get(len(c.values)) or _counted(c, rate, raw.notes)
+        role = {"convected velocity": "velocity"}.get(roles.get(c.name, ""), roles.get(c.name)) or _role(c)
+        found.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, role))
+    if not found and raw.columns:
+        c = raw.columns[0]
+        found = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
+    _remark(found, raw.notes)
+    return found
+
+
+def _counted(c: Column, rate: float | None, notes: list[str]) -> Column:
+    """An axis for a channel that has none: times from the given rate, or sample numbers."""
+    count = np.arange(len(c.values), dtype=float)
+    if rate is not None:
+        return Column("time", "s", count / rate)
+    notes.append(f"{c.name} has no time axis: its samples are counted; type rate=... [Hz] for times")
+    return Column("sample", None, count)
+
+
+def _table_axes(raw: Raw) -> dict[int, Column]:
+    """For each length of columns, the one that is their axis."""
+    axes: dict[int, Column] = {}
+    for length in dict.fromkeys(len(c.values) for c in raw.columns):
+        group = [c for c in raw.columns if len(c.values) == length and c.values.dtype.kind == "f"]
+        axis = _axis_of(group, raw.notes)
+        if axis is not None and length > 1:
+            axes[length] = axis
+    return axes
+
+
+def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
+    for c in group:
+        if quantity_of(c.unit) == "time" or (c.unit is None and _TIME.fullmatch(c.name)):
+            return c
+    for c in group:
+        if _FREQUENCY.fullmatch(c.name) and _rises(c.values):
+            return c
+    if len(group) > 1 and re.fullmatch(r"column 1", group[0].name) and _rises(group[0].values):
+        notes.append(f'{group[0].name} rises throughout and is taken as the time axis; type columns=["t [s]", ...] with its name and unit')
+        return group[0]
+    return None
+
+
+def _rises(values: Any) -> bool:
+    steps = np.diff(values)
+    return bool(len(steps)) and bool(np.mean(steps > 0) > 0.99)
+
+
+_ROLE_WORDS = (
+    (r"absolute.*", "absolute velocity", "velocity"),
+    (r"convected.*|body velocity", "velocity", "velocity"),
+    (r"normal.*|load|.*normal force.*", "load", "force"),
+    (r"drive.*|relative velocity|xi_rate", "drive", None),
+    (r"friction.*|force|kraft", "force", "force"),
+    (r"v|velocity|vel|geschwindigkeit", "velocity", "velocity"),
+    (r"x|position|pos|displacement|weg", "position", "position"),
+)
+
+
+def _role(c: Column) -> str | None:
+    """What a channel is for, where its name and its unit leave no doubt."""
+    quantity = quantity_of(c.unit)
+    for pattern, role, wanted in _ROLE_WORDS:
+        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or wanted is None or quantity == wanted):
+            return role
+    return quantity if quantity in ("velocity", "position", "force", "acceleration", "pressure", "voltage") else None
+
+
+def _remark(channels: list[Channel], notes: list[str]) -> None:
+    """What a user must know about these channels before using them."""
+    bare = [c.name for c in channels if c.unit is None]
+    if bare:
+        shown = ", ".join(repr(n) for n in bare[:6]) + (", ..." if len(bare) > 6 else "")
+        notes.append(f'no unit in the file for {shown}; type units={{"{bare[0]}": "m/s"}} with the right one')
+    for c in channels:
+        if c.unit is not None and unit_of(c.unit) is None:
+            notes.append(f"the unit {c.unit!r} of {c.name!r} is kept but not understood")
+        if c.unit == "g":
+            notes.append(f'{c.name!r} is in "g", read as grams; if it is multiples of gravity, type units={{"{c.name}": "g0"}}')
+    axes = {id(c.t): c for c in channels}
+    for c in axes.values():
+        if c.over_time and c.axis_unit is None and c.axis_name != "sample":
+            notes.append(f'no unit in the file for the time axis {c.axis_name!r}; type units={{"{c.axis_name}": "s"}} with the right one')
+        _remark_axis(c, notes)
+    for c in channels:
+        _remark_values(c, notes)
+
+
+def _remark_axis(c: Channel, notes: list[str]) -> None:
+    steps = np.diff(c.t)
+    back, missing = int((steps <= 0).sum()), int((~np.isfinite(c.t)).sum())
+    if back:
+        first = int(np.flatnonzero(steps <= 0)[0])
+        notes.append(f"{c.axis_name} does not rise at {back} places, the first after {c.t[first]:.9g}")
+    if missing:
+        notes.append(f"{c.axis_name} is missing at {missing} samples")
+    if c.gaps:
+        longest = max(c.gaps, key=lambda g: g.length)
+        notes.append(f"{len(c.gaps)} gaps in {c.axis_name}: the longest is {longest.length:.6g}, after {longest.start:.9g}")
+
+
+def _remark_values(c: Channel, notes: list[str]) -> None:
+    missing, infinite = np.isnan(c.values), np.isinf(c.values)
+    if missing.any():
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(int)))
+        notes.append(
+            f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {int((edges[1::2] - edges[::2]).max())}"
+        )
+    if infinite.any():
+        notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")

@@ -1,0 +1,182 @@
+"""A measured record: its channels, where they come from, and what there is to remark."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, did_you_mean
+from stickslip.records.channel import ROLES, Channel
+
+__all__ = ["Record"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record:
+    """What was measured (or, by `virtual_rig`, made to look so). It is never changed; methods return new ones.
+
+    Parameters
+    ----------
+    channels : mapping of str to Channel
+    notes : tuple of str
+        What a user should know: units that are missing, gaps, damaged lines.
+    source : dict
+        Where it comes from: path, format, size and hash of the file, and what else the file says.
+    synthetic : bool
+        True if no sensor was involved.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(2000) / 2000
+    >>> rec = Record.of(t, {"velocity [mm/s]": 5 * np.sin(2 * np.pi * 20 * t) + 2})
+    >>> rec["velocity"].unit, round(rec.mean_velocity(), 6), round(rec.drive_frequency().value, 6)
+    ('mm/s', 0.002, 20.0)
+    """
+
+    channels: Mapping[str, Channel]
+    notes: tuple[str, ...] = ()
+    source: dict[str, Any] = field(default_factory=dict)
+    synthetic: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
+        object.__setattr__(self, "notes", tuple(self.notes))
+
+    @classmethod
+    def of(cls, t: Any, columns: dict[str, Any], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
+        """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
+        from stickslip.records.raw import Column
+        from stickslip.records.reading import _role
+        from stickslip.records.units import heading
+
+        channels = {}
+        for text, values in columns.items():
+            name, unit = heading(text)
+            if np.shape(values) != np.shape(t):
+                raise InputError("Record", [f"{name} has shape {np.shape(values)} and t has {np.shape(t)}; give arrays of one length"])
+            role = (roles or {}).get(name) or _role(Column(name, unit, np.asarray(values)))
+            channels[name] = Channel(name, np.array(values, float), unit, np.array(t, float), "time", "s", role)
+        return cls(channels, (), {"format": "arrays"}, synthetic)
+
+    def __getitem__(self, key: str) -> Channel:
+        """The channel of this name, or the only one with this role."""
+        if key in self.channels:
+            return self.channels[key]
+        key = "velocity" if key == "convected velocity" else key
+        found = [c for c in self.channels.values() if c.role == key]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            names = ", ".join(repr(c.name) for c in found)
+            raise InputError("record", [f"{len(found)} channels have the role {key!r}: {names}; give the name of one"])
+        raise InputError("record", [self._missing(key)])
+
+    def _missing(self, key: str) -> str:
+        names = ", ".join(repr(n) for n in self.channels)
+        if key in ROLES:
+            first = next(iter(self.channels), "column 2")
+            unit = {"velocity": "m/s", "position": "mm", "force": "N"}.get(key, "1")
+            return (
+                f"no channel is known to be the {key}; the channels are {names}; type ss.read(path, "
+                f'units={{"{first}": "{unit}"}}, roles={{"{first}": "{key}"}}) with the right one'
+            )
+        return f"has no channel {key!r}; {did_you_mean(key, [*self.channels, *ROLES])}"
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.channels or any(c.role == key for c in self.channels.values())
+
+    def __iter__(self) -> Any:
+        return iter(self.channels)
+
+    # ---- new records ----
+    def replace(self, **changes: Any) -> Record:
+        """A copy with some fields changed."""
+        return dataclasses.replace(self, **changes)
+
+    def between(self, start: float, end: float) -> Record:
+        """The part from `start` to `end` [s]."""
+        cut = {}
+        for name, c in self.channels.items():
+            keep = (c.time >= start) & (c.time <= end)
+            cut[name] = dataclasses.replace(c, values=c.values[keep], t=c.t[keep])
+        if not any(len(c) for c in cut.values()):
+            raise InputError("record", [f"has no sample between {start:g} and {end:g} s"])
+        return self.replace(channels=cut, source={**self.source, "between": [start, end]})
+
+    def derived(self, heading: str, values: Any, like: str, role: str | None = None) -> Record:
+        """With one channel more, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
+        from stickslip.records.units import heading as split
+
+        name, unit = split(heading)
+        made = dataclasses.replace(self[like], name=name, unit=unit, values=np.asarray(values), role=role)
+        return self.replace(channels={**self.channels, name: made}, notes=(*self.notes, f"{name} is computed from other channels"))
+
+    def relative_velocity(self) -> Record:
+        """With the drive's velocity, as the paper finds it: absolute velocity of the inner mass less the convected one of the body."""
+        inner, body = self["absolute velocity"], self["velocity"]
+        if len(inner) != len(body) or not np.allclose(inner.time, body.time, rtol=0.0, atol=1e-3 / abs(body.rate)):
+            raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
+        return self.derived("relative velocity [m/s]", inner.si - body.si, like=body.name, role="drive")
+
+    # ---- measures ----
+    @property
+    def summary(self) -> Any:
+        """Rate, gaps, noise, clipping and drive frequency of every channel, as numbers and as text."""
+        from stickslip.records.overview import overview
+
+        return overview(self)
+
+    def drive_frequency(self, about: float | None = None) -> Any:
+        """Frequency of the drive with its standard error [Hz], refined from the data; `about` helps where it is not the strongest."""
+        from stickslip.records.tones import drive_frequency
+
+        return drive_frequency(self, about)
+
+    def mean_velocity(self, frequency: float | None = None) -> float:
+        """Mean steady velocity over whole drive periods [m/s]."""
+        from stickslip.records.measures import mean_velocity
+
+        return mean_velocity(self, frequency).value
+
+    def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
+        """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.measures.motion`."""
+        from stickslip.records.measures import motion
+
+        return motion(self, frequency, threshold, dwell)
+
+    def stick_intervals(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
+        """Intervals at rest, as (start, length) in drive periods."""
+        m = self.motion(frequency, threshold, dwell)
+        return tuple((start, length) for start, length, sign in m.intervals if sign == 0)
+
+    def period(self, frequency: float | None = None) -> int | None:
+        """After how many drive periods the motion repeats; None if it does not within the record."""
+        from stickslip.records.measures import period_number
+
+        return period_number(self, frequency)
+
+    def spectrum(self, channel: str = "velocity") -> Any:
+        """Amplitude spectrum of a channel: frequencies [Hz] and amplitudes [SI]."""
+        from stickslip.records.tones import spectrum
+
+        return spectrum(self[channel])
+
+    def modes(self, channel: str | None = None, count: int = 1) -> Any:
+        """Modes of a measured frequency response: natural frequency [in the unit of its axis] and damping ratio."""
+        from stickslip.records.modes import modes
+
+        return modes(self, channel, count)
+
+    def __repr__(self) -> str:
+        kind = "synthetic record" if self.synthetic else "Record"
+        return f"<{kind}: {', '.join(f'{c.name} [{c.unit or chr(63)}]' for c in self.channels.values())}; {len(self.notes)} notes>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self.summary))}</pre>"

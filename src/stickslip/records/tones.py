@@ -1,0 +1,140 @@
+"""Frequencies in a record: its spectrum, and the drive frequency refined far below one line of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+
+__all__ = ["Frequency", "drive_frequency", "harmonics", "spectrum"]
+
+_MOST = 40_000  # samples that a refinement looks at
+_HARMONICS = 8
+_MOST_FALLING = 0.01  # part of the samples that may lie at times that do not rise
+
+
+@dataclass(frozen=True)
+class Frequency:
+    """A frequency that was found in the data, with its standard error [Hz], and the channel it was found in."""
+
+    value: float
+    error: float
+    channel: str
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s]."""
+        return 2 * np.pi * self.value
+
+
+def spectrum(c: Any) -> tuple[Any, Any]:
+    """Single-sided amplitude spectrum of a channel with a Hann window.
+
+    Uneven samples and gaps are interpolated first.
+
+    Returns
+    -------
+    tuple of arrays
+        Frequencies [Hz], and amplitudes [SI unit of the channel]: a sine of amplitude a on a line of the spectrum shows as a.
+    """
+    t, y = _finite(c)
+    step = (t[-1] - t[0]) / (len(t) - 1)
+    even = np.interp(t[0] + step * np.arange(len(t)), t, y)
+    window = np.hanning(len(t) + 1)[:-1]
+    lines = np.fft.rfft((even - even.mean()) * window) * (2 / window.sum())
+    amplitude = abs(lines)
+    amplitude[0] = abs(even.mean())
+    return np.fft.rfftfreq(len(t), step), amplitude
+
+
+def _finite(c: Any) -> tuple[Any, Any]:
+    """Times [s] and values [SI] of the samples that were measured, at rising times."""
+    t, y = c.time, c.si
+    good = np.isfinite(t) & np.isfinite(y)
+    t, y = t[good], y[good]
+    rises = np.concatenate([np.ones(min(len(t), 1), bool), t[1:] > np.maximum.accumulate(t)[:-1]])
+    if (~rises).sum() > _MOST_FALLING * len(t):
+        raise InputError("record", [f"the times of {c.name!r} do not rise at {int((~rises).sum())} of {len(t)} samples; mend the file"])
+    if rises.sum() < 8:
+        raise InputError(
+            "record", [f"{c.name!r} has {int(rises.sum())} samples that can be used; allowed are 8 or more, over rising times"]
+        )
+    return t[rises], y[rises]
+
+
+def _without_drift(t: Any, y: Any) -> Any:
+    """Values less the straight line through them."""
+    T, Y = (t - t.mean()) / np.ptp(t), y - y.mean()
+    return Y - T * ((T @ Y) / (T @ T))
+
+
+def harmonics(t: Any, y: Any, frequency: float, count: int = _HARMONICS) -> tuple[Any, Any]:
+    """Least-squares mean, drift and harmonics of a frequency, and what they leave over."""
+    turn = np.exp(2j * np.pi * frequency * (t - t[0]))
+    rows, power = [np.ones_like(t), (t - t.mean()) / max(np.ptp(t), 1e-300)], np.ones_like(turn)
+    for _ in range(count):
+        power = power * turn
+        rows += [power.real, power.imag]
+    matrix = np.stack(rows)
+    found = np.linalg.lstsq(matrix @ matrix.T, matrix @ y, rcond=1e-12)[0]
+    return found, y - found @ matrix
+
+
+def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
+    """Frequency of the drive: the strongest line of the spectrum (or the one near `about`), refined by least squares over its harmonics.
+
+    Parameters
+    ----------
+    rec : Record
+    about : float, optional
+        Where to look [Hz], to within a tenth.
+
+    Returns
+    -------
+    Frequency
+    """
+    role = next((r for r in ("drive", "velocity", "position", "acceleration", "force") if r in rec), "velocity")
+    c = rec[role]
+    t, y = _finite(c)
+    if len(t) > _MOST:
+        t, y = t[:_MOST], y[:_MOST]
+    lines, amplitude = spectrum(_Cut(c.name, t, _without_drift(t, y)))
+    near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1
+    if not near.any() or not amplitude[near].max() > 0:
+        raise InputError("record", [f"no drive frequency is found in {c.name!r}; type frequency=... [Hz], or a longer record"])
+    start = float(lines[near][np.argmax(amplitude[near])])
+    return Frequency(*_refined(t, y, start), c.name)
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """Times and values as `spectrum` wants them."""
+
+    name: str
+    time: Any
+    si: Any
+
+
+def _refined(t: Any, y: Any, start: float) -> tuple[float, float]:
+    """The frequency at which the harmonics leave least over, and its standard error from the curvature there."""
+    from scipy.optimize import minimize_scalar
+
+    usual = float(np.median(np.diff(t)))
+    count = int(np.clip(0.45 / (usual * start), 1, _HARMONICS))
+    line = 1 / np.ptp(t)
+
+    def left(f: float) -> float:
+        rest = harmonics(t, y, f, count)[1]
+        return float(rest @ rest)
+
+    grid = start + line * np.linspace(-1, 1, 41)
+    best = grid[np.argmin([left(f) for f in grid])]
+    low, high = max(best - 0.06 * line, 0.1 * line), best + 0.06 * line
+    f = float(minimize_scalar(left, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * line}).x)
+    h = 0.02 * line
+    curvature = (left(f + h) - 2 * left(f) + left(f - h)) / h**2
+    variance = left(f) / max(len(t) - 2 * count - 3, 1)
+    return f, float(np.sqrt(2 * variance / curvature)) if curvature > 0 else float("nan")

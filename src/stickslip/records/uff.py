@@ -1,0 +1,208 @@
+"""Universal file format, data set 58 (functions at nodal points): ASCII and binary, single and double, even and uneven, ragged."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.records.raw import Column, Raw
+
+__all__ = ["parse"]
+
+_DELIMITER = re.compile(rb"^ {4}-1[ \t]*\r?$", re.M)
+_NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d+)?|[+-]?(?:nan|inf(?:inity)?)", re.I)
+#: Ordinate data type -> (bytes of one number, numbers for one value).
+_TYPES = {2: (4, 1), 4: (8, 1), 5: (4, 2), 6: (8, 2)}
+_HEADER = 11  # lines before the data
+
+
+@dataclass(frozen=True)
+class _Head:
+    """What the eleven lines before the data say."""
+
+    words: tuple[str, ...]
+    name: str
+    size: int
+    parts: int
+    count: int
+    even: bool
+    first: float
+    step: float
+    axis: tuple[str, str | None]
+    ordinate: tuple[str, str | None]
+
+
+def parse(data: bytes, byte_order: str | None = None) -> Raw:
+    """The functions of a universal file.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+    byte_order : {"little", "big"}, optional
+        Overrules what a binary data set says of itself.
+    """
+    raw, place = Raw("UFF58"), 0
+    while (start := _DELIMITER.search(data, place)) is not None:
+        place = start.end() + 1
+        line, after = _line(data, place)
+        kind = line[:7].strip().lower()
+        if kind in (b"58", b"58b"):
+            place = _function(data, line, after, raw, byte_order)
+            continue
+        end = _DELIMITER.search(data, place)
+        if kind.isdigit():
+            raw.notes.append(f"data set {int(kind)} of the file is left out: only functions (data set 58) are read")
+        place = end.end() + 1 if end else len(data)
+    if not raw.columns:
+        raise InputError("read", ["the universal file holds no data set 58 (function at nodal points); export the time histories as UFF58"])
+    return raw
+
+
+def _line(data: bytes, start: int) -> tuple[bytes, int]:
+    """The line that begins at `start`, and where the next one begins."""
+    end = data.find(b"\n", start)
+    return (data[start:], len(data)) if end < 0 else (data[start:end].rstrip(b"\r"), end + 1)
+
+
+def _function(data: bytes, first: bytes, place: int, raw: Raw, byte_order: str | None) -> int:
+    lines = []
+    for _ in range(_HEADER):
+        line, place = _line(data, place)
+        lines.append(_decoded(line))
+    number = len(raw.columns) + 1
+    head = _head(lines, number, raw.notes)
+    if first[:7].strip().lower() == b"58b":
+        values, place = _binary(data, first, place, head, number, raw.notes, byte_order)
+    else:
+        values, place = _ascii(data, place, head, number, raw.notes)
+    raw.columns.append(_column(head, values, number, raw.notes))
+    raw.info[f"function {number}"] = "; ".join(head.words)
+    return place
+
+
+def _decoded(line: bytes) -> str:
+    try:
+        return line.decode("utf-8")
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
+
+
+def _head(lines: list[str], number: int, notes: list[str]) -> _Head:
+    try:
+        kind, count, spacing = (int(float(word)) for word in lines[6].split()[:3])
+        first, step = (float(word.replace("D", "E")) for word in lines[6].split()[3:5])
+    except (ValueError, IndexError, OverflowError):
+        raise _broken(number, f"its seventh line {lines[6][:60]!r} does not say type, count and spacing") from None
+    if kind not in _TYPES or spacing not in (0, 1) or not 0 <= count < 2**40:
+        raise _broken(number, f"data type {kind}, {count} values, spacing {spacing}; allowed are types 2, 4, 5 and 6, spacing 0 or 1")
+    if spacing == 1 and not (np.isfinite(first) and np.isfinite(step)):
+        raise _broken(number, f"its abscissa begins at {first} with step {step}")
+    size, parts = _TYPES[kind]
+    axis, ordinate = _label(lines[7], "abscissa"), _label(lines[8], "")
+    entity = re.sub(r"\s+", " ", lines[5][31:41]).strip()
+    name = next((n for n in (entity, ordinate[0], lines[0].strip()) if n and n.upper() != "NONE"), "")
+    words = tuple(w.strip() for w in lines[:5] if w.strip() and w.strip().upper() != "NONE")
+    return _Head(words, name, size, parts, count, spacing == 1, first, step, axis, ordinate)
+
+
+def _label(line: str, otherwise: str) -> tuple[str, str | None]:
+    """Name and unit of an axis (records 8 and 9)."""
+    known = {"17": "time", "18": "frequency"}.get(line[:10].strip(), otherwise)
+    name, unit = line[26:46].strip(), line[46:67].strip()
+    return (name if name.upper() not in ("", "NONE") else known), (unit if unit.upper() not in ("", "NONE") else None)
+
+
+def _broken(number: int, why: str) -> InputError:
+    return InputError("read", [f"function {number} of the universal file is damaged: {why}; export the file again"])
+
+
+def _numbers(head: _Head) -> int:
+    """How many numbers the data hold."""
+    return head.count * (head.parts + (0 if head.even else 1))
+
+
+def _ascii(data: bytes, place: int, head: _Head, number: int, notes: list[str]) -> tuple[Any, int]:
+    end = _DELIMITER.search(data, place)
+    block = data[place : end.start() if end else len(data)]
+    if end is None:  # the last number may be cut anywhere
+        block = block[: max(block.rstrip().rfind(b" "), block.rstrip().rfind(b"\n"), 0)]
+    rest = _NUMBER.sub(b"", block).translate(None, b" \t\r\n")
+    if rest:
+        raise _broken(number, f"{_decoded(rest[:20])!r} stands among its numbers")
+    values = np.array([float(word.replace(b"D", b"E").replace(b"d", b"e")) for word in _NUMBER.findall(block)])
+    if end is None:
+        notes.append(f"function {number} has no closing line -1: the file is cut short")
+    return _counted(values, head, number, notes), (end.end() + 1 if end else len(data))
+
+
+def _counted(values: Any, head: _Head, number: int, notes: list[str]) -> Any:
+    """The numbers as many as the head says; what is missing or too much is noted."""
+    wanted = _numbers(head)
+    if len(values) < wanted:
+        notes.append(
+            f"function {number} says {head.count} values and holds {len(values) * head.count // max(wanted, 1)}: the file is cut short"
+        )
+    elif len(values) > wanted:
+        notes.append(f"function {number} says {head.count} values and holds {len(values) - wanted} numbers more, which are left out")
+    return values[:wanted]
+
+
+def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, notes: list[str], byte_order: str | None) -> tuple[Any, int]:
+    try:
+        order, kind, lines, size = (int(word) for word in first[7:].split()[:4])
+    except ValueError:
+        raise _broken(number, f"its first line {_decoded(first[:60])!r} does not describe binary data") from None
+    if order not in (1, 2) or kind != 2 or lines != _HEADER or size < 0:
+        raise _broken(number, f"byte order {order}, number format {kind}, {lines} header lines; allowed are 1 or 2, 2 (IEEE) and {_HEADER}")
+    wanted = _numbers(head) * head.size if head.even else head.count * (head.parts * head.size + 4)
+    if size != wanted:
+        notes.append(f"function {number} says {size} bytes, but {head.count} values take {wanted}")
+    block = data[place : place + min(size, wanted)]
+    order_name = byte_order or {1: "little", 2: "big"}[order]
+    even = head.even
+    values = _as_numbers(block, head.size, order_name, number, byte_order is None) if even else _pairs(block, head, order_name)
+    return _counted(values, head, number, notes), place + size
+
+
+def _as_numbers(block: bytes, size: int, order: str, number: int, checked: bool) -> Any:
+    """IEEE numbers; an error where only the other byte order makes sense."""
+    block = block[: len(block) // size * size]
+    here, other = (np.frombuffer(block, f"{sign}f{size}").astype(float) for sign in (("<", ">") if order == "little" else (">", "<")))
+    if checked and _senseless(here) > 0.1 and _senseless(other) < 0.01:
+        swapped = "big" if order == "little" else "little"
+        raise InputError(
+            "read",
+            [f"function {number} says its bytes are {order}-endian, but only {swapped}-endian they make sense; "
+             f'type ss.read(path, byte_order="{swapped}")'],
+        )  # fmt: skip
+    return here
+
+
+def _senseless(values: Any) -> float:
+    """The fraction of numbers that no sensor gives."""
+    with np.errstate(invalid="ignore"):
+        size = abs(values)
+        return float(np.mean(~((size < 1e18) & ((size > 1e-18) | (size == 0))))) if len(values) else 0.0
+
+
+def _pairs(block: bytes, head: _Head, order: str) -> Any:
+    """Uneven binary data: each value behind its abscissa, which is a single-precision number."""
+    sign = "<" if order == "little" else ">"
+    kind = np.dtype([("x", f"{sign}f4"), ("y", f"{sign}f{head.size}", (head.parts,))])
+    pairs = np.frombuffer(block[: len(block) // kind.itemsize * kind.itemsize], kind)
+    return np.column_stack([pairs["x"].astype(float), pairs["y"].astype(float)]).ravel()
+
+
+def _column(head: _Head, numbers: Any, number: int, notes: list[str]) -> Column:
+    width = head.parts + (0 if head.even else 1)
+    rows = numbers[: len(numbers) // width * width].reshape(-1, width)
+    values = rows[:, -1] if head.parts == 1 else rows[:, -2] + 1j * rows[:, -1]
+    x = head.first + head.step * np.arange(len(rows)) if head.even else rows[:, 0]
+    if head.even and not head.step > 0 and len(rows) > 1:
+        notes.append(f"function {number} has abscissa step {head.step:g}; allowed is a positive step")
+    return Column(head.name, head.ordinate[1], values, Column(head.axis[0], head.axis[1], x))

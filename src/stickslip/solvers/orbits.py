@@ -1,0 +1,140 @@
+"""Periodic motions of Coulomb robots without their transients: strobe points by formula, one motion period from each.
+
+For batches that ask for the steady motion only (``settle="auto"``, from rest). What the formula does not cover, such as static friction
+above the sliding friction, is left to the mode machine of `exact`, whose strobe point is then looked at in the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import rows_of
+from stickslip.fields import leaves, replace_leaf
+from stickslip.solvers import exact
+from stickslip.solvers.arcs import handles, reduced
+from stickslip.solvers.gather import NEEDED, Raw, gather
+from stickslip.solvers.request import Request
+from stickslip.summary import Summary
+
+__all__ = ["applies", "orbit_rows", "solve"]
+
+Array = Any
+TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
+_CHUNK = 16384
+_FOUND = 1
+_WAYS = ("forward_way", "backward_way")
+
+
+def applies(todo: Request) -> bool:
+    """Whether a request is for the periodic motions of a model with constant sliding friction, from rest."""
+    return (
+        todo.auto and todo.keep == "summary" and todo.method in ("auto", "exact") and not todo.start.any() and handles(todo.model) is None
+    )
+
+
+def _kernel() -> Any:
+    from importlib.resources import files
+
+    from stickslip.engine.cache import load
+
+    folder = files("stickslip.engine") / "kernels"
+    names = ("coulomb_harmonic.py", "coulomb_harmonic_runs.py", "coulomb_orbits.py")
+    text = "\n\n".join((folder / n).read_text(encoding="utf-8") for n in names)
+    return load(text, "coulomb_orbits", "Coulomb x Harmonic, periodic motions")
+
+
+def orbit_rows(
+    rows: Array, known: Array | None = None, workers: int = 1, progress: Callable[[int, int], None] | None = None
+) -> dict[str, Array]:
+    """Periodic motions of dimensionless cases: columns r_plus, r_minus, s_plus, s_minus, gamma, w at a strobe point.
+
+    Parameters
+    ----------
+    rows : array (cases, 6)
+        As for `exact.solve_rows`.
+    known : array (cases,) of int, optional
+        Period of the motion whose strobe point stands in a row; 0 where it is to be found.
+    workers : int
+        Threads.
+    progress : callable, optional
+        Called with (cases done, cases).
+
+    Returns
+    -------
+    dict of arrays
+        displacement, window, v_max, v_min, margin_force, strobe_error, forward_way, backward_way, status (1; 2 where there is no
+        formula), period, periods_run, seg_count, seg_time, seg_code; velocities in w, ways in w times radians.
+
+    Examples
+    --------
+    >>> found = orbit_rows(np.array([[0.5, 1.2, 0.5, 1.2, 0.0, 0.0], [0.4, 0.5, 0.4, 0.5, 0.0, 0.0]]))
+    >>> (found["displacement"] / (2 * np.pi)).round(14).tolist()
+    [0.20145220333367, 0.12247535997450]
+    """
+    n, kernel = len(rows), _kernel()
+    out, count = np.empty((n, 8)), np.zeros((n, 4), np.int64)
+    seg_time, seg_code = np.zeros((n, exact.SEGMENTS)), np.zeros((n, exact.SEGMENTS), np.int8)
+    known = np.zeros(n, np.int64) if known is None else np.ascontiguousarray(known, np.int64)
+
+    def part(i: int) -> None:
+        kernel.orbits(rows, known, i, min(i + _CHUNK, n), TOLERANCE, out, count, seg_time, seg_code)
+
+    done = 0
+    with ThreadPoolExecutor(max(workers, 1)) as pool:
+        for _ in map(part, range(0, n, _CHUNK)) if workers == 1 else pool.map(part, range(0, n, _CHUNK)):
+            done = min(done + _CHUNK, n)
+            if progress is not None:
+                progress(done, n)
+    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "forward_way", "backward_way")
+    raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
+    raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
+    return {**raw, "seg_time": seg_time, "seg_code": seg_code}
+
+
+def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
+    """Solve as asked; beside the summary the ways of the motion period [m] and gravity along the track [m/s^2]."""
+    arcs = reduced(todo.model)
+    rows, driven = exact._rows(arcs, np.zeros(todo.cases))
+    easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)
+    rows[~easy, :] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    raw = orbit_rows(rows, None, todo.workers, todo.progress)
+    hard = np.flatnonzero(~easy | (raw["status"] != _FOUND))
+    if not len(hard):  # half a dozen segments of the 32 that there is room for
+        most = max(int(raw["seg_count"].max(initial=0)), 1)
+        raw |= {name: np.ascontiguousarray(raw[name][:, :most]) for name in ("seg_time", "seg_code")}
+    _scale(raw, np.where(driven, arcs.drive, 1.0), arcs.omega, arcs.period)
+    if len(hard):
+        _wait_for(raw, hard, todo)
+    summary = gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in NEEDED}))])
+    return summary, {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
+
+
+def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> None:
+    """From the units of the kernel to metres and seconds."""
+    for name in ("displacement", *_WAYS):
+        raw[name] = raw[name] * (drive / omega**2)
+    for name in ("v_max", "v_min"):
+        raw[name] = raw[name] * (drive / omega)
+    raw["seg_time"] = raw["seg_time"] * period[:, None]
+
+
+def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
+    """Solve some cases by the mode machine, period after period, and look at the motion that it ends in."""
+    names = tuple(name for name, _ in leaves(todo.model))
+    table = rows_of(todo.model, names)[hard]
+    model = replace_leaf(todo.model, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
+    found, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
+    seconds = found["seg_time"] * arcs.period[:, None]
+    for name in NEEDED:
+        raw[name][hard] = seconds if name == "seg_time" else found[name]
+    drive = np.where(arcs.drive > 0, arcs.drive, np.nan)
+    rows, _ = exact._rows(arcs, found["v_end"])
+    settled = (found["status"] <= _FOUND) & (found["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
+    rows[~settled] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    ways = orbit_rows(rows, np.where(settled, found["period"], 0), todo.workers)
+    for name in _WAYS:
+        raw[name][hard] = np.where(settled & (ways["status"] == _FOUND), ways[name] * (drive / arcs.omega**2), np.nan)

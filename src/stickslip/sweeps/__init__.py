@@ -1,0 +1,10 @@
+"""Many solves: grids and designs, in memory, in a study folder, on several machines, refined where the motion changes."""
+
+from stickslip.sweeps.mapping import map
+from stickslip.sweeps.merging import merge
+from stickslip.sweeps.opening import open_study
+from stickslip.sweeps.progress import Progress
+from stickslip.sweeps.running import sweep
+from stickslip.sweeps.writing import export
+
+__all__ = ["Progress", "export", "map", "merge", "open_study", "sweep"]

@@ -1,0 +1,155 @@
+"""Tiles as tasks of an existing Dask cluster: workers may die and join; no scheduler of our own.
+
+A task carries the maker's name, arguments and numbers, and gives back columns: nothing of a user's class is pickled. The folder, if
+there is one, is written here, so workers need not see it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import secrets
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from stickslip.datasets import jsonable
+from stickslip.errors import InputError, StickslipError
+from stickslip.sweeps.axes import Column, Space
+from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.progress import Watch
+
+__all__ = ["connected", "from_message", "message", "tiles_from", "work"]
+
+Array = Any
+
+
+def connected(address: str) -> Any:
+    """A client of the scheduler at this address."""
+    try:
+        from dask.distributed import Client
+    except ImportError:
+        raise InputError("sweep", ['a cluster needs Dask; type pip install "stickslip[dask]"']) from None
+    try:
+        return Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        raise InputError("sweep", [f"no Dask scheduler answers at {address!r} ({error}); start one with `dask scheduler`"]) from None
+
+
+def message(plan: Plan, k: int) -> dict[str, Any]:
+    """A tile without its classes: names, plain values and the rows of its own cases."""
+    points = plan.points(k)
+    dims = ("case",) if plan.along is None else ("line", plan.along)
+    start = plan.start_at(points)
+    return {
+        "make": _named(plan.make),
+        "sizes": dict(zip(dims, points.shape, strict=True)),
+        "columns": {name: (dims, v.tolist() if v.dtype.kind != "f" else v) for name, v in plan.space.at(points).items()},
+        "fixed": {name: _plain(name, value) for name, value in plan.space.fixed.items()},
+        "options": dict(plan.options),
+        "start": {name: value if np.ndim(value) == 0 else value.ravel() for name, value in start.items()},
+        "along": plan.along,
+    }
+
+
+def _named(make: Any) -> dict[str, Any]:
+    """Where a worker finds the maker: by import, or as the TOML text of a robot."""
+    if not callable(make):
+        try:
+            return {"toml": make.to_toml()}
+        except InputError as error:
+            advice = "write a function that makes it, in a module that the workers can import, and sweep that"
+            raise InputError("sweep", [f"the robot cannot be sent to a cluster: {error.problems[0]}; {advice}"]) from None
+    module, name = getattr(make, "__module__", None), getattr(make, "__qualname__", "")
+    if module in (None, "__main__") or "<" in name:
+        what = f"the maker {name or make!r} cannot be found by name on another machine"
+        raise InputError("sweep", [f"{what}; put it into a module (a .py file that the workers can import) and import it from there"])
+    return {"module": module, "name": name}
+
+
+def _plain(name: str, value: Any) -> Any:
+    if isinstance(value, (str, int, float, bool, type(None), np.generic)):
+        return jsonable(value)
+    raise InputError(
+        "sweep", [f"{name} is a {type(value).__name__}, which a cluster is not sent; let the maker make it from numbers and words"]
+    )
+
+
+def from_message(told: dict[str, Any]) -> Plan:
+    """The tile again, on a worker: a plan of its own with one tile."""
+    columns = {}
+    for name, (dims, values) in told["columns"].items():
+        if isinstance(values, list):
+            words = np.empty(list(told["sizes"].values()), object)
+            words[...] = np.array(values, object).reshape(words.shape)
+            values = words
+        columns[name] = Column(tuple(dims), values)
+    space = Space(dict(told["sizes"]), columns, dict(told["fixed"]), {})
+    return Plan(_found(told["make"]), space, told["options"], told["start"], told["along"], max(space.cases, 1))
+
+
+def _found(make: dict[str, Any]) -> Any:
+    if "toml" in make:
+        from stickslip.robot import Robot
+
+        return Robot.from_toml(make["toml"])
+    found: Any = importlib.import_module(make["module"])
+    for part in make["name"].split("."):
+        found = getattr(found, part)
+    return found
+
+
+def work(told: dict[str, Any]) -> tuple[dict[str, Array], dict[str, int]]:
+    """One tile, on a worker."""
+    from stickslip.sweeps.solving import solved
+
+    return solved(from_message(told), 0, 1)
+
+
+def tiles_from(
+    plan: Plan, todo: list[int], client: Any, retries: int, watch: Watch
+) -> Iterator[tuple[int, dict[str, Array], dict[str, int]]]:
+    """The tiles as the cluster finishes them; a few more than its threads are under way at a time.
+
+    A tile whose result was lost with its worker is sent again, and so is one that failed, up to `retries` times.
+    """
+    try:
+        from dask.distributed import as_completed
+    except ImportError:
+        raise InputError("sweep", ['a cluster needs Dask; type pip install "stickslip[dask]"']) from None
+    rest, running, tries = iter(todo), dict[Any, int](), dict[int, int]()
+    ready = as_completed(with_results=False)
+
+    def send(k: int) -> None:
+        tries[k] = tries.get(k, 0) + 1
+        key = f"stickslip-{secrets.token_hex(4)}-{k}"
+        future = client.submit(work, message(plan, k), retries=retries, pure=False, key=key)
+        running[future] = k
+        ready.add(future)
+
+    try:
+        while not watch.stopped:
+            for _, k in zip(range(_room(client) - len(running)), rest, strict=False):
+                send(k)
+            if not running:
+                return
+            future = next(ready, None)
+            if future is None:  # what is left was lost with its worker
+                lost, running = list(running.values()), {}
+                for k in lost:
+                    if tries[k] > retries:
+                        raise StickslipError(
+                            f"sweep: tile {k} was lost with its worker {tries[k]} times; look at the workers' logs (memory?)"
+                        )
+                    send(k)
+                continue
+            k = running.pop(future)
+            yield (k, *future.result())
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def _room(client: Any) -> int:
+    """How many tiles to have under way: two for each thread that the cluster has now."""
+    return max(2 * sum(client.nthreads().values()), 4)

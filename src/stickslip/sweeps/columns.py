@@ -1,0 +1,92 @@
+"""The columns of a sweep: how each is kept in memory and in files, and the code of every word."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.summary import STATUS
+from stickslip.variables import VARIABLES
+
+__all__ = ["BAD", "BETWEEN", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "flags", "words"]
+
+Array = Any
+BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
+#: What a status code says; those from 100 on are a sweep's own.
+STATUSES: dict[int, str] = {
+    **STATUS,
+    FAILED: "error in the law or the solver for this case",
+    UNDONE: "not computed",
+    BETWEEN: "not computed: filled from computed neighbours of one motion type",
+}
+#: Motion types in the order of their codes in files.
+TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
+#: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters.
+COLUMNS: dict[str, str] = {
+    "mean_velocity": "f8", "motion_type": "U10", "pattern": "U32", "direction": "i1", "period": "i2", "margin": "f8",
+    "stick_fraction": "f8", "forward_fraction": "f8", "backward_fraction": "f8", "velocity_max": "f8", "velocity_min": "f8",
+    "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "periods_run": "i4",
+    "status": "i1",
+}  # fmt: skip
+
+
+def empty(count: int) -> dict[str, Array]:
+    """Columns of cases that have no result yet."""
+    made: dict[str, Array] = {}
+    for name, kind in COLUMNS.items():
+        made[name] = np.full(count, np.nan) if kind == "f8" else np.zeros(count, kind)
+    made["motion_type"][:] = TYPES[0]
+    made["status"][:] = UNDONE
+    return made
+
+
+def coded(name: str, values: Array) -> Array:
+    """A column as it is written to a file."""
+    if name == "motion_type":
+        found, place = np.unique(values, return_inverse=True)
+        return np.array([TYPES.index(name) for name in found.tolist()], np.int8)[place].reshape(np.shape(values))
+    if name == "pattern":
+        return np.ascontiguousarray(values.astype("S32")).view("S1").reshape(*values.shape, 32)
+    return values.astype(COLUMNS.get(name, values.dtype))
+
+
+def words(name: str, values: Array) -> Array:
+    """A column from a file as it is in memory; the opposite of `coded`.
+
+    Examples
+    --------
+    >>> types = np.array(["III", "rest", "presliding"])
+    >>> coded("motion_type", types).tolist(), words("motion_type", coded("motion_type", types)).tolist()
+    ([5, 1, 2], ['III', 'rest', 'presliding'])
+    >>> words("pattern", coded("pattern", np.array(["+0-0", "+-"]))).tolist()
+    ['+0-0', '+-']
+    """
+    if name == "motion_type":
+        return np.array(TYPES, "U10")[values]
+    if name == "pattern":
+        flat = np.ascontiguousarray(values).view("S32")[..., 0]
+        codes, inverse = np.unique(flat.view(np.void), return_inverse=True) if flat.size else (flat, np.zeros(0, int))
+        return codes.view("S32").astype("U32")[inverse].reshape(flat.shape)
+    return values
+
+
+def flags(name: str) -> dict[str, Any]:
+    """CF attributes of a column of codes: flag_values and flag_meanings, one word for each."""
+    if name == "motion_type":
+        return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES)}
+    if name == "status":
+        return {
+            "flag_values": np.array(list(STATUSES), np.int8),
+            "flag_meanings": " ".join(text.replace(":", "").replace(" ", "_") for text in STATUSES.values()),
+        }
+    return {}
+
+
+def described(name: str) -> dict[str, Any]:
+    """Units, long name and symbol of a column."""
+    variable = VARIABLES[name]
+    told: dict[str, Any] = {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
+    if name == "status":
+        told["flag_meanings"] = "; ".join(f"{code}: {sentence}" for code, sentence in STATUSES.items())
+    return told

@@ -1,0 +1,96 @@
+"""The results of a sweep as a labelled dataset, from memory or from the tiles of a folder."""
+
+from __future__ import annotations
+
+import json
+import platform
+from typing import Any
+
+import numpy as np
+
+from stickslip.datasets import jsonable
+from stickslip.sweeps.axes import Column
+from stickslip.sweeps.columns import COLUMNS, described
+from stickslip.sweeps.naming import AXES
+from stickslip.sweeps.planning import Plan
+
+__all__ = ["assembled", "attributes_of", "dataset", "labels_of", "maker_of", "provenance_of"]
+
+Array = Any
+WAYS = np.array(["up", "down"])
+
+
+def maker_of(make: Any) -> str:
+    """What a maker is called."""
+    return getattr(make, "__name__", None) or type(make).__name__
+
+
+def provenance_of(plan: Plan) -> dict[str, Any]:
+    """Versions, settings and kinds: what it takes to make these results again."""
+    import stickslip
+
+    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
+    versions |= {name: _version(name) for name in ("numba", "scipy", "xarray")}
+    settings = {**plan.options, **({"continue_along": plan.along} if plan.along else {})}
+    sample = plan.sample
+    kinds = {} if sample is None else {"law": type(sample[0].friction).__name__, "model": type(sample[0]).__name__}
+    return {"versions": versions, "settings": settings, "kinds": kinds, **plan.space.attributes}
+
+
+def _version(name: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def labels_of(plan: Plan) -> dict[str, Column]:
+    """Coordinates of the dataset: labels of its dimensions, arguments that vary, and single numbers."""
+    found = dict(plan.space.coords)
+    if plan.along:
+        found["way"] = Column(("way",), WAYS)
+    for name, value in plan.space.fixed.items():
+        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*found, *COLUMNS):
+            found[name] = Column((), np.asarray(float(value)))
+    return found
+
+
+def attributes_of(plan: Plan) -> dict[str, Any]:
+    """Attributes of the dataset: the maker, and the arguments that do not vary."""
+    fixed = {k: v if isinstance(v, (int, float, str, bool)) else str(v) for k, v in plan.space.fixed.items()}
+    words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
+    return {**words, "maker": maker_of(plan.make), "fixed": json.dumps(jsonable(fixed))}
+
+
+def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: dict[str, int]) -> Any:
+    """The columns, flat in the order of the results, as an `xarray.Dataset`."""
+    from stickslip.sweeps.solving import kept_columns
+
+    kept = {name: columns[name].reshape(plan.shape) for name in kept_columns(plan)}
+    attributes = {**attributes_of(plan), **{k: json.dumps(jsonable(v)) for k, v in more.items()}}
+    if notes:
+        attributes["notes"] = json.dumps(notes, ensure_ascii=False)
+    return assembled(plan.dims, kept, labels_of(plan), attributes)
+
+
+def assembled(dims: tuple[str, ...], columns: dict[str, Any], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:
+    """A dataset with units and names on everything."""
+    import xarray as xr
+
+    data = {name: (dims, values, described(name)) for name, values in columns.items()}
+    coords = {name: (column.dims, _label(column.values), _told(name)) for name, column in labels.items()}
+    return xr.Dataset(data, coords=coords, attrs=attributes)
+
+
+def _label(values: Array) -> Array:
+    """Words as text, so that files can keep them."""
+    if values.dtype.kind == "O" and all(isinstance(v, str) for v in values.ravel().tolist()):
+        return values.astype(str)
+    return values
+
+
+def _told(name: str) -> dict[str, str]:
+    known = AXES.get(name) or AXES.get(str(name).rpartition(".")[2])
+    return {"long_name": known[0], "units": known[1]} if known else {}

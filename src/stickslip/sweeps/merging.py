@@ -1,0 +1,81 @@
+"""The shards of a study put together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import InputError, Problems
+from stickslip.sweeps.folder import AXES, MANIFEST, TILES, file_of, put, read_manifest, tile_is_good, unwritable
+from stickslip.sweeps.manifest import differences
+from stickslip.sweeps.opening import open_study
+
+__all__ = ["merge"]
+
+
+def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> Any:
+    """Put the folders of the shards of one study together in one folder, as if it had been one run.
+
+    Parameters
+    ----------
+    folders : list of paths
+        Study folders; all must be of the same study.
+    out : path
+        A new folder, or one of the same study.
+    partial : bool
+        Whether tiles may be missing. Otherwise that is an error which names them, and `out` is not touched.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `open_study` of the new folder.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> axes = dict(amplitude=[3e-4, 4e-4, 5e-4, 6e-4], tilt_deg=1.7, law="coulomb", tile=1)
+    >>> for i in (1, 2):
+    ...     _ = ss.sweep(ss.presets.piezo_rig, **axes, out=f"part{i}", shard=(i, 2))
+    >>> ss.merge(["part1", "part2"], "whole").motion_type.values.tolist()
+    ['II', 'I', 'I', 'III']
+    """
+    sources = [Path(f).expanduser() for f in folders]
+    if not sources:
+        raise InputError("merge", ["no folders are given; type merge([shard1, shard2], out)"])
+    told, target = _checked(sources), Path(out).expanduser()
+    sources = [*sources, target] if (target / MANIFEST).exists() else sources
+    found = {k: place for k in range(told["tiles"]) if (place := _place(sources, k, told["study"])) is not None}
+    missing = [k for k in range(told["tiles"]) if k not in found]
+    if missing and not partial:
+        named = ", ".join(map(str, missing[:8])) + (", …" if len(missing) > 8 else "")
+        what = f"{len(missing)} of {told['tiles']} tiles are in none of the folders (number {named})"
+        raise InputError("merge", [f"{what}; finish the shards with --resume, or type partial=True (--partial)"])
+    try:
+        (target / TILES).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise unwritable(target, error) from None
+    for name in (AXES, MANIFEST):
+        if not (target / name).exists():
+            put(target / name, (sources[0] / name).read_bytes())
+    for k, place in found.items():
+        if place != file_of(target, k):
+            put(file_of(target, k), place.read_bytes())
+    return open_study(target)
+
+
+def _place(folders: list[Path], k: int, study: str) -> Path | None:
+    """Where tile k is, if anywhere."""
+    return next((path for folder in reversed(folders) if tile_is_good(path := file_of(folder, k), study)), None)
+
+
+def _checked(folders: list[Path]) -> dict[str, Any]:
+    """The manifest that all folders share."""
+    problems, first = Problems("merge"), read_manifest(folders[0])
+    for folder in folders[1:]:
+        other = read_manifest(folder)
+        if other["study"] != first["study"]:
+            for reason in differences(other["identity"], first["identity"]):
+                problems.add(f"{str(folder)!r} is of another study than {str(folders[0])!r}: {reason}")
+    problems.check()
+    return first

@@ -1,0 +1,38 @@
+"""What the axes of a sweep are called."""
+
+from __future__ import annotations
+
+__all__ = ["AXES"]
+
+#: What the axes of a sweep are called on a plot, and their units: by the last part of a dotted name.
+AXES: dict[str, tuple[str, str]] = {
+    "amplitude": ("amplitude of the inner mass A", "m"),
+    "omega": ("angular frequency ω", "rad/s"),
+    "frequency": ("frequency", "Hz"),
+    "voltage": ("voltage on the patches", "V"),
+    "length": ("length of the beam L", "m"),
+    "thickness": ("thickness of the beam h1", "m"),
+    "patch_length": ("length of the patches l0", "m"),
+    "tip_mass": ("tip mass m", "kg"),
+    "damping": ("damping ratio of the beam ζ", "1"),
+    "tilt_deg": ("tilt of the track θ", "degrees"),
+    "tilt": ("tilt of the track θ", "rad"),
+    "mu0": ("kinetic friction coefficient μ0", "1"),
+    "f0": ("static friction coefficient f0", "1"),
+    "mu_plus": ("kinetic friction coefficient forwards μ+", "1"),
+    "mu_minus": ("kinetic friction coefficient backwards μ-", "1"),
+    "f_plus": ("static friction coefficient forwards f+", "1"),
+    "f_minus": ("static friction coefficient backwards f-", "1"),
+    "sigma0": ("bristle stiffness σ0", "N/m"),
+    "sigma1": ("bristle damping σ1", "N s/m"),
+    "sigma2": ("viscous friction σ2", "N s/m"),
+    "v_s": ("Stribeck velocity v_s", "m/s"),
+    "body_mass": ("mass of the body M", "kg"),
+    "inner_mass": ("inner mass m", "kg"),
+    "gravity": ("acceleration of gravity g", "m/s^2"),
+    "alpha_plus": ("sliding friction forwards over drive force α+", "1"),
+    "alpha_minus": ("sliding friction backwards over drive force α-", "1"),
+    "start.x": ("position at the start x", "m"),
+    "start.v": ("velocity at the start v", "m/s"),
+    "start.z": ("inner state at the start z", "m"),
+}

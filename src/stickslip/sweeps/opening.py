@@ -1,0 +1,179 @@
+"""A study folder as a dataset that reads what is looked at, tile by tile."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from stickslip.errors import InputError
+from stickslip.sweeps.axes import Column
+from stickslip.sweeps.columns import COLUMNS, empty, words
+from stickslip.sweeps.datasets import assembled
+from stickslip.sweeps.folder import AXES, TILES, file_of, read_manifest
+
+__all__ = ["open_study", "read_labels", "read_tile"]
+
+Array = Any
+
+
+def open_study(folder: str | Path) -> Any:
+    """The results in a study folder as a dataset; of a study that is not finished, what is there.
+
+    Nothing is read but the axes: numbers come from the tiles when they are looked at, so the study may be larger than the memory.
+    Motion types are text here, and small whole numbers with flag_values and flag_meanings in the files.
+
+    Parameters
+    ----------
+    folder : path
+        What `sweep` was given as `out`; or a .nc file that `export` wrote.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `sweep` returns it. Cases that are not computed yet have the status 101, "not computed".
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> _ = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=1.7, law="coulomb", out="study")
+    >>> ss.open_study("study").motion_type.values.tolist()
+    ['II', 'III']
+    """
+    folder = Path(folder).expanduser()
+    if folder.is_file():
+        return _open_file(folder)
+    told = read_manifest(folder)
+    import xarray as xr
+
+    columns = {name: xr.Variable(told["dims"], indexing.LazilyIndexedArray(_Tiled(folder, told, name))) for name in told["columns"]}
+    data = {name: variable for name, variable in columns.items()}
+    grid = assembled(tuple(told["dims"]), {name: v._data for name, v in data.items()}, read_labels(folder), told["attributes"])
+    grid.attrs["provenance"] = json.dumps(told["provenance"])
+    grid.attrs["study"] = told["study"]
+    notes = _notes(folder, told)
+    if notes:
+        grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
+    return grid
+
+
+def _open_file(path: Path) -> Any:
+    """A grid that `export` wrote, with its words as text."""
+    import xarray as xr
+
+    try:
+        grid = xr.load_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a .nc file that export wrote"]
+        ) from None
+    if grid.attrs.pop("stickslip_content", None) != "sweep":
+        raise InputError("study", [f"{str(path)!r} was not written by export; open it with xarray.open_dataset"])
+    grid.attrs.pop("Conventions", None)
+    labels = {}
+    for name in [n for n in grid.variables if n not in COLUMNS or n in grid.coords]:
+        values = grid[name].values
+        labels[str(name)] = Column(tuple(map(str, grid[name].dims)), np.char.decode(values) if values.dtype.kind == "S" else values)
+    columns = {str(n): _decoded(str(n), grid[n].values) for n in grid.data_vars if n not in labels}
+    return assembled(tuple(map(str, grid["mean_velocity"].dims)), columns, labels, dict(grid.attrs))
+
+
+def _decoded(name: str, values: Array) -> Array:
+    return np.char.decode(values).astype(COLUMNS[name]) if values.dtype.kind == "S" else words(name, values)
+
+
+def _notes(folder: Path, told: dict[str, Any]) -> dict[str, int]:
+    """What went wrong, counted over all tiles."""
+    import h5py
+
+    notes: dict[str, int] = {}
+    for path in sorted((folder / TILES).glob("*.nc")):
+        try:
+            with h5py.File(path, "r") as file:
+                for sentence, n in json.loads(file.attrs.get("notes", "{}")).items():
+                    notes[sentence] = notes.get(sentence, 0) + n
+        except OSError:
+            continue
+    return notes
+
+
+def read_labels(folder: Path) -> dict[str, Column]:
+    """The coordinates of a study."""
+    import h5py
+
+    labels: dict[str, Column] = {}
+    with h5py.File(folder / AXES, "r") as file:
+        for variable in file.values():
+            if "coordinate" not in variable.attrs:
+                continue
+            dims = tuple(_dim(file, variable, i) for i in range(variable.ndim))
+            values = variable[...]
+            if "kept_as" in variable.attrs:
+                dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
+                decoded = [t.decode() for t in texts.ravel().tolist()]
+                if _text(variable.attrs["kept_as"]) == "json":
+                    decoded = [json.loads(t) for t in decoded]
+                values = np.empty(texts.shape, object)
+                values.ravel()[:] = decoded
+                values = values if any(not isinstance(v, str) for v in decoded) else values.astype(str)
+            labels[_text(variable.attrs["coordinate"])] = Column(dims, values)
+    return labels
+
+
+def _dim(file: Any, variable: Any, i: int) -> str:
+    """Name of a dimension of a netCDF4 variable: the scale that is attached to it, or itself."""
+    scales = variable.dims[i]
+    return str(scales[0].name if len(scales) else variable.name).lstrip("/")
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def read_tile(folder: Path, told: dict[str, Any], k: int, names: list[str]) -> dict[str, Array]:
+    """Columns of a tile, decoded; of a tile that is not there, empty ones."""
+    import h5py
+
+    path = file_of(folder, k)
+    try:
+        with h5py.File(path, "r") as file:
+            return {name: words(name, file[name][...]) for name in names}
+    except FileNotFoundError:
+        each = int(told["cases_per_tile"])
+        count = min((k + 1) * each, int(told["cases"])) - k * each
+        return {name: values for name, values in empty(count).items() if name in names}
+    except (OSError, KeyError) as error:
+        raise InputError("study", [f"{str(path)!r} is damaged ({error}); resume the sweep, which writes it again"]) from None
+
+
+class _Tiled(BackendArray):
+    """One column of a study as an array that reads its tiles."""
+
+    def __init__(self, folder: Path, told: dict[str, Any], name: str):
+        self.folder, self.told, self.name = folder, told, name
+        self.shape = tuple(told["shape"])
+        self.dtype = np.dtype(COLUMNS[name])
+
+    def __getitem__(self, key: Any) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
+
+    def _read(self, key: tuple[Any, ...]) -> Any:
+        ranges = [np.arange(n)[k] for n, k in zip(self.shape, key, strict=True)]
+        shape = tuple(len(r) for r in ranges if np.ndim(r))
+        if not self.shape:
+            return self._values(np.zeros(1, np.int64))[0]
+        flat = np.ravel_multi_index(np.ix_(*map(np.atleast_1d, ranges)), self.shape).ravel()
+        return self._values(flat).reshape(shape)
+
+    def _values(self, flat: Array) -> Array:
+        """Values of some cases, given by their numbers."""
+        each = max(int(self.told["cases_per_tile"]), 1)
+        result, tiles = np.empty(len(flat), self.dtype), flat // each
+        for k in np.unique(tiles):
+            at = np.flatnonzero(tiles == k)
+            result[at] = read_tile(self.folder, self.told, int(k), [self.name])[self.name][flat[at] - k * each]
+        return result

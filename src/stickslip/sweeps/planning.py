@@ -1,0 +1,179 @@
+"""A sweep that is ready to run: what makes the robots, the space, the solver's arguments, and how the cases are cut into tiles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import Labels, spread
+from stickslip.errors import InputError, Problems
+from stickslip.sweeps.axes import Space, space_of
+from stickslip.sweeps.columns import COLUMNS
+from stickslip.sweeps.robots import groups_of, refusals
+
+__all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
+
+Array = Any
+#: Arguments of `solve` that a sweep passes on, and their defaults here.
+SOLVER: dict[str, Any] = {
+    "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
+}  # fmt: skip
+_LARGEST, _SMALLEST = 16384, 1024  # cases of a tile: some tens of milliseconds of work, a file of some megabytes
+_SLOW = 16  # cases of a tile where a case takes seconds
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What to compute.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes the robots.
+    space : Space
+        Their numbers.
+    options : dict
+        Arguments of `solve`.
+    start : dict
+        Start values: a number, or an array with one for each case.
+    along : str, optional
+        Dimension along which each case starts where the one before it ended.
+    tile : int
+        Cases (with `along`: lines of cases) in a tile.
+    """
+
+    make: Any
+    space: Space
+    options: dict[str, Any]
+    start: dict[str, Any] = field(default_factory=dict)
+    along: str | None = None
+    tile: int = _LARGEST
+
+    @property
+    def tiles(self) -> int:
+        """Number of tiles."""
+        return -(-self._units // self.tile)
+
+    @cached_property
+    def cases(self) -> int:
+        """Number of results: with `along` there are two for each point, on the way up and on the way down."""
+        return self.space.cases * (2 if self.along else 1)
+
+    @property
+    def _units(self) -> int:
+        return self.space.cases // (self.space.sizes[self.along] if self.along else 1)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Dimensions of the result; the ones followed come last."""
+        rest = tuple(d for d in self.space.dims if d != self.along)
+        return (*rest, "way", self.along) if self.along else rest
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the result."""
+        return tuple(2 if d == "way" and d not in self.space.sizes else self.space.sizes[d] for d in self.dims)
+
+    def bounds(self, k: int) -> tuple[int, int]:
+        """First result of tile k, and the one after its last."""
+        each = self.cases // max(self._units, 1)
+        return k * self.tile * each, min((k + 1) * self.tile, self._units) * each
+
+    def points(self, k: int) -> Array:
+        """Numbers, within the space, of the points of tile k: (cases,), or with `along` (lines, points of a line)."""
+        units = np.arange(k * self.tile, min((k + 1) * self.tile, self._units))
+        if self.along is None:
+            return units
+        sizes = self.space.sizes
+        rest = [d for d in self.space.dims if d != self.along]
+        index = dict(zip(rest, np.unravel_index(units, [sizes[d] for d in rest]), strict=True)) if rest else {}
+        steps = np.arange(sizes[self.along])
+        grid = [steps[None, :] if d == self.along else index[d][:, None] for d in self.space.dims]
+        return np.ravel_multi_index(np.broadcast_arrays(*grid), self.space.shape)
+
+    def start_at(self, points: Array) -> dict[str, Any]:
+        """Start values of some points."""
+        return {name: value if np.ndim(value) == 0 else value[points] for name, value in self.start.items()}
+
+    @cached_property
+    def sample(self) -> tuple[Any, dict[str, Any]] | None:
+        """The first robot that can be made, and its start values; None if there is none."""
+        for k in range(min(self.tiles, 4)):
+            points = self.points(k).ravel()
+            groups, _ = groups_of(self.make, self.space, points[:1024], self.start_at(points[:1024]))
+            if groups:
+                return groups[0].robot, groups[0].start
+        return None
+
+
+def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any, along: Any, tile: Any, **options: Any) -> Plan:
+    """Check everything that a sweep was asked, and cut it into tiles."""
+    space = space_of(make, designs, axes, [*_ARGUMENTS])
+    problems = Problems("sweep")
+    for name in (n for n in dict.fromkeys([*space.columns, *space.dims]) if n in COLUMNS and not n.startswith("alpha_")):
+        problems.add(f"{name} is the name of a result, so no axis may have it; give the maker's argument another name")
+    for sentence in refusals(make, space):
+        problems.add(sentence)
+    if along is not None and (along not in space.sizes or along not in space.columns):
+        problems.add(f"continue_along = {along!r} is no axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
+    if tile is not None and (not isinstance(tile, (int, np.integer)) or tile < 1):
+        problems.add(f"tile = {tile!r}; allowed is a whole number of cases from 1; type for example tile=4096")
+    starts = _starts(start, space, problems)
+    problems.check()
+    plan = Plan(make, space, options, starts, along, 1)
+    _check_options(plan)
+    return Plan(make, space, options, starts, along, int(tile) if tile else _tile(plan))
+
+
+_ARGUMENTS = (*SOLVER, "start", "workers", "progress", "out", "resume", "shard", "client", "retries", "tile", "continue_along")
+
+
+def _tile(plan: Plan) -> int:
+    """A size that depends on the study alone, so that it can be resumed with other workers."""
+    if plan.along:
+        return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
+    slow = plan.sample is not None and (
+        plan.options["method"] in ("rk4", "radau", "lsoda", "bdf", "dop853") or getattr(plan.sample[0].friction, "scalar_only", False)
+    )
+    return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
+
+
+def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
+    """Start values as a number, or as one for each point."""
+    if start is not None and not isinstance(start, dict):
+        problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
+        return {}
+    found: dict[str, Any] = {}
+    for name, value in (start or {}).items():
+        found[name] = value
+        if np.ndim(value) == 0:
+            continue
+        try:
+            found[name] = spread(value, Labels(space.shape, space.dims)) + 0.0
+        except ValueError as error:
+            problems.add(f"start[{name!r}] does not fit the axes: {error}; allowed is a number or an array of shape {space.shape}")
+    return found
+
+
+def _check_options(plan: Plan) -> None:
+    """What the solver refuses of its arguments for the first robot."""
+    from stickslip.solvers.request import request
+
+    if plan.sample is None:
+        groups, refused = groups_of(plan.make, plan.space, np.arange(min(plan.space.cases, 64)), None)
+        if not groups and plan.space.cases <= 64:
+            raise InputError("sweep", list(dict.fromkeys(refused.values())) or ["no robot can be made"])
+        return
+    arguments = solver_arguments(plan.options)
+    request(plan.sample[0], start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
+
+
+def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of `solve`: with a duration there are no periods to count."""
+    if options["duration"] is None:
+        return {name: value for name, value in options.items() if name != "duration"}
+    return {**options, "periods": None, "settle": None if options["settle"] == "auto" else options["settle"]}

@@ -1,0 +1,146 @@
+"""How far a sweep is: for a bar, for lines in a log, for a callback that may also stop it."""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stickslip.sweeps.columns import STATUSES
+
+__all__ = ["Bar", "Lines", "Progress", "Watch"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a sweep is.
+
+    Parameters
+    ----------
+    done : float
+        Cases that are finished, those at work counted in part.
+    cases : int
+        Cases in all.
+    statuses : dict
+        Finished cases by the sentence of their status.
+    seconds : float
+        Time since the sweep began [s].
+    resumed : int
+        Cases that were there before.
+
+    Examples
+    --------
+    >>> now = Progress(done=250, cases=1000, seconds=5.0)
+    >>> now.rate, now.left, now.line()
+    (50.0, 15.0, '25 %, 250 of 1000 cases, 50 per second, 15 s left')
+    """
+
+    done: float
+    cases: int
+    statuses: dict[str, int] = field(default_factory=dict)
+    seconds: float = 0.0
+    resumed: int = 0
+
+    @property
+    def rate(self) -> float:
+        """Cases per second."""
+        return (self.done - self.resumed) / self.seconds if self.seconds > 0 else 0.0
+
+    @property
+    def left(self) -> float:
+        """Time left [s]."""
+        return (self.cases - self.done) / self.rate if self.rate > 0 else np.inf
+
+    def line(self) -> str:
+        """All of it in one line."""
+        share = int(100 * self.done / self.cases) if self.cases else 100
+        told = [f"{share} %, {int(self.done)} of {self.cases} cases"]
+        if self.rate > 0:
+            told += [f"{self.rate:.3g} per second", f"{_duration(self.left)} left"]
+        unusual = {text: n for text, n in self.statuses.items() if text not in (STATUSES[0], STATUSES[1])}
+        return ", ".join(told + [f"{n} {text}" for text, n in unusual.items()])
+
+
+def _duration(seconds: float) -> str:
+    if not np.isfinite(seconds):
+        return "?"
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+class Watch:
+    """Counts what tiles and threads report and tells the callback, at most ten times a second; remembers that it said stop."""
+
+    def __init__(self, cases: int, callback: Callable[[Progress], Any] | None):
+        self.cases, self.callback, self.stopped = cases, callback, False
+        self._begun: dict[int, int] = {}
+        self._statuses: dict[str, int] = {}
+        self._finished, self._resumed, self._began, self._told = 0, 0, time.monotonic(), 0.0
+        self._lock = threading.Lock()
+
+    def resumed(self, cases: int) -> None:
+        """Cases that were there before."""
+        self._finished = self._resumed = cases
+
+    def begun(self, tile: int, cases: int) -> None:
+        """Cases of a tile that are at work."""
+        self._begun[tile] = cases
+        self._tell(0.1)
+
+    def finished(self, tile: int, status: Any) -> None:
+        """A tile is ready."""
+        self._begun.pop(tile, None)
+        self._finished += len(status)
+        for code, n in zip(*np.unique(status, return_counts=True), strict=True):
+            text = STATUSES.get(int(code), f"status {code}")
+            self._statuses[text] = self._statuses.get(text, 0) + int(n)
+        self._tell(0.1 if self._finished < self.cases else 0.0)
+
+    def now(self) -> Progress:
+        """The state of things."""
+        done = self._finished + sum(list(self._begun.values()))
+        return Progress(min(done, self.cases), self.cases, dict(self._statuses), time.monotonic() - self._began, self._resumed)
+
+    def _tell(self, pause: float) -> None:
+        if self.callback is None or self.stopped:
+            return
+        with self._lock:
+            if time.monotonic() - self._told < pause:
+                return
+            self._told = time.monotonic()
+            if self.callback(self.now()) is False:
+                self.stopped = True
+
+
+class Bar:
+    """A bar on a terminal, written over itself."""
+
+    def __init__(self, width: int = 24, out: Any = None):
+        self.width, self.out, self._last = width, out or sys.stderr, 0
+
+    def __call__(self, now: Progress) -> None:
+        """Draw it."""
+        full = int(self.width * now.done / max(now.cases, 1))
+        text = f"[{'#' * full}{'.' * (self.width - full)}] {now.line()}"
+        end = "\n" if now.done >= now.cases else ""
+        print(f"\r{text:<{self._last}}", end=end, file=self.out, flush=True)
+        self._last = 0 if end else len(text)
+
+
+class Lines:
+    """A plain line from time to time, where nobody watches: at first every few seconds, then ever more rarely."""
+
+    def __init__(self, out: Any = None, first: float = 5.0):
+        self.out, self._next = out or sys.stderr, first
+
+    def __call__(self, now: Progress) -> None:
+        """Print it, if it is time."""
+        if now.seconds >= self._next:
+            self._next = max(self._next + 1.0, now.seconds * 1.5)
+            print(now.line(), file=self.out, flush=True)

@@ -1,0 +1,214 @@
+"""`sweep`: the tiles of a plan, one after the other, in threads or on a cluster, into memory or into a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from stickslip.designs import Design
+from stickslip.errors import InputError
+from stickslip.robot import Robot
+from stickslip.sweeps.columns import FAILED
+from stickslip.sweeps.datasets import dataset, provenance_of
+from stickslip.sweeps.planning import Plan, planned
+from stickslip.sweeps.progress import Progress, Watch
+from stickslip.sweeps.solving import Cancelled, solved
+
+__all__ = ["run_plan", "sweep", "tiles_of"]
+
+Array = Any
+Done = tuple[int, dict[str, Array], dict[str, int]]
+
+
+def sweep(
+    make: Callable[..., Robot] | Robot,
+    *designs: Design,
+    periods: int = 200,
+    duration: float | None = None,
+    settle: int | str | None = "auto",
+    rtol: float = 1e-6,
+    workers: int = 1,
+    start: dict[str, Any] | None = None,
+    method: str = "auto",
+    slip_ratio: float = 0.75,
+    dwell: float = 0.03,
+    continue_along: str | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    shard: tuple[int, int] | str | None = None,
+    tile: int | None = None,
+    client: Any = None,
+    retries: int = 3,
+    progress: Callable[[Progress], Any] | None = None,
+    **axes: Any,
+) -> Any:
+    """Solve a robot over a grid of its numbers, or over any other design.
+
+    Every keyword that holds several values becomes a dimension of that name, in the order in which they are written; single values
+    stay single and are kept as coordinates. A case that cannot be solved, such as one with NaN for a number, marks its own cell with a
+    status, and the sweep goes on.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from the keywords, such as a preset; or a robot, whose fields are then named with dots:
+        ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
+    *designs : Design
+        Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
+    periods, duration, settle, rtol, method, slip_ratio, dwell
+        As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
+        its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. Robots with Coulomb
+        friction and a harmonic drive do not even wait for that: their periodic motion is known by formula.
+    workers : int
+        Threads. The results do not depend on it.
+    start : dict
+        Start values of x, v and z: numbers, or labelled arrays over the axes. ``**{"start.v": [...]}`` makes them an axis.
+    continue_along : str, optional
+        An axis along which each case starts from where its neighbour ended, up and then down again: the dataset gets a dimension
+        ``way`` ("up", "down"), and the two differ where there is hysteresis.
+    out : path, optional
+        A study folder: the results are written there tile by tile, and memory does not grow with the number of cases.
+    resume : bool
+        Go on with the study that is in `out`. The same study is finished with the same bits; another one is refused.
+    shard : (i, n) or "i/n", optional
+        Compute only part i (from 1) of n, for the jobs of a batch queue; `merge` puts them together. Needs `out`.
+    tile : int, optional
+        Cases that are computed and written together.
+    client : dask.distributed.Client, optional
+        Where to compute instead of here: each tile is a task.
+    retries : int
+        How often a tile is tried again when a worker is lost.
+    progress : callable, optional
+        Called with a `Progress`; return False to stop. What is finished by then is returned, the rest has the status "not computed".
+    **axes
+        Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis; words such as ``law=["coulomb", "lugre"]`` too.
+
+    Returns
+    -------
+    xarray.Dataset
+        mean_velocity, motion_type, pattern, period, margin, fractions, extremes, drive_power, cost_of_transport and status, with units
+        and names. With `out` it reads from the folder what is looked at.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb")
+    >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
+    ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
+    """
+    options = {
+        "periods": periods,
+        "duration": duration,
+        "settle": settle,
+        "rtol": rtol,
+        "method": method,
+        "slip_ratio": slip_ratio,
+        "dwell": dwell,
+    }
+    plan = planned(make, designs, axes, start, continue_along, tile, **options)
+    if not isinstance(workers, int) or workers < 1:
+        raise InputError("sweep", [f"workers = {workers!r}; allowed is a whole number from 1; type for example workers=2"])
+    if out is None and (resume or shard):
+        raise InputError("sweep", ["resume and shard are for a study folder; give one with out=, such as out='study'"])
+    watch = Watch(plan.cases, progress)
+    if out is None:
+        return _in_memory(plan, tile, workers, client, retries, watch)
+    from stickslip.sweeps.folder import Study
+    from stickslip.sweeps.opening import open_study
+
+    study = Study.begin(Path(out), plan, resume=resume, shard=shard)
+    watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
+    todo = study.todo
+    for k, columns, notes in tiles_of(plan, todo, workers, client, retries, watch):
+        study.write(k, columns, notes)
+        watch.finished(k, columns["status"])
+    study.finish()
+    return open_study(out)
+
+
+def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
+    if tile is None and plan.along is None and client is None and workers > 1:
+        size = max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
+        plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, size)
+    elif tile is None and plan.along is None and plan.tile > 16:
+        plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, 16384)
+    columns, notes = run_plan(plan, workers, client, retries, watch)
+    return dataset(plan, columns, {"provenance": provenance_of(plan)}, notes)
+
+
+def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) -> tuple[dict[str, Array], dict[str, int]]:
+    """All columns of a plan, in memory. An error that every case makes is raised."""
+    from stickslip.sweeps.columns import empty
+
+    whole, notes = empty(plan.cases), dict[str, int]()
+    for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
+        first, last = plan.bounds(k)
+        for name, values in columns.items():
+            whole[name][first:last] = values
+        for sentence, n in told.items():
+            notes[sentence] = notes.get(sentence, 0) + n
+        watch.finished(k, columns["status"])
+    if plan.cases and (whole["status"] == FAILED).all():
+        raise InputError("sweep", list(notes))
+    return whole, notes
+
+
+def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch) -> Iterator[Done]:
+    """Number, columns and notes of each tile, as they become ready; it ends early when the watch says stop."""
+    todo = list(todo)
+    if client is not None:
+        from stickslip.sweeps.cluster import tiles_from
+
+        yield from tiles_from(plan, todo, client, retries, watch)
+    elif workers == 1 or len(todo) < 2:
+        yield from _one_by_one(plan, todo, workers, watch)
+    else:
+        yield from _in_threads(plan, todo, workers, watch)
+
+
+def _one_by_one(plan: Plan, todo: list[int], workers: int, watch: Watch) -> Iterator[Done]:
+    for k in todo:
+        if watch.stopped:
+            return
+        try:
+            yield (k, *solved(plan, k, workers, _teller(k, watch)))
+        except Cancelled:
+            return
+
+
+def _teller(k: int, watch: Watch) -> Callable[[int], None]:
+    def tell(cases: int) -> None:
+        watch.begun(k, cases)
+        if watch.stopped:
+            raise Cancelled("the sweep was told to stop")
+
+    return tell
+
+
+def _in_threads(plan: Plan, todo: list[int], workers: int, watch: Watch) -> Iterator[Done]:
+    """Tiles in threads, few at a time, so that memory does not grow with their number."""
+    rest = iter(todo)
+    first = next(rest)
+    try:
+        yield (first, *solved(plan, first, 1, _teller(first, watch)))  # compiles what all of them need
+    except Cancelled:
+        return
+    with ThreadPoolExecutor(workers) as pool:
+        running: dict[Future[Any], int] = {}
+        try:
+            while True:
+                room = 0 if watch.stopped else 2 * workers - len(running)
+                for k in islice(rest, room):
+                    running[pool.submit(solved, plan, k, 1, _teller(k, watch))] = k
+                if not running:
+                    return
+                for ready in wait(running, timeout=0.2, return_when=FIRST_COMPLETED).done:
+                    k = running.pop(ready)
+                    if not isinstance(ready.exception(), Cancelled):
+                        yield (k, *ready.result())
+        finally:
+            watch.stopped = watch.stopped or bool(running)  # an error or Ctrl-C: let the threads end soon
+            pool.shutdown(wait=True, cancel_futures=True)

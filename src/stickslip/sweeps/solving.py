@@ -1,0 +1,176 @@
+"""From a tile to its columns: solve its groups, mark what cannot be solved, go on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.motion import coulomb_twin
+from stickslip.batch import rows_of, shape_of
+from stickslip.drives import Harmonic
+from stickslip.errors import InputError, StickslipError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.solvers import orbits
+from stickslip.solvers.arcs import handles, reduced
+from stickslip.solvers.request import request
+from stickslip.sweeps.columns import BAD, COLUMNS, FAILED, empty
+from stickslip.sweeps.planning import Plan, solver_arguments
+from stickslip.sweeps.robots import Group, groups_of
+
+__all__ = ["Cancelled", "columns_of", "kept_columns", "solved", "solved_points"]
+
+Array = Any
+ALPHAS = ("alpha_plus", "alpha_minus")
+Tell = Callable[[int], None]  # cases begun
+
+
+class Cancelled(StickslipError):
+    """A sweep that was told to stop."""
+
+
+def solved(plan: Plan, k: int, workers: int = 1, tell: Tell | None = None) -> tuple[dict[str, Array], dict[str, int]]:
+    """The columns of tile k in the order of its results; and sentences on what went wrong, with how many cases they are about."""
+    if plan.along is not None:
+        from stickslip.sweeps.following import followed
+
+        return followed(plan, k, workers, tell)
+    points = plan.points(k)
+    return solved_points(plan, points, plan.start_at(points), workers, tell)
+
+
+def solved_points(
+    plan: Plan, points: Array, start: dict[str, Any], workers: int = 1, tell: Tell | None = None
+) -> tuple[dict[str, Array], dict[str, int]]:
+    """The columns at some points of the space."""
+    groups, refused = groups_of(plan.make, plan.space, points, start)
+    result, notes = empty(len(points)), _counted(refused.values())
+    result["status"][list(refused)] = BAD
+    before = 0
+    for group in groups:
+        done = before
+
+        def begun(count: int, whole: int, done: int = done) -> None:
+            if tell is not None:
+                tell(done + count)
+
+        for name, values in _columns(group, plan.options, workers, begun, notes).items():
+            result[name][group.at] = values
+        before += len(group.at)
+    return result, notes
+
+
+def kept_columns(plan: Plan) -> tuple[str, ...]:
+    """Columns that say something about the robots of a plan."""
+    known = plan.sample is not None and bool(_alphas(plan.sample[0]))
+    return tuple(
+        name for name in COLUMNS if (known or name not in ALPHAS) and name not in plan.space.columns and name not in plan.space.dims
+    )
+
+
+def _counted(sentences: Any) -> dict[str, int]:
+    notes: dict[str, int] = {}
+    for sentence in sentences:
+        notes[sentence] = notes.get(sentence, 0) + 1
+    return notes
+
+
+def _columns(group: Group, options: dict[str, Any], workers: int, tell: Any, notes: dict[str, int]) -> dict[str, Array]:
+    """The columns of a group; one that fails as a whole is halved until the cases that fail are alone."""
+    try:
+        return columns_of(group.robot, group.start, options, workers, tell)
+    except (Cancelled, KeyboardInterrupt, MemoryError, OSError):
+        raise
+    except Exception as error:
+        sentence = error.problems[0] if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
+        if len(group.at) == 1 or _fails_at_both_ends(group, options, sentence):
+            notes[sentence] = notes.get(sentence, 0) + len(group.at)
+            failed = empty(len(group.at))
+            failed["status"][:] = FAILED
+            return failed
+    parts = [_columns(part, options, workers, tell, notes) for part in _halves(group)]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str) -> bool:
+    """Whether the first and the last case fail alone with the same words: then the law is wrong, and not some of its numbers."""
+    for part in (_part(group, np.array([0])), _part(group, np.array([len(group.at) - 1]))):
+        try:
+            columns_of(part.robot, part.start, options, 1, None)
+            return False
+        except (KeyboardInterrupt, MemoryError, OSError):
+            raise
+        except Exception as error:
+            if (error.problems[0] if isinstance(error, InputError) else f"{type(error).__name__}: {error}") != sentence:
+                return False
+    return True
+
+
+def _halves(group: Group) -> list[Group]:
+    return [_part(group, at) for at in np.array_split(np.arange(len(group.at)), 2)]
+
+
+def _part(group: Group, at: Array) -> Group:
+    """Some cases of a group."""
+    robot = group.robot
+    if shape_of(robot):
+        names = tuple(name for name, _ in leaves(robot))
+        table = rows_of(robot, names)[at]
+        robot = replace_leaf(robot, {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(names)})
+    start = {name: value if np.ndim(value) == 0 else value[at] for name, value in group.start.items()}
+    return Group(group.at[at], robot, start)
+
+
+def columns_of(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> dict[str, Array]:
+    """The columns of a batch, or of one robot."""
+    count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
+    if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from many starts
+        robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
+    many, more = _summary(robot, start, options, workers, tell)
+    found = {name: many.columns[name] for name in COLUMNS if name in many.columns}
+    found |= _power(robot, many.columns, more) | _alphas(robot)
+    return {name: np.ravel(values) for name, values in found.items()}
+
+
+def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
+    """A summary; for the steady motions of Coulomb robots with the ways that they go forwards and backwards."""
+    from stickslip.solvers import solve
+
+    asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
+    if options["duration"] is None and options["method"] in ("auto", "exact"):
+        todo = request(robot, samples=400, options={}, **asked)
+        if orbits.applies(todo):
+            return orbits.solve(todo)
+    return solve(robot, **asked), {}
+
+
+def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dict[str, Array]:
+    """Mean power of the actuator: what friction takes along both ways, less what gravity gives. Known where the ways are."""
+    if not hasattr(robot, "track") or not ("forward_way" in more or "friction_power" in columns):
+        return {}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        lost = _along_the_ways(robot, columns, more) if "forward_way" in more else columns["friction_power"]
+        fall = robot.total_mass * robot.track.along(robot.gravity) * columns["mean_velocity"]
+        power = np.where(columns["period"] > 0, lost - fall, np.nan)
+        cost = power / (robot.total_mass * robot.gravity * abs(columns["mean_velocity"]))
+    return {"drive_power": power, "cost_of_transport": np.where(columns["direction"] != 0, cost, np.nan)}
+
+
+def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> Array:
+    """Mean power that Coulomb friction takes [W]: constant forces along both ways."""
+    shape = np.shape(columns["mean_velocity"])
+    load, law = robot.load(0.0, 0.0), robot.friction
+    ahead, back = (np.reshape(more[name], shape) for name in ("forward_way", "backward_way"))
+    return (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / (robot.period * np.maximum(columns["period"], 1))
+
+
+def _alphas(robot: Any) -> dict[str, Array]:
+    """alpha_plus and alpha_minus of the robot with Coulomb friction at the kinetic coefficients, where it has them."""
+    twin = coulomb_twin(robot) if isinstance(getattr(robot, "drive", None), Harmonic) else None
+    if twin is None or handles(twin) is not None:
+        return {}
+    arcs = reduced(twin)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        plus, minus = arcs.resist_plus / arcs.drive, arcs.resist_minus / arcs.drive
+    return {"alpha_plus": plus, "alpha_minus": minus}

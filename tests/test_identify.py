@@ -1,0 +1,384 @@
+"""Parameters from records of a known truth: found, with intervals that cover, and with honest words where data cannot tell."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.errors import InputError
+from stickslip.identifying.driven import Motion, driven_force
+
+TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
+FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
+TWO = [5e-4, 8e-4]
+rig = ss.presets.piezo_rig
+
+
+def records(noise, seed=0, amplitudes=TWO, law="lugre", **more):
+    return [
+        ss.virtual_rig(rig(tilt_deg=1.7, amplitude=A, law=law), noise=noise, seed=1000 * i + seed, phase=0.1 * i, **more)
+        for i, A in enumerate(amplitudes)
+    ]
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return ss.identify(records(1e-3), rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+
+
+# the virtual rig --------------------------------------------------------------------------------------------------
+
+
+def test_the_virtual_rig_is_labelled_synthetic_and_repeats():
+    one, two = records(1e-4)[0], records(1e-4)[0]
+    assert one.synthetic and any("SYNTHETIC" in n for n in one.notes) and np.array_equal(one["velocity"].values, two["velocity"].values)
+    assert one.source["truth"]["friction.sigma0"] == 4e5
+
+
+def test_the_virtual_rig_adds_what_it_is_asked_to():
+    robot = rig(tilt_deg=1.7, amplitude=5e-4)
+    plain = ss.virtual_rig(robot)["velocity"].values
+    assert np.std(ss.virtual_rig(robot, noise=1e-3, seed=1)["velocity"].values - plain) == pytest.approx(
+        1e-3, rel=0.06
+    )  # 4 / sqrt(2 * 2000)
+    steps = ss.virtual_rig(robot, resolution=1e-4)["velocity"].values / 1e-4
+    assert np.allclose(steps, np.round(steps)) and abs(ss.virtual_rig(robot, offset=2e-3)["velocity"].values - plain - 2e-3).max() < 1e-15
+    slow = ss.virtual_rig(robot, bandwidth=30.0)["velocity"].values
+    assert 0.4 < np.std(slow) / np.std(plain) < 0.9  # at its corner frequency a first-order sensor shows 0.71
+    bent = ss.virtual_rig(robot, harmonics=(0.05, 0.02), channels=("velocity", "drive"))
+    lines, amplitude = bent.spectrum("drive")
+    second, first = (amplitude[np.argmin(abs(lines - k * 32.7))] for k in (2, 1))
+    assert second / first == pytest.approx(0.1, rel=0.02)  # velocity: 2 h2
+
+
+def test_the_virtual_rig_checks_its_arguments_together():
+    with pytest.raises(InputError) as error:
+        ss.virtual_rig(rig(tilt_deg=1.7, amplitude=5e-4), noise=-1.0, periods=0, channels=["speed"], bandwidth=-3.0)
+    assert len(error.value.problems) == 4
+
+
+# identify ---------------------------------------------------------------------------------------------------------
+
+
+def test_four_parameters_are_found_from_two_noisy_records(fit):
+    for name, value in TRUTH.items():
+        assert abs(fit.values[name] - value) < 4 * fit.errors[name]
+    assert fit.errors["mu0"] < 0.002 and all(not q.suspicious for q in fit.quality)
+
+
+def test_the_vibrometer_of_the_paper_tells_four_digits():
+    fit = ss.identify(records(1e-6), rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+    for name, value in TRUTH.items():
+        low, high = fit.interval(name, level=0.9999)
+        assert low < value < high and high - low < 0.01 * value
+
+
+def test_intervals_by_three_methods_agree_where_the_likelihood_is_a_parabola():
+    rec = records(1e-4, amplitudes=[6e-4], periods=10)
+    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.2)}, tilt_deg=1.7, amplitude=6e-4)
+    by = {m: np.array(fit.interval("mu0", method=m)) for m in ("covariance", "profile")}
+    by["bootstrap"] = np.array(fit.interval("mu0", method="bootstrap", repeats=100, seed=1))
+    width = np.ptp(by["covariance"])
+    assert abs(by["profile"] - by["covariance"]).max() < 0.1 * width
+    assert (
+        abs(by["bootstrap"] - by["covariance"]).max() < 0.35 * width
+    )  # the end of a 95 % interval from 100 repeats is known to 0.13 widths
+    low, high = fit.interval("mu0", level=0.5)
+    assert by["covariance"][0] < low < high < by["covariance"][1]
+
+
+def test_profile_intervals_see_what_is_beyond_the_parabola(fit):
+    for name in ("v_s", "sigma2"):
+        low, high = fit.interval(name, method="profile")
+        assert low < TRUTH[name] < high and low < fit.values[name] < high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [1e-3, 1e-6])
+def test_intervals_cover_the_truth(noise):
+    """200 repeats; 95 % intervals are to cover in 90 to 99 % of them."""
+    hits = dict.fromkeys(TRUTH, 0)
+    for seed in range(200):
+        found = ss.identify(records(noise, seed), rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+        for name, value in TRUTH.items():
+            low, high = found.interval(name, level=0.95)
+            hits[name] += low <= value <= high
+    assert all(180 <= count <= 198 for count in hits.values()), hits
+
+
+def test_a_robot_with_dotted_fields_is_fitted_and_parameters_are_tied():
+    robot = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    rec = ss.virtual_rig(robot, noise=1e-4, seed=3)
+    fit = ss.identify(
+        rec, robot, free={"friction.mu_plus": (0.05, 0.3)}, tied={"friction.mu_minus": lambda p: p["friction.mu_plus"] * (0.21 / 0.15)}
+    )
+    true = robot.friction.mu_plus
+    assert fit.values["friction.mu_plus"] == pytest.approx(true, rel=0.02)
+    assert fit.model().friction.mu_minus == pytest.approx(fit.values["friction.mu_plus"] * 1.4)
+    alike = ss.identify(rec, robot, free={"friction.mu_plus": (0.05, 0.3)}, tied={"friction.mu_minus": "friction.mu_plus"})
+    assert alike.cost > 10 * fit.cost  # isotropic friction does not move like that
+
+
+def test_a_parameter_of_its_own_for_each_record():
+    recs = records(1e-4, law="coulomb")
+    fit = ss.identify(recs, rig, free={"mu0": (0.1, 0.3), "amplitude[:]": (3e-4, 1e-3)}, tilt_deg=1.7, law="coulomb", starts=128)
+    assert fit.values["amplitude[0]"] == pytest.approx(5e-4, rel=0.01) and fit.values["amplitude[1]"] == pytest.approx(8e-4, rel=0.01)
+    assert fit.values["mu0"] == pytest.approx(0.18, rel=0.01)
+
+
+def test_position_tells_too():
+    recs = records(1e-4, law="coulomb", channels=("position",))
+    fit = ss.identify(recs, rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=TWO, law="coulomb")
+    low, high = fit.interval("mu0", level=0.999)
+    assert low < 0.18 < high and high - low < 0.02 and all(t.kind == "position" for t in fit.problem.targets)
+
+
+def test_mean_velocities_alone_tell_one_parameter():
+    means = [0.002014682, 0.003827101, 0.004000482]  # P1 to P3, exact Coulomb
+    fit = ss.identify(
+        means, rig, free={"mu0": (0.09, 0.3)}, tilt_deg=[1.7, 2.7, 4.7], amplitude=[5.525e-4, 6.032e-4, 4.564e-4], law="coulomb", noise=1e-8
+    )
+    assert fit.values["mu0"] == pytest.approx(0.18, abs=1e-4)  # the amplitudes are printed to four digits
+
+
+def test_a_rotten_start_does_not_matter():
+    """Another seed of the multistart ends in the same place."""
+    recs = records(1e-4)
+    ends = [ss.identify(recs, rig, free=FREE, tilt_deg=1.7, amplitude=TWO, seed=seed).values["mu0"] for seed in (1, 2)]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-4)
+
+
+def test_a_wrong_law_is_seen_in_the_residuals():
+    recs = records(1e-4)
+    wrong = ss.identify(recs, rig, free={"mu0": (0.05, 0.3)}, tilt_deg=1.7, amplitude=TWO, law="coulomb")
+    assert any(q.suspicious for q in wrong.quality) and any("not that of the record" in w for w in wrong.warnings)
+    right = ss.identify(recs, rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+    assert not any("not that of the record" in w for w in right.warnings)
+    found = ss.rank({"coulomb": wrong, "lugre": right})
+    assert found.decided and found.best.label == "lugre"
+
+
+def test_a_wrong_drive_is_seen_in_the_residuals():
+    rec = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=6e-4), noise=1e-4, seed=1, harmonics=(0.02, 0.01))
+    fit = ss.identify(rec, rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=6e-4)
+    assert any("the law or the drive" in w for w in fit.warnings)
+
+
+def test_parameters_that_data_confound_are_named():
+    """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same."""
+    fit = ss.identify(records(1e-3, amplitudes=[1.2e-3]), rig, free=FREE, tilt_deg=1.7, amplitude=1.2e-3)
+    assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in fit.warnings)
+    assert any(w.startswith("v_s is hardly told") for w in fit.warnings)
+
+
+def test_everything_wrong_with_the_arguments_is_reported_at_once():
+    rec = records(1e-3, amplitudes=[5e-4])
+    with pytest.raises(InputError) as error:
+        ss.identify(rec, rig, free={"mu0": (0.5, 0.1), "muu": (0.1, 0.2)}, tied={"f0": "nobody"}, amplitude=[1e-4, 2e-4])
+    assert len(error.value.problems) == 4
+    with pytest.raises(InputError, match="allowed is a Record"):
+        ss.identify(["run.csv"], rig, free={"mu0": (0.1, 0.2)})
+    with pytest.raises(InputError, match="widen or correct the bounds"):
+        ss.identify(rec, rig, free={"f0": (0.05, 0.1)}, tilt_deg=1.7, amplitude=5e-4)
+
+
+def test_the_fit_can_be_read_aloud(fit):
+    text = fit.report()
+    assert all(name in text for name in TRUTH) and "95 %" in text and "synthetic" in text and "LuGre" in repr(fit)
+
+
+# force against motion ---------------------------------------------------------------------------------------------
+
+
+def strokes(n=2000, periods=3, a=2e-4):
+    t = np.linspace(0, periods, n)
+    return t, a * np.sin(2 * np.pi * t)
+
+
+def test_a_driven_law_follows_its_exact_solution():
+    """Dahl's curve (exponent 1): LuGre without damping and Stribeck; virgin curve Fc (1 - exp(-sigma0 x / Fc))."""
+    law = ss.LuGre(0.3, 0.3, None, None, sigma0=1e4, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    x = np.linspace(0, 1e-3, 50)
+    motion = Motion(x / 1e-3, np.concatenate([[0.0], np.diff(x) / np.diff(x / 1e-3)]), np.full(50, 10.0), np.zeros(50), 0, False, "")
+    assert np.allclose(driven_force(law, motion)[:, 0], 3.0 * (1 - np.exp(-1e4 * x / 3.0)), rtol=1e-12)
+
+
+def test_a_driven_law_agrees_with_a_solver_of_its_own():
+    from scipy.integrate import solve_ivp
+
+    law = ss.LuGre(0.3, 0.4, 0.35, 0.45, sigma0=2e4, sigma1=5.0, sigma2=1.0, v_s=5e-4)
+    t, x = strokes()
+    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    motion = Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "")
+    ours, z, theirs = driven_force(law, motion)[:, 0], 0.0, []
+    for k in range(1, 400):
+        done = solve_ivp(lambda s, y, k=k: [law.rate(v[k], y[0], 10.0)], (t[k - 1], t[k]), [z], method="LSODA", rtol=1e-10, atol=1e-16)
+        z = done.y[0, -1]
+        theirs.append(law.force(v[k], z, law.rate(v[k], z, 10.0), 10.0))
+    assert np.allclose(ours[1:400], theirs, atol=1e-6 * np.ptp(ours))
+
+
+def test_a_law_is_fitted_to_force_against_motion():
+    t, x = strokes()
+    law = ss.LuGre(0.3, 0.4, None, None, sigma0=2e5, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    F = driven_force(law, Motion(t, v, np.full(len(t), 10.0), np.zeros(len(t)), 0, False, ""))[:, 0]
+    F = F + np.random.default_rng(0).normal(scale=0.02, size=len(t))
+    rec = ss.Record.of(t, {"x [m]": x, "F [N]": -F}, roles={"F": "force"})  # the sensor's sign is the other one
+    free = {"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0), "sigma0": (1e4, 1e6, "log")}
+    fixed = dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    fit = ss.identify(rec, ss.LuGre, free=free, load=10.0, **fixed)
+    for name, value in (("mu_plus", 0.3), ("mu_minus", 0.4), ("sigma0", 2e5)):
+        low, high = fit.interval(name, level=0.9999)
+        assert low < value < high and abs(fit.values[name] / value - 1) < 0.01
+    assert any("sign of the force was turned" in w for w in fit.warnings)
+    coulomb = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)}, load=10.0)
+    assert ss.rank([fit, coulomb]).best.label == "LuGre"
+
+
+def test_a_force_without_a_load_is_an_error_that_says_what_to_type():
+    t, x = strokes()
+    with pytest.raises(InputError, match="load="):
+        ss.identify(ss.Record.of(t, {"x [m]": x, "F [N]": x * 1e4}), ss.Coulomb, free={"mu_plus": (0.1, 1.0)}, mu_minus=0.3)
+
+
+# rank and design --------------------------------------------------------------------------------------------------
+
+
+def test_data_that_cannot_tell_are_said_to():
+    """From mean velocities rounded to 0.1 mm/s, with unknown noise, nothing decides between the laws."""
+    arguments = dict(free={"mu0": (0.09, 0.208)}, tilt_deg=[1.7, 2.7, 4.7, 5.7], amplitude=[5.525e-4, 6.032e-4, 4.564e-4, 1.487e-3])
+    both = {law: ss.identify([0.0017, 0.0036, 0.0040, 0.0254], rig, law=law, **arguments) for law in ("coulomb", "lugre")}
+    found = ss.rank(both)
+    assert not found.decided and "cannot tell" in found.verdict
+
+
+def test_held_out_records_have_a_say():
+    train, test = records(1e-4), records(1e-4, amplitudes=[6e-4, 1e-3], seed=50)
+    fits, outside = {}, {}
+    for law, free in (("coulomb", {"mu0": (0.05, 0.3)}), ("lugre", FREE)):
+        fits[law] = ss.identify(train, rig, free=free, tilt_deg=1.7, amplitude=TWO, law=law)
+        outside[law] = ss.prediction_errors(fits[law], test, tilt_deg=1.7, amplitude=[6e-4, 1e-3], law=law)
+    found = ss.rank(fits, held_out=outside)
+    assert found.decided and found.best.label == "lugre" and "2 of 2 held-out" in found.verdict
+    assert found.best.held_out == pytest.approx(1e-4, rel=0.1)
+
+
+def test_fits_to_different_records_cannot_be_ranked(fit):
+    other = ss.identify(records(1e-3, seed=9), rig, free={"mu0": (0.05, 0.2)}, tilt_deg=1.7, amplitude=TWO)
+    with pytest.raises(InputError, match="other values"):
+        ss.rank([fit, other])
+
+
+def test_design_expects_the_errors_that_a_fit_then_has(fit):
+    plan = ss.design(rig, free=TRUTH, experiments=[{"amplitude": A} for A in TWO], noise=1e-3, samples=2000, together=2, tilt_deg=1.7)
+    for name, error in plan.best.errors.items():
+        assert fit.errors[name] == pytest.approx(error, rel=0.35)  # the fit's own place is one or two errors away
+
+
+def test_design_says_what_velocity_hardly_tells():
+    free = {**TRUTH, "sigma0": 4e5, "sigma1": 100.0}
+    plan = ss.design(rig, free=free, experiments=[{"amplitude": A} for A in TWO], noise=1e-3, samples=2000, together=2, tilt_deg=1.7)
+    assert {"sigma0", "sigma1"} <= set(plan.faint) and not {"mu0", "f0"} & set(plan.faint)
+    assert any("sigma0" in note for note in plan.notes) and any("sigma1" in note for note in plan.notes)
+
+
+def test_design_finds_the_experiment_that_separates_laws():
+    twin = ss.Coulomb(*(getattr(rig(tilt_deg=1.7, amplitude=5e-4).friction, f"mu_{s}") for s in ("plus", "minus")))
+    plan = ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": [1e-4, 5e-4]}, noise=1e-3, rivals=[twin], tilt_deg=1.7)
+    assert plan.best.settings == ({"amplitude": 5e-4},) and plan.best.separation > 5  # at 0.1 mm neither law moves the body
+
+
+# compare ----------------------------------------------------------------------------------------------------------
+
+
+def test_compare_finds_the_law_of_the_record_and_the_phase():
+    robot = rig(tilt_deg=4.7, amplitude=4.564e-4)
+    rec = ss.virtual_rig(robot, noise=1e-4, seed=1, phase=0.3)
+    found = ss.compare(rec, robot, laws=["coulomb", "lugre"])
+    assert found.best.label == "LuGre" and found["LuGre"].rms == pytest.approx(1e-4, rel=0.05)
+    assert found["Coulomb"].type == "II" and found["Coulomb"].mean_velocity == pytest.approx(0.004000482, rel=1e-6)
+    assert found["LuGre"].mean_velocity == pytest.approx(0.003695830, rel=1e-5)
+    assert [kind for _, kind in found["Coulomb"].events] == ["slip", "stick"]
+    assert found.record.mean_velocity == pytest.approx(0.003695830, abs=2e-5)
+
+
+def test_compare_takes_laws_of_any_kind_and_says_what_it_cannot():
+    robot = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    rec = ss.virtual_rig(robot, noise=1e-4)
+    found = ss.compare(rec, robot, laws={"mine": ss.Coulomb(0.15, 0.21), "own": "coulomb"})
+    assert [row.label for row in found.laws] == ["mine", "own"] and found.best.label == "own"
+    with pytest.raises(InputError, match="give the law itself"):
+        ss.compare(rec, robot, laws=["lugre"])
+
+
+# reports and the command line -------------------------------------------------------------------------------------
+
+
+def test_the_report_is_one_page_that_needs_nothing_else(fit, tmp_path):
+    from stickslip.report.html import outside_addresses
+
+    text = fit.report(tmp_path / "fit.html").read_text(encoding="utf-8")
+    assert not outside_addresses(text) and "Synthetic" in text and text.count("<img") == 4 and "mu0" in text
+    rec, robot = records(1e-4, amplitudes=[5e-4])[0], rig(tilt_deg=1.7, amplitude=5e-4)
+    page = ss.compare(rec, robot).report(tmp_path / "c.html").read_text(encoding="utf-8")
+    assert "Coulomb" in page and "LuGre" in page and page.count("<img") == 1
+
+
+def keep(rec, place):
+    c = rec["velocity"]
+    np.savetxt(place, np.column_stack([c.t, c.values]), delimiter=",", header="t [s],v [m/s]", comments="")
+    return str(place)
+
+
+def test_the_commands_do_what_the_functions_do(tmp_path, capsys):
+    import json
+
+    from stickslip.cli import main
+
+    files = [keep(r, tmp_path / f"{i}.csv") for i, r in enumerate(records(1e-4, law="coulomb"))]
+    assert main(["read", files[0], "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["frequency"] == pytest.approx(32.7, rel=1e-4) and told["lines"][0]["unit"] == "m/s"
+    robot = ["piezo_rig", "tilt_deg=1.7", "law=coulomb"]
+    assert (
+        main(
+            ["compare", *robot, "amplitude=5e-4", "--record", files[0], "--laws", "coulomb", "--report", str(tmp_path / "c.html"), "--json"]
+        )
+        == 0
+    )
+    assert json.loads(capsys.readouterr().out)["best"] == "Coulomb" and (tmp_path / "c.html").exists()
+    words = ["identify", *robot, "amplitude=5e-4,8e-4", "--record", files[0], "--record", files[1], "--free", "mu0=0.05..0.5", "--json"]
+    assert main([*words, "--report", str(tmp_path / "f.html")]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["values"]["mu0"] == pytest.approx(0.18, rel=0.01) and (tmp_path / "f.html").exists()
+    study = '[identify]\nmake = "piezo_rig"\nrecords = ["0.csv", "1.csv"]\n[identify.arguments]\ntilt_deg = 1.7\nlaw = "coulomb"\n'
+    study += "amplitude = [5e-4, 8e-4]\n"
+    (tmp_path / "study.toml").write_text(study + "[identify.free]\nmu0 = [0.05, 0.5]\n")
+    assert main(["identify", str(tmp_path / "study.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["values"] == told["values"]
+    assert main(["identify", *robot, "amplitude=5e-4"]) == 2
+    assert "--record" in capsys.readouterr().err
+
+
+# any law ----------------------------------------------------------------------------------------------------------
+
+
+def fittable():
+    """Every law with a kinetic coefficient that the compiled solvers take."""
+    from stickslip.friction import LAWS
+
+    with_mu = [law for law in LAWS.values() if isinstance(law._example.get("mu_plus"), float) and not getattr(law, "scalar_only", False)]
+    return [pytest.param(law, id=law.__name__) for law in with_mu]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", fittable())
+def test_the_friction_of_every_law_is_found(law):
+    robot = rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law(**law._example))
+    true = robot.friction.mu_plus
+    rec = ss.virtual_rig(robot, noise=1e-4, seed=1, rtol=1e-7)
+    fit = ss.identify(rec, robot, free={"friction.mu_plus": (0.7 * true, 1.15 * true)}, starts=8, rtol=1e-7)
+    assert (
+        abs(fit.values["friction.mu_plus"] - true) < 4.5 * fit.errors["friction.mu_plus"] and fit.errors["friction.mu_plus"] < 1e-3 * true
+    )
+    assert not fit.quality[0].suspicious

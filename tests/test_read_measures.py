@@ -1,0 +1,124 @@
+"""What is measured on a record without a model: frequency, mean velocity, motion type, period, noise, friction of strokes."""
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from measured import CYLINDER, CYLINDER_COLUMNS, LOOPS, needs_data, path
+from stickslip.errors import InputError
+from stickslip.records.measures import loop_friction, mean_velocity
+from stickslip.records.overview import clipped, noise
+
+
+def rig(noise=0.0, law="coulomb", amplitude=5e-4, tilt_deg=1.7, **more):
+    return ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=tilt_deg, amplitude=amplitude, law=law), noise=noise, **more)
+
+
+@pytest.mark.parametrize("level", [1e-6, 1e-3])
+def test_the_drive_frequency_is_refined_to_its_own_standard_error(level):
+    found = [rig(level, seed=seed, phase=0.1 * seed).drive_frequency() for seed in range(20)]
+    off = np.array([(f.value - 32.7) / f.error for f in found])
+    # 20 normal numbers stay below 4.5 with probability 0.9999; the error is far below the line width 1/T = 1.6 Hz
+    assert abs(off).max() < 4.5 and max(f.error for f in found) < 0.01
+
+
+def test_the_drive_frequency_survives_gaps_and_uneven_sampling():
+    rec = rig(1e-4, seed=1)
+    c = rec["velocity"]
+    keep = np.random.default_rng(0).random(len(c)) > 0.3
+    part = ss.Record.of(c.t[keep], {"v [m/s]": c.values[keep]})
+    assert part.drive_frequency().value == pytest.approx(32.7, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("tilt_deg", "amplitude", "value"), [(1.7, 5.525e-4, 0.002014682), (4.7, 4.564e-4, 0.004000482), (5.7, 1.487e-3, 0.028688951)]
+)
+def test_the_mean_velocity_of_a_record_is_that_of_the_motion(tilt_deg, amplitude, value):
+    """P1, P3 and P4, exact Coulomb; 100 samples per period see corners to about 1e-4 of the range."""
+    rec = rig(0.0, amplitude=amplitude, tilt_deg=tilt_deg, phase=0.37, settle=300)
+    assert rec.mean_velocity() == pytest.approx(value, abs=2e-5)
+    assert ss.Record.of(rec["velocity"].t, {"x [m]": _position(rec)}).mean_velocity() == pytest.approx(rec.mean_velocity(), abs=5e-6)
+
+
+def _position(rec):
+    t, v = rec["velocity"].t, rec["velocity"].values
+    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+
+
+def test_the_error_of_the_mean_velocity_is_that_of_repeats():
+    found = [mean_velocity(rig(1e-3, seed=seed), 32.7) for seed in range(40)]
+    spread = np.std([f.value for f in found], ddof=1)
+    # 40 repeats know a spread to 1/sqrt(80) = 11 %; three of these are allowed
+    assert np.mean([f.error for f in found]) == pytest.approx(spread, rel=0.4)
+
+
+@pytest.mark.parametrize(("amplitude", "type"), [(3e-4, "II"), (4.2e-4, "I"), (6e-4, "III"), (8e-4, "IV")])
+@pytest.mark.parametrize("level", [1e-6, 1e-4])
+def test_the_motion_type_of_a_record_is_that_of_the_motion(amplitude, type, level):
+    """Types of P6 and between the borders of P9."""
+    rec = rig(level, amplitude=amplitude, seed=2, periods=40, samples=200)
+    truth = ss.motion(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, law="coulomb"), periods=100))
+    found = rec.motion()
+    assert (found.type, found.pattern) == (type, truth.pattern)
+    # break-away begins gently: below the threshold of 1 % of the range the body seems to rest for up to 6 % of a period more
+    assert abs(found.stick_fraction - truth.stick_fraction) < 0.06 * truth.pattern.count("0") + 0.005
+    assert len(rec.stick_intervals()) == truth.pattern.count("0")
+
+
+def test_period_two_is_seen():
+    """P8: mu0 = .04 gives period two at A = .6 mm."""
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04)
+    assert ss.virtual_rig(robot, noise=1e-5, settle=150).period(32.7) == 2
+    assert rig(1e-5).period() == 1
+
+
+def test_the_spectrum_shows_amplitudes():
+    t = np.arange(4096) / 4096
+    lines, amplitude = ss.Record.of(t, {"v [mm/s]": 3 * np.sin(2 * np.pi * 64 * t)}).spectrum()
+    assert lines[np.argmax(amplitude)] == pytest.approx(64, rel=1e-3) and amplitude.max() == pytest.approx(3e-3, rel=1e-2)
+
+
+@pytest.mark.parametrize("level", [1e-5, 1e-3])
+def test_the_noise_of_a_record_is_found(level):
+    rec = rig(level, seed=4, samples=400, periods=25)
+    assert noise(rec["velocity"].values) == pytest.approx(level, rel=0.1)  # 10 000 samples know it to 2 %; the signal adds its bends
+
+
+def test_clipping_is_counted_and_rest_is_not():
+    v = rig(0.0, samples=200)["velocity"].values
+    assert clipped(np.clip(v, None, 0.6 * v.max())) > 100 and clipped(v) == 0
+    assert clipped(rig(0.0, amplitude=3e-4, samples=200)["velocity"].values) == 0  # type II rests at its smallest velocity
+
+
+def test_the_papers_relative_velocity_gives_the_drive():
+    rec = rig(0.0, channels=("velocity", "absolute velocity")).relative_velocity()
+    drive, w = rec["drive"], 2 * np.pi * 32.7
+    assert np.allclose(drive.values, 5e-4 * w * np.cos(w * drive.t), atol=1e-9 * w)
+
+
+def test_summary_names_what_matters():
+    rec = rig(1e-4, seed=1)
+    text = str(rec.summary)
+    assert "SYNTHETIC" in text and "drive frequency 32." in text and rec.summary.lines[0].noise == pytest.approx(1e-4, rel=0.15)
+
+
+def test_a_missing_channel_is_an_error_that_says_what_to_type():
+    rec = ss.Record.of([0.0, 1.0, 2.0], {"LDV": [0.0, 1.0, 0.0]})
+    with pytest.raises(InputError, match=r'roles=\{"LDV": "velocity"\}'):
+        rec.mean_velocity()
+    with pytest.raises(InputError, match="'LDV'"):
+        rec["LDw"]
+
+
+@needs_data
+@pytest.mark.parametrize("which", CYLINDER)
+def test_friction_of_the_cylinder_is_the_published_one(which):
+    name, force = CYLINDER[which]
+    found = loop_friction(ss.read(path(name), columns=CYLINDER_COLUMNS), between=(8e-3, 28e-3), least_speed=1e-3, start=8.0)
+    assert found.value == pytest.approx(force, rel=0.03) and found.error < 0.03 * force
+
+
+@needs_data
+def test_the_loops_repeat_every_four_seconds():
+    found = ss.read(path(LOOPS)).between(20, 60).drive_frequency()
+    assert found.value == pytest.approx(0.25, abs=1e-5)
