@@ -18,6 +18,7 @@ from stickslip.explorer.answers import PATIENCE as MOST_SECONDS
 from stickslip.explorer.answers import Stopped, _watch
 from stickslip.explorer.asked import DEFAULT, State, message, state
 from stickslip.explorer.code import python
+from stickslip.explorer.dropped import velocity_of
 from stickslip.explorer.effort import affordable
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.frames import read
@@ -315,6 +316,47 @@ def test_exports_of_nonsense_are_refused_with_a_sentence(explorer):
     status, _, body = explorer.ask("/export/run.csv?state=" + quote('{"law": "coulom"}'))
     assert status == 400 and b"did you mean 'coulomb'" in body
     assert explorer.ask("/export/run.csv?state=%7B")[0] == 400
+
+
+def test_a_record_is_handed_back_in_si_units(tmp_path):
+    run = ss.solve(State(law="coulomb").robot(), periods=6)
+    t = np.arange(1500) * 1e-4
+    v = run.at(t)["v"]
+    (tmp_path / "a.csv").write_text("t [ms];v [mm/s]\n" + "".join(f"{1e3 * a:.9g};{1e3 * b:.9g}\n" for a, b in zip(t, v, strict=True)))
+    (tmp_path / "b.txt").write_text("".join(f"{a:.9g}\t{b:.9g}\n" for a, b in zip(t, v, strict=True)))
+    for name, notes in (("a.csv", 0), ("b.txt", 2)):
+        header, arrays = read(velocity_of(name, (tmp_path / name).read_bytes()))
+        assert arrays["v"] == pytest.approx(v, abs=1e-7 * abs(v).max())  # float32 on the way
+        assert header["mean"] == pytest.approx(np.trapezoid(v, t) / np.ptp(t), rel=1e-6) and header["step"] == pytest.approx(1e-4)
+        assert len(header["notes"]) == notes
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [("a.csv", b"no numbers\n"), ("a", b"1,2\n3,4\n"), ("../a.py/..", b""), ("a.mat", b"\x00" * 200), ("a.csv", b""),
+     ("a.csv", b"t [s],F [N]\n0,1\n1,2\n2,3\n"), ("a.exe", b"MZ"), ("a.h5", b"\x89HDF")],
+)  # fmt: skip
+def test_what_is_no_record_is_refused_with_a_sentence(name, data):
+    assert problems_of(lambda: velocity_of(name, data))
+
+
+def test_a_record_that_is_too_large_or_not_ours_is_refused(explorer):
+    import urllib.error
+    import urllib.request
+
+    def post(size, **headers):
+        address = f"{explorer.address}record/a.csv"
+        with urllib.request.urlopen(urllib.request.Request(address, b"1" * size, headers, method="POST"), timeout=60) as reply:
+            return reply.status
+
+    assert post(100) == 200  # the answer is a sentence
+    for size, headers, code in ((100, {"Origin": "http://evil.example"}, 403), (21_000_000, {}, 413)):
+        with pytest.raises((urllib.error.HTTPError, ConnectionError, urllib.error.URLError)) as refused:
+            post(size, **headers)
+        assert getattr(refused.value, "code", code) == code
+        if isinstance(refused.value, urllib.error.HTTPError):
+            refused.value.close()
+    assert explorer.ask("/record/a.csv")[0] == 405
 
 
 # the page as it is served -----------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from stickslip.explorer.models import DRIVES, FRICTION
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.solvers import solve
 
-__all__ = ["TYPES", "Stopped", "answer", "run_of"]
+__all__ = ["TYPES", "Stopped", "answer", "run_of", "sentence"]
 
 Stop = Callable[[], bool]
 
@@ -45,14 +45,14 @@ def answer(asked: Message, kernels: Kernels, stop: Stop) -> bytes:
     try:
         found = {"curves": _curves, "map": _map, "strip": _strip}[asked.channel](asked, kernels, stop)
     except InputError as error:
-        found = {"kind": "problems", "problems": [_sentence(p) for p in error.problems]}, {}
+        found = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
     except StickslipError as error:
         found = {"kind": "problems", "problems": [str(error)]}, {}
     header, arrays = found
     return written({**head, **header}, arrays)
 
 
-def _sentence(problem: str) -> str:
+def sentence(problem: str) -> str:
     """A problem as a page says it: what to type in Python is of no use there."""
     return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 
