@@ -18,7 +18,10 @@ from stickslip.explorer.answers import PATIENCE as MOST_SECONDS
 from stickslip.explorer.answers import Stopped, _watch
 from stickslip.explorer.asked import DEFAULT, State, message, state
 from stickslip.explorer.code import python
+from stickslip.explorer.dropped import velocity_of
+from stickslip.explorer.effort import affordable
 from stickslip.explorer.exports import EXPORTS, export
+from stickslip.explorer.frames import read
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
@@ -198,6 +201,35 @@ def test_numbers_that_no_robot_can_have_are_answered_with_a_sentence(explorer):
         assert answer(socket, id=2)[0]["kind"] == "curves"
 
 
+def test_a_map_does_not_keep_the_curves_waiting(explorer):
+    with explorer.page() as socket:
+        socket.send(plane("map", axis("amplitude", 1e-6, 1e-3, 96), axis("mu0", 0.02, 0.2, 96), id=0))
+        answer(socket, "map")  # its kernel is ready from here on
+        socket.send(plane("map", axis("amplitude", 1e-6, 1e-3, 96), axis("mu0", 0.02, 0.2, 95), id=1))
+        time.sleep(0.02)
+        for i in range(2, 5):
+            socket.send(curves(i, also=[]))
+            header = {"channel": "map", "id": 0}
+            while header["id"] != i:  # one after another, each answered before the map that was asked for first
+                header, _ = read(socket.recv(timeout=PATIENCE))
+                assert header["channel"] == "curves"
+
+
+@pytest.mark.parametrize("values", [{"omega": 1.0, "amplitude": 0.0, "sigma0": 1e8}, {"omega": 1.0, "body_mass": 1e-4, "inner_mass": 1e-5}])
+def test_a_run_that_would_take_too_long_is_refused_before_it_begins(explorer, values):
+    with explorer.page() as socket:
+        socket.send(curves(fine=True, values=values, also=[]))
+        header, _ = answer(socket)
+    assert header["kind"] == "problems" and "times in a drive period; allowed here" in header["problems"][0]
+
+
+def test_a_run_with_many_swings_of_the_bristles_has_fewer_periods():
+    robot = State().robot()
+    assert affordable(robot, 200) == 200
+    slow = robot.replace({"drive.omega": 5.0})  # 470 swings in a period
+    assert 40 <= affordable(slow, 200) < 100 and affordable(slow, 40) == 40
+
+
 def test_a_newer_map_takes_the_place_of_an_older_one(explorer):
     big = [axis("amplitude", 1e-6, 1e-3, 96), axis("mu0", 0.02, 0.2, 96)]
     with explorer.page() as socket:
@@ -284,6 +316,47 @@ def test_exports_of_nonsense_are_refused_with_a_sentence(explorer):
     status, _, body = explorer.ask("/export/run.csv?state=" + quote('{"law": "coulom"}'))
     assert status == 400 and b"did you mean 'coulomb'" in body
     assert explorer.ask("/export/run.csv?state=%7B")[0] == 400
+
+
+def test_a_record_is_handed_back_in_si_units(tmp_path):
+    run = ss.solve(State(law="coulomb").robot(), periods=6)
+    t = np.arange(1500) * 1e-4
+    v = run.at(t)["v"]
+    (tmp_path / "a.csv").write_text("t [ms];v [mm/s]\n" + "".join(f"{1e3 * a:.9g};{1e3 * b:.9g}\n" for a, b in zip(t, v, strict=True)))
+    (tmp_path / "b.txt").write_text("".join(f"{a:.9g}\t{b:.9g}\n" for a, b in zip(t, v, strict=True)))
+    for name, notes in (("a.csv", 0), ("b.txt", 2)):
+        header, arrays = read(velocity_of(name, (tmp_path / name).read_bytes()))
+        assert arrays["v"] == pytest.approx(v, abs=1e-7 * abs(v).max())  # float32 on the way
+        assert header["mean"] == pytest.approx(np.trapezoid(v, t) / np.ptp(t), rel=1e-6) and header["step"] == pytest.approx(1e-4)
+        assert len(header["notes"]) == notes
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [("a.csv", b"no numbers\n"), ("a", b"1,2\n3,4\n"), ("../a.py/..", b""), ("a.mat", b"\x00" * 200), ("a.csv", b""),
+     ("a.csv", b"t [s],F [N]\n0,1\n1,2\n2,3\n"), ("a.exe", b"MZ"), ("a.h5", b"\x89HDF")],
+)  # fmt: skip
+def test_what_is_no_record_is_refused_with_a_sentence(name, data):
+    assert problems_of(lambda: velocity_of(name, data))
+
+
+def test_a_record_that_is_too_large_or_not_ours_is_refused(explorer):
+    import urllib.error
+    import urllib.request
+
+    def post(size, **headers):
+        address = f"{explorer.address}record/a.csv"
+        with urllib.request.urlopen(urllib.request.Request(address, b"1" * size, headers, method="POST"), timeout=60) as reply:
+            return reply.status
+
+    assert post(100) == 200  # the answer is a sentence
+    for size, headers, code in ((100, {"Origin": "http://evil.example"}, 403), (21_000_000, {}, 413)):
+        with pytest.raises((urllib.error.HTTPError, ConnectionError, urllib.error.URLError)) as refused:
+            post(size, **headers)
+        assert getattr(refused.value, "code", code) == code
+        if isinstance(refused.value, urllib.error.HTTPError):
+            refused.value.close()
+    assert explorer.ask("/record/a.csv")[0] == 405
 
 
 # the page as it is served -----------------------------------------------------------------------------------------

@@ -346,12 +346,13 @@ def test_a_dropped_record_is_drawn_with_its_mean(page, tmp_path):
     page.page.locator("#legend", has_text="measured.csv").wait_for()
     mean = float(re.search(r"measured.csv: mean ([\d.]+) mm/s", page.page.locator("#legend").inner_text())[1])
     whole = (run.at(run.t[-1])["x"] - run.at(run.t[0])["x"]) / (run.t[-1] - run.t[0])
+    assert page.said() == ""  # it had its units
     assert mean == pytest.approx(1e3 * whole, rel=1e-3)  # the trapezoid rule over 400 instants a period
     page.page.locator("#record-off").click()
     assert "measured" not in page.page.locator("#legend").inner_text()
     (tmp_path / "bad.csv").write_text("no numbers here\n")
     page.page.locator("#record").set_input_files(tmp_path / "bad.csv")
-    page.page.locator("#said", has_text="two columns of numbers").wait_for()
+    page.page.locator("#said", has_text="no table of numbers").wait_for()
 
 
 # state, links, files ----------------------------------------------------------------------------------------------

@@ -13,13 +13,14 @@ from stickslip.analysis.steady import mean_velocity
 from stickslip.errors import InputError, StickslipError
 from stickslip.explorer.asked import Message, Plane, State
 from stickslip.explorer.code import python
+from stickslip.explorer.effort import affordable
 from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import Kernels
 from stickslip.explorer.models import DRIVES, FRICTION
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.solvers import solve
 
-__all__ = ["TYPES", "Stopped", "answer", "run_of"]
+__all__ = ["TYPES", "Stopped", "answer", "run_of", "sentence"]
 
 Stop = Callable[[], bool]
 
@@ -44,14 +45,14 @@ def answer(asked: Message, kernels: Kernels, stop: Stop) -> bytes:
     try:
         found = {"curves": _curves, "map": _map, "strip": _strip}[asked.channel](asked, kernels, stop)
     except InputError as error:
-        found = {"kind": "problems", "problems": [_sentence(p) for p in error.problems]}, {}
+        found = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
     except StickslipError as error:
         found = {"kind": "problems", "problems": [str(error)]}, {}
     header, arrays = found
     return written({**head, **header}, arrays)
 
 
-def _sentence(problem: str) -> str:
+def sentence(problem: str) -> str:
     """A problem as a page says it: what to type in Python is of no use there."""
     return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 
@@ -64,7 +65,7 @@ def _compiling(law: str, state: State) -> str:
 def run_of(state: State, law: str, fine: bool, robot: Any = None) -> Any:
     """The run of one law."""
     made = state.robot(law) if robot is None else robot
-    return solve(made, periods=FINE if fine else COARSE, rtol=RTOL, keep="trajectory", samples=400 if fine else 48)
+    return solve(made, periods=affordable(made, FINE if fine else COARSE), rtol=RTOL, keep="trajectory", samples=400 if fine else 48)
 
 
 def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -215,7 +216,8 @@ def _strip(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any]
     for i, value in enumerate(values):
         watch(i, count)
         try:
-            run = solve(state.robot(None, **{name: float(value)}), periods=64, rtol=RTOL, keep="trajectory")
+            robot = state.robot(None, **{name: float(value)})
+            run = solve(robot, periods=affordable(robot, 64), rtol=RTOL, keep="trajectory")
         except StickslipError:
             continue
         last = run.strobe_v[-kept:]

@@ -99,7 +99,8 @@ class Kernels:
                 self._compile(found, law, key[0])
             if self._ended:
                 return
-            warm(found, law, key[0])
+            with contextlib.suppress(Exception):  # whoever solves such a robot next is told why
+                warm(found, law, key[0])
             with self._changed:
                 self._ready.add(key)
                 self._wanted.pop(key, None)

@@ -60,7 +60,7 @@ _DEGREES = 180 / math.pi
 _ALL = (
     # ---- drives ----
     Parameter("amplitude", "A", "amplitude of the inner mass", 5.525e-4, 0.0, 1.6e-3, "mm", _KILO, 0.0, 0.1),
-    Parameter("omega", "ω", "angular frequency", 65.4 * math.pi, 60.0, 400.0, "rad/s", 1.0, 0.1, 1e5),
+    Parameter("omega", "ω", "angular frequency", 65.4 * math.pi, 60.0, 400.0, "rad/s", 1.0, 1.0, 1e5),
     Parameter("second_amplitude", "A₂", "amplitude of the second harmonic", 1e-4, 0.0, 5e-4, "mm", _KILO, 0.0, 0.1),
     Parameter("second_phase", "φ₂", "phase of the second harmonic", -0.5 * math.pi, -math.pi, math.pi, "°", _DEGREES, -10.0, 10.0),
     Parameter("stroke", "L", "stroke of the inner mass", 0.01, 1e-3, 0.03, "mm", _KILO, 1e-7, 1.0),
@@ -87,8 +87,8 @@ _ALL = (
     Parameter("tilt_deg", "θ", "tilt of the track, downhill is forwards", 1.7, -8.0, 8.0, "°", 1.0, -60.0, 60.0),
     Parameter("depth", "d", "depth of the variation of friction", 0.3, 0.0, 0.9, "", 1.0, 0.0, 0.99),
     Parameter("grip_phase", "φ", "phase of the variation of friction", 0.0, -math.pi, math.pi, "°", _DEGREES, -10.0, 10.0),
-    Parameter("body_mass", "M", "mass of the body", 62.59e-3, 0.01, 0.2, "g", _KILO, 1e-6, 1e3),
-    Parameter("inner_mass", "m", "inner mass", 9.48e-3, 1e-3, 0.05, "g", _KILO, 1e-6, 1e3),
+    Parameter("body_mass", "M", "mass of the body", 62.59e-3, 0.01, 0.2, "g", _KILO, 1e-4, 100.0),
+    Parameter("inner_mass", "m", "inner mass", 9.48e-3, 1e-3, 0.05, "g", _KILO, 1e-5, 100.0),
     Parameter("gravity", "g", "acceleration of gravity", 9.81, 1.0, 15.0, "m/s²", 1.0, 1e-3, 1e3),
     # ---- friction ----
     Parameter("mu0", "μ₀", "kinetic friction coefficient", 0.18, 0.02, 0.6, "", 1.0, 1e-4, 10.0),

@@ -20,8 +20,11 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from stickslip.errors import InputError, StickslipError
+from stickslip.explorer.answers import sentence
 from stickslip.explorer.asked import DEFAULT, State, state
+from stickslip.explorer.dropped import MOST_BYTES, velocity_of
 from stickslip.explorer.exports import EXPORTS, export
+from stickslip.explorer.frames import written
 from stickslip.explorer.guard import Guard, is_loopback
 from stickslip.explorer.kernels import Kernels
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
@@ -112,6 +115,21 @@ async def _export(request: Request) -> Response:
     return Response(data, media_type=EXPORTS[name][0], headers={"Content-Disposition": f'attachment; filename="{name}"'})
 
 
+async def _record(request: Request) -> Response:
+    """The velocity of a measured record, read by `stickslip.read`."""
+    data = bytearray()
+    async for part in request.stream():
+        data += part
+        if len(data) > MOST_BYTES:
+            return PlainTextResponse(f"the file is larger than {MOST_BYTES // 1_000_000} MB\n", 413)
+    try:
+        async with request.app.state.exporting:
+            answer = await asyncio.get_running_loop().run_in_executor(None, velocity_of, request.path_params["name"], bytes(data))
+    except InputError as error:
+        answer = written({"kind": "problems", "problems": [sentence(p) for p in error.problems]})
+    return Response(answer, media_type="application/octet-stream")
+
+
 def _asked_state(request: Request) -> State:
     """The state in the query of an address."""
     query = request.scope["query_string"].decode("latin-1")
@@ -151,7 +169,13 @@ def application(host: str = "127.0.0.1", token: str | None = None, workers: int 
         yield
         app.state.workshop.close()
 
-    routes = [Route("/", _page), Route("/assets/{name}", _asset), Route("/export/{name}", _export), WebSocketRoute("/socket", _socket)]
+    routes = [
+        Route("/", _page),
+        Route("/assets/{name}", _asset),
+        Route("/export/{name}", _export),
+        Route("/record/{name}", _record, methods=["POST"]),
+        WebSocketRoute("/socket", _socket),
+    ]
     return Guard(Starlette(routes=routes, lifespan=life), host, token)
 
 
@@ -187,7 +211,7 @@ def serve(host: str = "127.0.0.1", port: int = 8765, tell: Callable[[str], None]
     config = uvicorn.Config(
         application(host, token, workers), host=host, port=port, log_level="error", access_log=False, lifespan="on",
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
-        timeout_graceful_shutdown=2, backlog=256,
+        timeout_graceful_shutdown=2, backlog=256, limit_concurrency=600,
     )  # fmt: skip
     shown = f"[{host}]" if ":" in host else host
     _check_port(host, port)

@@ -163,9 +163,9 @@ $("zoom-all").addEventListener("click", () => velocity.zoom(0));
 async function load(file) {
   if (!file) return;
   try {
-    dropped = { ...record.parsed(await file.text()), name: file.name };
+    dropped = await record.opened(file);
     $("record-off").hidden = false;
-    say("");
+    say(dropped.notes.join("; "), "wait");
     draw();
   } catch (error) {
     say(`${file.name}: ${error.message}`);

@@ -1,0 +1,45 @@
+"""How much work a run will be, told from its numbers before it begins: what would take too long is refused with a sentence."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.forces import is_dynamic
+
+__all__ = ["affordable", "effort"]
+
+#: Swings of the bristles in one drive period, at most; and at most in a whole run, which may hold fewer periods for it.
+MOST, MOST_IN_ALL = 1000.0, 40_000.0
+#: Explicit steps of a law without inner states follow its damping: this many times its decay fits into a drive period.
+MOST_DECAYS = 5000.0
+_DAMPINGS = ("viscous", "viscous_plus", "viscous_minus")
+
+
+def effort(robot: Any) -> tuple[float, float]:
+    """Swings of mass and bristles, and times of decay of a damped law, in one drive period.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> swings, decays = effort(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4))
+    >>> round(swings, 1), decays
+    (11.5, 0.0)
+    """
+    law, mass, period = robot.friction, float(robot.total_mass), float(robot.period)
+    swings = math.sqrt(float(getattr(law, "sigma0", 0.0)) / mass) * period / (2 * math.pi)
+    decays = 0.0 if is_dynamic(law) else max(float(getattr(law, name, 0.0)) for name in _DAMPINGS) / mass * period
+    return swings, decays
+
+
+def affordable(robot: Any, periods: int) -> int:
+    """As many periods as asked for, or as many fewer as the bristles' swings allow; `InputError` where even few would take too long."""
+    swings, decays = effort(robot)
+    if swings > MOST:
+        how = "ask for a higher frequency, a larger mass or softer bristles"
+        raise InputError("run", [f"the bristles swing {swings:.4g} times in a drive period; allowed here are {MOST:g}; {how}"])
+    if decays > MOST_DECAYS:
+        how = "ask for a higher frequency, a larger mass or less viscous friction"
+        raise InputError("run", [f"viscous friction decays {decays:.4g} times in a drive period; allowed here are {MOST_DECAYS:g}; {how}"])
+    return max(min(periods, int(MOST_IN_ALL / max(swings, 1.0))), min(periods, 40))
