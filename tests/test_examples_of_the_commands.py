@@ -26,7 +26,7 @@ def same_word(told, found):
 
 def same_line(told, found):
     words = told.split(), found.split()
-    if words[0] and words[0][-1] == "…":
+    if words[0] and words[0][-1] == "…":  # the rest of the line, whatever it is
         words = words[0][:-1], words[1][: len(words[0]) - 1]
     return len(words[0]) == len(words[1]) and all(map(same_word, *words))
 
