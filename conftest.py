@@ -4,6 +4,8 @@ import os
 import shutil
 import sys
 import tempfile
+import time
+from pathlib import Path
 
 import pytest
 
@@ -11,11 +13,13 @@ CACHE = "STICKSLIP_CACHE_DIR"
 # Kernel texts are read by the engine, never imported.
 collect_ignore_glob = ["src/stickslip/engine/kernels/*"]
 _made_here = pytest.StashKey[str]()
+_began = pytest.StashKey[float]()
 
 
 def pytest_configure(config):
     """Before any worker starts: they inherit the environment, and so one kernel cache."""
     os.environ.setdefault("MPLBACKEND", "Agg")
+    config.stash[_began] = time.time()
     if not os.environ.get(CACHE):
         config.stash[_made_here] = os.environ[CACHE] = tempfile.mkdtemp(prefix="stickslip-test-cache-")
 
@@ -25,6 +29,19 @@ def pytest_unconfigure(config):
     if folder is not None:
         os.environ.pop(CACHE, None)
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Kernels that were compiled during this run, in whichever process, and the time that took."""
+    began = config.stash[_began]
+    spans = [(max(begin, began), end) for begin, end in map(_compiled, Path(os.environ[CACHE]).glob("*.py")) if end >= began]
+    terminalreporter.write_line(f"kernels: {len(spans)} compiled in {sum(end - begin for begin, end in spans):.0f} s")
+
+
+def _compiled(source):
+    """When a kernel's text was written, which is just before it is compiled, and its last function; 0 if that is not there."""
+    written = [file.stat().st_mtime for file in (source.parent / "__pycache__").glob(f"{source.stem}.*.nbc")]
+    return source.stat().st_mtime, max(written, default=0.0)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -181,7 +181,8 @@ def test_sweep_says_which_cases_found_no_period(capsys):
 
 @pytest.mark.parametrize(("command", "word"), [("presets", "piezo_rig"), ("laws", "lugre"), ("drives", "harmonic")])
 def test_lists(command, word, capsys):
-    assert f"{word}:" in call(capsys, command)[1]
+    assert f"  {word} " in call(capsys, command)[1] or f"{word}:" in call(capsys, command)[1]
+    assert f"{word}:" in call(capsys, command, word)[1]
     entry = strict(call(capsys, command, "--json")[1])[command][word]
     assert all(argument["meaning"] for argument in entry["arguments"].values())
 
@@ -190,7 +191,7 @@ def test_lists_are_clean_text_with_units(capsys):
     for command in ("presets", "laws", "drives"):
         out = call(capsys, command)[1]
         assert not any(mark in out for mark in (":math:", "`", "\\", "default None"))
-    assert "σ1      N s/m  needed   Bristle (micro-)damping." in call(capsys, "laws")[1]
+    assert "σ1      N s/m  needed   Bristle (micro-)damping." in call(capsys, "laws", "lugre")[1]
     assert "ξ(t) = A sin(ω t)" in call(capsys, "drives")[1] and "bristle stiffness. LuGre numbers" in call(capsys, "presets")[1]
 
 
@@ -297,7 +298,10 @@ def test_several_values_are_read(text, told):
         (["sweep", *ROBOT[:2], "amplitude=1e-4..2e-4"], "add their number, such as 1e-4..2e-4:9"),
         (["sweep", *ROBOT[:2], "amplitude=1e-4,-1e-4"], "amplitude[1] = -0.0001"),
         (["check", *ROBOT, "samples=3"], "'samples' is not known"),
-        (["presets", "more"], "more is not an option"),
+        (["presets", "piezo"], "did you mean 'piezo_rig'?"),
+        (["laws", "lugree", "colomb"], "did you mean 'coulomb'?"),
+        (["mechanisms", "pulled"], "did you mean 'pulled_mass'?"),
+        (["completion", "bsh"], "did you mean 'bash'?"),
         (["paper", "--fats"], "did you mean '--fast'?"),
     ],
 )

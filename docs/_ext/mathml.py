@@ -18,7 +18,7 @@ def spaced(tex: str) -> str:
 
 def mathml(tex: str, as_block: bool = False) -> str:
     """One formula as MathML. The bars of an absolute value are told apart: browsers take both for a binary operator."""
-    markup = tex2mathml(spaced(tex), as_block=as_block)
+    markup = tex2mathml(spaced(tex).replace(r"\dots", r"\ldots"), as_block=as_block)
     return markup.replace('<mo class="mathopen">|', '<mo form="prefix">|').replace("<mo>|", '<mo form="postfix">|')
 
 

@@ -127,14 +127,19 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         if field.name not in arguments and field.name not in optional and not either and field.name not in PARTS:
             problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {field.metadata.get('example', '1.0')}")
             arguments[field.name] = 1.0
-    parts = _parts_of(cls)
-    if any(arguments.get(p, 0) is None for p in parts) or any(p not in arguments for p in parts if p != "track" and "." not in where):
-        return None
+    lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
     try:
-        return cls(**arguments)
+        made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
     except InputError as error:
         problems.include(error, f"{where}.")
         return None
+    return None if lacking else made
+
+
+def _stand_in(part: str) -> Any:
+    """Some part of this sort, for one that is missing."""
+    kind = next(iter(PARTS[part].values()))
+    return kind.example() if hasattr(kind, "example") else kind()
 
 
 def _html_rows(record: Any, prefix: str = "") -> list[str]:

@@ -6,14 +6,15 @@ There are no colours and no bars where nobody looks at a terminal.
 
 from __future__ import annotations
 
+import contextvars
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from stickslip.errors import InputError, StickslipError, did_you_mean
 
-__all__ = ["COMMANDS", "main"]
+__all__ = ["COMMANDS", "act_of", "main"]
 
 #: Command -> (module, what it does).
 COMMANDS = {
@@ -27,6 +28,8 @@ COMMANDS = {
     "bifurcation": ("bifurcation", "what a motion becomes along one number: diagram, branches, folds and flips"),
     "basins": ("basins", "which start leads to which of several coexisting motions"),
     "lyapunov": ("lyapunov", "Lyapunov exponents: periodic, quasi-periodic or chaotic?"),
+    "report": ("report", "one robot, one run or one study as an HTML page that needs nothing else"),
+    "init": ("init", "write a study file to begin with, with a remark on every line"),
     "read": ("read", "read a measured record: channels, rate, gaps, noise, motion"),
     "compare": ("compare", "a measured record beside what friction laws give"),
     "identify": ("identify", "parameters of a robot or a law from measured records"),
@@ -35,8 +38,10 @@ COMMANDS = {
     "presets": ("lists", "published robots, with the arguments they take"),
     "laws": ("lists", "friction laws"),
     "drives": ("lists", "drives of the inner mass"),
+    "mechanisms": ("lists", "test benches: a mass with a spring and one contact"),
     "doctor": ("doctor", "versions, the cache folder and what is wrong with them"),
     "warmup": ("doctor", "compile the usual kernels now instead of at their first use"),
+    "completion": ("completion", "what makes the Tab key complete these words, for bash, zsh or fish"),
 }
 
 _HELP = """\
@@ -47,19 +52,21 @@ usage: stickslip COMMAND [ROBOT] [NAME=VALUE ...] [options]
 commands
 {commands}
 
-ROBOT is the name of a preset (see `stickslip presets`) or a TOML study file. NAME=VALUE sets a number of it, or an argument
-of the solver: periods, settle, rtol, method, samples, steps, start.v, start.z. Numbers are SI units; angles named _deg are
-in degrees; 65.4pi is a number too. `stickslip sweep` also takes a..b:n (n values from a to b) and a,b,c.
+ROBOT is the name of a preset (see `stickslip presets`), a TOML study file (`stickslip init` writes one), or module:function
+of your own. NAME=VALUE sets a number of it, or an argument of the solver: periods, duration, settle, rtol, method, samples,
+steps, start.v, start.z. Numbers are SI units; angles named _deg are in degrees; 65.4pi is a number too. `stickslip sweep`
+also takes a..b:n (n values from a to b) and a,b,c.
 
 examples
   stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png --data run.nc
   stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
+  stickslip report piezo_rig tilt_deg=1.7 amplitude=5.525e-4 --out report.html
   stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
   stickslip paper
 
-`stickslip COMMAND --help` explains one command; every command takes --json.
+`stickslip COMMAND --help` explains one command, with an example and what it prints; every command takes --json.
 Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong.
 """
 
@@ -80,7 +87,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        return _dispatch(words)
+        return contextvars.copy_context().run(_dispatch, words)  # what one command allows, the next one does not
     except InputError as error:
         return _say(str(error), 2)
     except StickslipError as error:
@@ -114,4 +121,10 @@ def _dispatch(words: list[str]) -> int:
     name, rest = words[0], words[1:]
     if name not in COMMANDS:
         raise InputError("command", [f"{name!r} is not known; type stickslip --help for the list; {did_you_mean(name, COMMANDS)}"])
-    return int(importlib.import_module(f"stickslip.cli.{COMMANDS[name][0]}").act(name, rest))
+    return act_of(name)(name, rest)
+
+
+def act_of(name: str) -> Callable[[str, list[str]], int]:
+    """The function that does a command; its module is imported now."""
+    act: Callable[[str, list[str]], int] = importlib.import_module(f"stickslip.cli.{COMMANDS[name][0]}").act
+    return act

@@ -6,22 +6,45 @@ import argparse
 import inspect
 import re
 from collections.abc import Callable
+from contextvars import ContextVar
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NoReturn
 
 from stickslip.cli.probing import probe, probe_axes
+from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
+from stickslip.cli.transcripts import transcript
 from stickslip.errors import InputError, Problems, did_you_mean
 
-__all__ = ["Parser", "Subject", "parser", "settings", "subject", "value"]
+__all__ = ["SOLVER", "Parser", "Subject", "parser", "parser_of", "settings", "subject", "value"]
 
-#: Arguments of the solver that a command line may set.
-SOLVER = ("periods", "settle", "rtol", "method", "samples", "steps", "workers", "slip_ratio", "dwell", "start.x", "start.v", "start.z")
 _EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "voltage": "60", "frequency": "32.7"}
+
+
+_CATCHING: ContextVar[bool] = ContextVar("catching", default=False)
+
+
+class _Caught(Exception):
+    """A parser that is complete and about to read."""
+
+    def __init__(self, made: Parser):
+        self.parser = made
+
+
+class _Allow(argparse.Action):
+    """``--allow-code`` holds for the command that it stands behind."""
+
+    def __call__(self, *_: Any) -> None:
+        ALLOW_CODE.set(True)
 
 
 class Parser(argparse.ArgumentParser):
     """argparse, with our sentences for its errors."""
+
+    def parse_known_args(self, *args: Any, **kwargs: Any) -> Any:
+        """Read the words, unless somebody only wants to see this parser (`parser_of`)."""
+        if _CATCHING.get():
+            raise _Caught(self)
+        return super().parse_known_args(*args, **kwargs)
 
     def error(self, message: str) -> NoReturn:
         """Raise what is wrong as an `InputError`, with the nearest option there is."""
@@ -37,14 +60,35 @@ class Parser(argparse.ArgumentParser):
 def parser(command: str, about: str, robot: bool = True, more: str = "") -> Parser:
     """A parser with what all commands share."""
     plain = argparse.RawDescriptionHelpFormatter
-    made = Parser(prog=f"stickslip {command}", description=about, epilog=more, allow_abbrev=False, formatter_class=plain)
+    end = "\n\n".join(part.rstrip("\n") for part in (more, transcript(command)) if part)
+    made = Parser(prog=f"stickslip {command}", description=about, epilog=end, allow_abbrev=False, formatter_class=plain)
     if robot:
         made.add_argument("robot", metavar="ROBOT", help="name of a preset, path of a TOML study file, or module:function of your own")
         made.add_argument(
             "settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"
         )
+        made.add_argument("--allow-code", action=_Allow, nargs=0, help="run the Python code that a study file names")
     made.add_argument("--json", action="store_true", help="print all results as JSON on stdout")
     return made
+
+
+def parser_of(act: Callable[[str, list[str]], int], command: str) -> Parser:
+    """The parser of a command, caught at the moment when it would begin to read: help pages and completion are made from it.
+
+    Examples
+    --------
+    >>> from stickslip.cli.run import act
+    >>> parser_of(act, "run").prog
+    'stickslip run'
+    """
+    before = _CATCHING.set(True)
+    try:
+        act(command, [])
+    except _Caught as caught:
+        return caught.parser
+    finally:
+        _CATCHING.reset(before)
+    raise LookupError(f"the command {command} reads no words")
 
 
 def value(text: str) -> Any:
@@ -136,10 +180,10 @@ class Subject:
 def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, ...] = SOLVER) -> Subject:
     """The preset or study file of this name with its settings; everything that is wrong is reported at once."""
     problems = Problems("arguments")
-    given = settings(words, many, problems)
-    make, from_file = _found(name)
-    needed, known = _names(make)
-    tried = {word.partition("=")[0] for word in words}
+    study = found(name)
+    given = {**_from_file(study.arguments, words, many, problems), **settings(words, many, problems)}
+    needed, known = _names(study.make)
+    tried = {word.partition("=")[0] for word in words} | set(study.arguments)
     for missing in (n for n in needed if n not in tried):
         problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={_EXAMPLES.get(missing, '1.0')}")
     options = {k: v for k, v in given.items() if k in solver}
@@ -148,14 +192,23 @@ def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, 
         if word not in known:
             problems.add(f"{word!r} is not known; {did_you_mean(word, [*known, *solver])}")
     axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
-    options = _start({**from_file, **options})
+    options = _start({**study.options, **options})
     known_ones = {k: v for k, v in arguments.items() if k in known}
     for sentence in (probe_axes if many else probe)(
-        _builder(make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}
+        _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}
     ):
         problems.add(sentence)
     problems.check()
-    return Subject(name, make, {**arguments, **axes}, options)
+    return Subject(name, study.make, {**arguments, **axes}, options)
+
+
+def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems: Problems) -> dict[str, Any]:
+    """The [arguments] of a study file that the command line does not set itself."""
+    typed = {word.partition("=")[0] for word in words}
+    rest = {name: v for name, v in arguments.items() if name not in typed}
+    found = {name: v for name, v in rest.items() if not isinstance(v, (str, list)) or (many and isinstance(v, list))}
+    several = [f"{name}={','.join(map(str, v))}" if isinstance(v, list) else f"{name}={v}" for name, v in rest.items() if name not in found]
+    return {**found, **settings(several, many, problems)}
 
 
 def _names(make: Any) -> tuple[list[str], list[str]]:
@@ -181,63 +234,3 @@ def _start(options: dict[str, Any]) -> dict[str, Any]:
     """Options with start.v and the like gathered into `start`."""
     start = {**options.pop("start", {}), **{k.partition(".")[2]: options.pop(k) for k in list(options) if k.startswith("start.")}}
     return {**options, **({"start": start} if start else {})}
-
-
-def _found(name: str) -> tuple[Any, dict[str, Any]]:
-    """The preset's function or the study file's robot, and the file's [solve] table."""
-    from stickslip.presets import PRESETS
-
-    if name in PRESETS:
-        return PRESETS[name], {}
-    if ":" in name:
-        return _imported(name), {}
-    path = Path(name).expanduser()
-    if path.suffix.lower() != ".toml" and not path.exists():
-        near = did_you_mean(name, PRESETS)
-        raise InputError("robot", [f"{name!r} is neither a preset nor a study file; give the path of a .toml file or a preset: {near}"])
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (UnicodeDecodeError, OSError) as error:
-        why = "it is not text" if isinstance(error, UnicodeDecodeError) else error.strerror
-        what = "give the path of a TOML file, such as robot.to_toml() writes"
-        raise InputError("study file", [f"{name!r} cannot be read: {why}; {what}"]) from None
-    return _study(text, name)
-
-
-def _imported(name: str) -> Any:
-    """A function of the user's own, as module:function or file.py:function."""
-    import importlib
-    import sys
-
-    where, _, function = name.rpartition(":")
-    path = Path(where).expanduser()
-    if path.suffix == ".py":
-        sys.path.insert(0, str(path.resolve().parent))
-        where = path.stem
-    elif "" not in sys.path:
-        sys.path.insert(0, "")
-    try:
-        found = getattr(importlib.import_module(where), function)
-    except (ImportError, AttributeError) as error:
-        what = "give module:function or file.py:function, of a function that returns a Robot"
-        raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
-    return found
-
-
-def _study(text: str, name: str) -> tuple[Any, dict[str, Any]]:
-    import tomllib
-
-    from stickslip.robot import Robot
-
-    try:
-        robot = Robot.from_toml(text)
-    except InputError as error:
-        raise InputError(f"study file {name!r}", error.problems) from None
-    table = tomllib.loads(text).get("solve", {})
-    names = {name.partition(".")[0] for name in SOLVER}
-    problems = Problems(f"study file {name!r}")
-    for option in table:
-        if option not in names:
-            problems.add(f"solve.{option} is not known; {did_you_mean(option, names)}")
-    problems.check()
-    return robot, table

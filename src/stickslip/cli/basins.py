@@ -19,7 +19,6 @@ def act(command: str, words: list[str]) -> int:
     made = parser(
         command,
         "Which of several coexisting motions a robot settles on, over a grid of starts: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10.",
-        more="example: stickslip basins piezo_rig tilt_deg=1.7 amplitude=8e-4 f0=0.5 v=-0.1..0.1:41 z=-2e-6..2e-6:21 --figure basins.png",
     )
     made.add_argument("--figure", metavar="FILE", help="draw the map (.png, .svg or .pdf)")
     made.add_argument("--out", metavar="FILE", help="write the map (.nc)")

@@ -17,7 +17,6 @@ def act(command: str, words: list[str]) -> int:
     made = parser(
         command,
         "What a motion becomes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
-        more="example: stickslip bifurcation piezo_rig tilt_deg=1.7 amplitude=6e-4 mu0=0.034..0.05:200 --follow --figure diagram.png",
     )
     made.add_argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips")
     made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")

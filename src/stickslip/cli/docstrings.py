@@ -11,7 +11,7 @@ __all__ = ["about", "meanings", "plain"]
 _LETTERS = {
     "omega": "ω", "xi": "ξ", "mu": "μ", "sigma": "σ", "theta": "θ", "zeta": "ζ", "sin": "sin", "cos": "cos", "le": "≤",
     "quad": " ",
-    "varphi": "φ", "eta": "η", "dots": "…",
+    "varphi": "φ", "eta": "η", "dots": "…", "tau": "τ", "alpha": "α", "pm": "±",
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""``stickslip presets``, ``laws`` and ``drives``: what there is, and the arguments it takes."""
+"""``stickslip presets``, ``laws``, ``drives`` and ``mechanisms``: what there is, and the arguments it takes."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
 from stickslip.cli.docstrings import about, meanings
+from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["act"]
+__all__ = ["act", "things"]
+
+_FEW = 4  # things of which every argument is shown at once
 
 #: Argument -> the letter that it has in the paper's equations and in ours.
 SYMBOLS = {
@@ -22,34 +25,51 @@ SYMBOLS = {
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    parse = parser(command, f"List the {command} and their arguments.", robot=False)
-    asked = parse.parse_args(words)
-    found = {name: _entry(thing) for name, thing in _things(command).items()}
+    parse = parser(command, f"List the {command}; of those that are named, also their arguments.", robot=False)
+    parse.add_argument("names", metavar="NAME", nargs="*", help=f"{command} to explain (default: a line on each)")
+    asked = parse.parse_intermixed_args(words)
+    known = things(command)
+    unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]
+    if unknown:
+        raise InputError(command, unknown)
+    symbols = {} if command == "mechanisms" else SYMBOLS  # their letters are their own
+    found = {name: _entry(known[name], symbols) for name in asked.names or known}
     if asked.json:
         show.print_json({command: found})
-        return 0
-    for name, entry in found.items():
-        print(f"{name}: {entry['about']}")
-        rows = [[n, a["symbol"], a["unit"], _default(a), a["meaning"]] for n, a in entry["arguments"].items()]
-        print("\n".join(f"  {line}" for line in show.table(["name", "symbol", "unit", "default", "meaning"], rows).splitlines()))
+    elif asked.names or len(found) <= _FEW:
+        print("\n".join(_told(name, entry) for name, entry in found.items()))
+    else:
+        print(show.facts((name, entry["about"]) for name, entry in found.items()))
+        print(f"stickslip {command} NAME explains one of them, --json all.")
     return 0
 
 
-def _things(command: str) -> dict[str, Any]:
+def _told(name: str, entry: dict[str, Any]) -> str:
+    rows = [[n, a["symbol"], a["unit"], _default(a), a["meaning"]] for n, a in entry["arguments"].items()]
+    lines = show.table(["name", "symbol", "unit", "default", "meaning"], rows).splitlines()
+    return "\n".join([f"{name}: {entry['about']}", *(f"  {line}" for line in lines)])
+
+
+def things(command: str) -> dict[str, Any]:
+    """What the command lists, by name."""
     if command == "presets":
         from stickslip.presets import PRESETS
 
-        return PRESETS
+        return dict(PRESETS)
     if command == "laws":
         from stickslip.friction import LAWS
 
         return dict(LAWS)
+    if command == "mechanisms":
+        from stickslip.mechanisms import MECHANISMS
+
+        return dict(MECHANISMS)
     from stickslip.drives import DRIVES
 
     return dict(DRIVES)
 
 
-def _entry(thing: Any) -> dict[str, Any]:
+def _entry(thing: Any, symbols: dict[str, str]) -> dict[str, Any]:
     """First line of the docstring; and of each argument its default, symbol, unit and meaning."""
     from stickslip.sweeps.naming import AXES
 
@@ -59,12 +79,12 @@ def _entry(thing: Any) -> dict[str, Any]:
         words = told.get(p.name, {"type": "", "unit": "", "meaning": ""})
         same = re.fullmatch(r"As for (\w+)\.", words["meaning"])
         if same:
-            words = meanings(_things("presets")[same[1]])[p.name]
+            words = meanings(things("presets")[same[1]])[p.name]
         if p.name in AXES and [t["meaning"] for t in told.values()].count(told.get(p.name, {}).get("meaning", "")) > 1:
             own = AXES[p.name][0].rpartition(" ")[0]  # described together with others: say which one it is
             words = {**words, "meaning": f"{own}. {words['meaning']}"}
         needed = p.default is p.empty
-        arguments[p.name] = {"needed": needed, "default": None if needed else p.default, "symbol": SYMBOLS.get(p.name, ""), **words}
+        arguments[p.name] = {"needed": needed, "default": None if needed else p.default, "symbol": symbols.get(p.name, ""), **words}
     return {"about": about(thing), "arguments": arguments}
 
 

@@ -15,7 +15,6 @@ def act(command: str, words: list[str]) -> int:
     made = parser(
         command,
         "Lyapunov exponents per drive period, and what kind of motion it is: periodic, quasi-periodic or chaotic.",
-        more="example: stickslip lyapunov piezo_rig tilt_deg=1.7 amplitude=4e-4 mu0=0.05 periods=500",
     )
     made.add_argument("--figure", metavar="FILE", help="draw how they converge (.png, .svg or .pdf)")
     asked = made.parse_intermixed_args(words)

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 
-__all__ = ["probe", "probe_axes"]
+__all__ = ["of_solver", "probe", "probe_axes"]
 
 #: What stands in for an argument that is missing or could not be read, so that the others can be checked.
 STAND_INS = {"tilt_deg": 0.0, "amplitude": 5.525e-4, "voltage": 20.0, "frequency": 32.7}
@@ -38,7 +38,7 @@ def probe(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], abs
     if robot is None:
         rest = [name for name in arguments if name in STAND_INS]
         robot = _tried(build, {**filled, **{name: STAND_INS[name] for name in rest}})[0]
-    return list(dict.fromkeys(found + _of_solver(robot, options)))
+    return list(dict.fromkeys(found + of_solver(robot, options)))
 
 
 def probe_axes(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any]) -> list[str]:
@@ -58,7 +58,7 @@ def probe_axes(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
             robot = made if robot is None else robot
             said.append([p for p in problems if not p.startswith(tuple(f"{n} " for n in absent))])
         found += said[0] if all(said) else []
-    return list(dict.fromkeys(found + _of_solver(robot, options)))
+    return list(dict.fromkeys(found + of_solver(robot, options)))
 
 
 def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], name: str, values: list[Any]) -> tuple[Any, list[str]]:
@@ -98,14 +98,23 @@ def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) ->
         return None, []
 
 
-def _of_solver(robot: Any, options: dict[str, Any]) -> list[str]:
+def of_solver(robot: Any, options: dict[str, Any]) -> list[str]:
     """What the solver refuses of its arguments for a robot of this kind."""
     from stickslip.solvers.request import request
 
     if robot is None:
         return []
-    usual = {"periods": 200, "settle": None, "rtol": 1e-6, "start": None, "workers": 1, "keep": "summary", "samples": 400, "method": "auto"}
-    usual |= {"slip_ratio": 0.75, "dwell": 0.03, "progress": None}
+    usual = {
+        "periods": None,
+        "settle": None,
+        "rtol": 1e-6,
+        "start": None,
+        "workers": 1,
+        "keep": "summary",
+        "samples": 400,
+        "method": "auto",
+    }
+    usual |= {"slip_ratio": 0.75, "dwell": 0.03, "progress": None, "duration": None}
     own = {name: options[name] for name in usual if name in options}
     try:
         request(robot, **{**usual, **own}, options={k: v for k, v in options.items() if k not in usual})

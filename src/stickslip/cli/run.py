@@ -5,34 +5,38 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli import show
+from stickslip.cli import show, timed
 from stickslip.cli.arguments import parser, subject
+from stickslip.errors import InputError
 
 __all__ = ["act"]
 
 FIGURES = (".png", ".svg", ".pdf")
 DATA = (".nc", ".mat", ".csv")
-_MORE = "example: stickslip run piezo_rig tilt_deg=1.7 amplitude=5.525e-4 law=coulomb periods=200 --figure run.png"
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Simulate one robot and say how it moves.", more=_MORE)
+    made = parser(command, "Simulate one robot or mechanism and say how it moves.")
     made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
     made.add_argument("--data", metavar="FILE", help="write every column (.nc, .mat or .csv)")
     asked = made.parse_intermixed_args(words)
     figure, data = show.writable("--figure", asked.figure, FIGURES), show.writable("--data", asked.data, DATA)
     study = subject(asked.robot, asked.settings)
+    robot = study.robot()
+    if robot.period is None and figure is not None:
+        raise InputError("--figure", [f"{type(robot).__name__} has no period, and these pictures show one; type --data run.nc instead"])
 
     from stickslip.solvers import solve
 
-    run = solve(study.robot(), **study.options, keep="trajectory")
+    run = solve(robot, **study.options, keep="trajectory")
     written = [str(path) for path in (_drawn(run, figure), _written(run, data)) if path is not None]
-    record = _record(study, run, written)
+    make, tell = (_record, _told) if robot.period is not None else (timed.record, timed.told)
+    record = make(study, run, written)
     if asked.json:
         show.print_json(record)
     else:
-        print(_told(record))
+        print(tell(record))
     return 0
 
 

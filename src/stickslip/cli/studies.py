@@ -16,10 +16,7 @@ def act(command: str, words: list[str]) -> int:
 
 
 def _merge(command: str, words: list[str]) -> int:
-    made = parser(
-        command, "Put the shards of one study together, as if it had been one run.", robot=False,
-        more="example: stickslip merge part1 part2 part3 --out whole",
-    )  # fmt: skip
+    made = parser(command, "Put the shards of one study together, as if it had been one run.", robot=False)
     made.add_argument("folders", metavar="FOLDER", nargs="+", help="study folders of the shards")
     made.add_argument("--out", metavar="FOLDER", required=True, help="the study folder to make")
     made.add_argument("--partial", action="store_true", help="tiles may be missing")
@@ -31,9 +28,7 @@ def _merge(command: str, words: list[str]) -> int:
 
 
 def _export(command: str, words: list[str]) -> int:
-    made = parser(
-        command, "Write the results of a study to one file.", robot=False, more="example: stickslip export study grid.nc",
-    )  # fmt: skip
+    made = parser(command, "Write the results of a study to one file.", robot=False)
     made.add_argument("folder", metavar="FOLDER", help="a study folder")
     made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv or .parquet file")
     asked = made.parse_args(words)

@@ -15,10 +15,11 @@ from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache, taylor
+from stickslip.engine.checks import check_numbers
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.trace import Equations, check_numbers, label, numbers_of, trace
+from stickslip.engine.trace import Equations, label, numbers_of, trace
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
 
@@ -207,7 +208,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str, reco
         _powers(eq, step.degree),
         step_text(step, Layout(width, groups, offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step), _driver("arcs"))),
-        _driver("lanes"),
+        *map(_driver, ("flags", "watching", "lanes")),
     ]
     return "\n\n".join(parts)
 

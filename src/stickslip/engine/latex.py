@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.trace import inner_states
+from stickslip.engine.checks import inner_states, wants_applied
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic
@@ -33,6 +33,11 @@ class _Tex:
         import sympy
 
         return _Tex(sympy.Abs(self.expression))
+
+    def __ss_power__(self, exponent: Any) -> _Tex:
+        import sympy
+
+        return _Tex(sympy.Abs(self.expression) ** _bare(exponent))
 
     def __neg__(self) -> _Tex:
         return _Tex(-self.expression)
@@ -63,7 +68,7 @@ def _bare(value: Any) -> Any:
     import sympy
 
     if isinstance(value, float):
-        return sympy.nsimplify(value)
+        return sympy.nsimplify(value, [sympy.pi])
     return value.expression if isinstance(value, _Tex) else value
 
 
@@ -82,7 +87,7 @@ for _name in ("gt", "ge", "lt", "le"):
 
 def symbol_text(name: str) -> str:
     r"""A field's name as LaTeX: ``mu_plus`` is \mu_{+}."""
-    head, _, tail = name.partition("_")
+    head, _, tail = name.replace(".", "_").partition("_")
     letters = head.rstrip("0123456789")
     index = head[len(letters) :] + _NAMES.get(tail, tail)
     body = f"\\{letters}" if letters in _GREEK else _NAMES.get(letters, letters if len(letters) == 1 else rf"\mathrm{{{letters}}}")
@@ -100,7 +105,7 @@ def latex(law: Any) -> str:
     -------
     str
         An ``aligned`` block: the friction force R and the rates of the inner states for v > 0 and v < 0; for a set-valued law
-        the sliding forces and the interval of forces at rest.
+        the sliding forces and the interval of forces at rest. Memories of a law stand as m, what would hold the body as R_0.
 
     Examples
     --------
@@ -144,10 +149,13 @@ def _equations(law: Any, v: _Tex, load: _Tex) -> list[tuple[str, Any]]:
     if not is_dynamic(law):
         return [("R", law.sliding(v, load))]
     count = inner_states(law)
+    memory = [_Tex(sympy.Symbol(f"m_{{{i + 1}}}", integer=True)) for i in range(int(getattr(law, "modes", 0)))]
+    more = (tuple(memory),) if hasattr(law, "switches") else ()
+    applied = (_Tex(sympy.Symbol("R_{0}", real=True)),) if wants_applied(law) else ()
     names = ["z"] if count == 1 else [f"z_{{{i + 1}}}" for i in range(count)]
     z = [_Tex(sympy.Symbol(name, real=True)) for name in names]
     dots = [_Tex(sympy.Symbol(rf"\dot {name}", real=True)) for name in names]
-    rate = law.rate(v, z[0] if count == 1 else tuple(z), load)
-    force = law.force(v, z[0] if count == 1 else tuple(z), dots[0] if count == 1 else tuple(dots), load)
+    rate = law.rate(v, z[0] if count == 1 else tuple(z), load, *more)
+    force = law.force(v, z[0] if count == 1 else tuple(z), dots[0] if count == 1 else tuple(dots), load, *more, *applied)
     rates = [rate] if count == 1 else list(rate)
     return [("R", force), *((rf"\dot {name}", r) for name, r in zip(names, rates, strict=True))]

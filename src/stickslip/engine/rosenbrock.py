@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stickslip.engine.events import EventWriter
 from stickslip.engine.symbols import Sym
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
 from stickslip.engine.trace import Equations
@@ -58,7 +59,7 @@ def write_step(eq: Equations, tableau: Tableau, record: bool) -> Step:
     return _StepWriter(eq, tableau, record).write()
 
 
-class _StepWriter:
+class _StepWriter(EventWriter):
     def __init__(self, eq: Equations, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
         self.w, self.k = Writer(), CONTROL[tableau.name]
@@ -225,12 +226,6 @@ class _StepWriter:
                 w.line(f"_k{i}_{m + 1}", f"{k[m]} - {k[m - 1]}")
             w.line(f"_k{i}_{len(k) + 1}", f"-{k[-1]}")
 
-    def _at(self, i: int, theta: str) -> str:
-        return horner([f"_k{i}_{m}" for m in range(self.degree + 1)], theta)
-
-    def _rate_at(self, i: int, theta: str) -> str:
-        return horner([f"_k{i}_1", *(f"{m}.0 * _k{i}_{m}" for m in range(2, self.degree + 1))], theta)
-
     def _error(self) -> None:
         """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
         w, k = self.w, self.k
@@ -249,141 +244,6 @@ class _StepWriter:
         for i in range(1, self.n):
             w.line("_ln", f"_ln if _ln > _l{i} else _l{i}")
         w.line("_ln", "_ln if _ln < 30.0 else 30.0")
-
-    def _crossings(self) -> None:
-        """Whether v leaves its held side in this step, at the end or in between (the extremum of the dense output)."""
-        w, d = self.w, self.degree
-        w.line("_g0s", "_y0 * _b0")
-        w.line("_g0e", "_n0 * _b0")
-        w.line("_d0", "_k0_1 * _b0")
-        w.line("_d1", "(" + " + ".join(f"{m}.0 * _k0_{m}" for m in range(1, d + 1)) + ") * _b0")
-        w.line("_dip", "_d0 < 0.0 and _d1 > 0.0 and _g0e >= 0.0")
-        w.line("_low", "_g0e")
-        w.line("_tiny", f"-1e-14 * {self.scale_v}")
-        if self.record:
-            w.line("_tx", "1.0")
-            w.begin_if("_dip")
-        w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
-        second = horner(["2.0 * _k0_2", *(f"{m * (m - 1)}.0 * _k0_{m}" for m in range(3, d + 1))], "_tx")
-        w.line("_curve", second)
-        w.line("_tx", f"_tx - ({self._rate_at(0, '_tx')}) / (_curve if _dip else 1.0)")
-        w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
-        w.line("_low", f"({self._at(0, '_tx')}) * _b0")
-        w.line("_dip", "_dip and _low < _tiny")
-        w.end_if()
-        w.line("_te", "_tx if _dip else 1.0")
-        w.line("_ge", "_low if _dip else _g0e")
-        w.line("_late", "_g0s < _tiny and _on0 < 0.5")  # it starts on the wrong side: another guard's flip moved this one
-        w.line("_cr", "_ge < _tiny or _late")
-        w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
-        w.line("_th", "_te * _gs / (_gs - _ge if _ge < _tiny else 1.0)")
-        w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
-        w.line("_wrong", f"_late or {self.f[0]} * _b0 < 0.0")
-        w.line("_which", "0.0")
-        w.line("_size", "0.0")
-        end = self._bind("_t + _hh", [f"_n{i}" for i in range(self.n)])
-        for k in range(1, self.g):
-            self._other_crossing(k, end)
-
-    def _other_crossing(self, k: int, end: dict[str, str]) -> None:
-        """The same for another guard of the law; the one that goes first is kept."""
-        w, guard = self.w, self.eq.guards[k]
-        w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
-        w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
-        w.line(f"_size{k}", self._size(guard, end))
-        w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
-        w.line("_late", f"_g{k}s < _noise and _on{k} < 0.5")
-        w.line(f"_out{k}", f"_g{k}e < _noise")
-        w.line(f"_cr{k}", f"_out{k} or _late")
-        w.line(f"_gp{k}", f"_g{k}s if _g{k}s > 0.0 else 0.0")
-        w.line(f"_th{k}", f"_gp{k} / (_gp{k} - _g{k}e if _out{k} else 1.0)")
-        w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
-        w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
-        w.line("_wrong", f"(_late or {self.guard_rate[k]} * _b{k} < 0.0) if _first else _wrong")
-        for name, value in (
-            ("_gs", f"_gp{k}"),
-            ("_ge", f"_g{k}e"),
-            ("_th", f"_th{k}"),
-            ("_te", "1.0"),
-            ("_which", f"{k}.0"),
-            ("_size", f"_size{k}"),
-        ):
-            w.line(name, f"{value} if _first else {name}")
-        w.line("_cr", f"_cr or _cr{k}")
-
-    def _size(self, guard: Sym, bind: dict[str, str]) -> str:
-        """Size of the terms of which a guard is the difference: its rounding is a part of that."""
-        if guard.op in ("add", "subtract"):
-            return "(" + " + ".join(f"abs({self.w.value(a, bind)})" for a in guard.args) + ")"
-        if guard.op == "select":
-            held, yes, no = guard.args
-            return f"({self._size(yes, bind)} if {self.w.value(held, bind)} > 0.0 else {self._size(no, bind)})"
-        return f"abs({self.w.value(guard, bind)})"
-
-    def _locate(self) -> None:
-        """theta of the event on the dense output: safeguarded Newton for v, the secant method where other guards exist."""
-        w, skip = self.w, self.record and self.g == 1  # one lane need not locate what did not happen
-        w.line("_lo", "0.0")
-        w.line("_hi", "_te")
-        if skip:
-            w.line("_conv", "False")
-            for i in range(self.n):
-                w.line(f"_v{i}", "0.0")
-            w.begin_if("_cr")
-        if self.g == 1:
-            for _ in range(self.k.newton):
-                w.line("_pv", f"({self._at(0, '_th')}) * _b0")
-                w.line("_pd", f"({self._rate_at(0, '_th')}) * _b0")
-                w.line("_lo", "_th if _pv > 0.0 else _lo")
-                w.line("_hi", "_hi if _pv > 0.0 else _th")
-                w.line("_tn", "_th - _pv / (_pd if _pd != 0.0 else 1.0)")
-                w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
-            w.line("_pv", f"abs({self._at(0, '_th')})")
-            w.line("_conv", f"_pv <= 1e-10 * {self.scale_v}")
-        else:
-            w.line("_span", "_gs - _ge")
-            for name, value in (("_xa", "0.0"), ("_ga", "_gs"), ("_xb", "_te"), ("_gb", "_ge")):
-                w.line(name, f"1.0 * {value}")
-            for _ in range(self.k.newton + 1):
-                w.line("_pv", self._guard_at("_th"))
-                w.line("_up", "_pv > 0.0")
-                w.line("_lo", "_th if _up else _lo")
-                w.line("_hi", "_hi if _up else _th")
-                near = "abs(_ga) < abs(_gb)"  # the nearer of the two points before and the new one: a secant
-                w.line("_xb", f"_xa if {near} else _xb")
-                w.line("_gb", f"_ga if {near} else _gb")
-                w.line("_xa", "1.0 * _th")
-                w.line("_ga", "1.0 * _pv")
-                w.line("_gap", "_gb - _ga")
-                w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
-                w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
-            w.line("_pv", f"abs({self._guard_at('_th')})")
-            w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
-        for i in range(self.n):
-            w.line(f"_v{i}", self._at(i, "_th"))
-        w.end_if()
-
-    def _guard_at(self, theta: str) -> str:
-        """Value of the chosen guard on its held side, on the dense output."""
-        w = self.w
-        y = [w.line(w.fresh(), self._at(i, theta)) for i in range(self.n)]
-        t = w.line(w.fresh(), f"fma({theta}, _hh, _t)")
-        text = "0.0"
-        for k, guard in enumerate(self.eq.guards):
-            value = w.line(w.fresh(), f"{w.value(guard, self._bind(t, y))} * _b{k}")
-            text = w.line(w.fresh(), f"{value} if _which == {k}.0 else {text}")
-        return text
-
-    def _decide(self) -> None:
-        w = self.w
-        w.line("_flip0", "_ok and _cr and _pre and _wrong")  # it started on the wrong side: flip and do the step again
-        w.line("_evt", "_ok and _cr and not _flip0")
-        w.line("_evA", "_evt and _conv and not _pre")  # the event is located: the step ends there
-        w.line("_evB", "_evt and not _evA")  # it is not yet: do a shorter step
-        w.line("_acc1", "_ok and not _flip0 and not _evB")
-        w.line("_flip", "_flip0 or _evA")
-        w.line("_part", "_th if _evA else 1.0")
-        w.line("_cut", "0.5 if _pre else (_th if (_th < 0.9 and _th > 1e-3) else 0.5)")
 
     def _control(self) -> None:
         """The next step's length: integral control with Gustafsson's prediction, all in binary logarithms."""

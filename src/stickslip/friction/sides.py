@@ -37,12 +37,16 @@ def fading(law: Any, v: Any, exponent: Any = None) -> Any:
 
 def power(x: Any, exponent: Any) -> Any:
     """``|x|**exponent`` for a positive exponent: 1 and 2 to the last bit, others with a finite slope at x = 0."""
+    if hasattr(x, "__ss_power__"):
+        return x.__ss_power__(exponent)
     other = exp(0.5 * exponent * log(x * x + _BLUNT))
     return where(_is(exponent, 1.0), abs(x), where(_is(exponent, 2.0), x * x, other))
 
 
 def signed_power(x: Any, exponent: Any) -> Any:
     """``|x|**exponent * sgn(x)`` for a positive exponent, with a finite slope at x = 0."""
+    if hasattr(x, "__ss_power__"):
+        return x * x.__ss_power__(exponent - 1.0)
     return x * exp(0.5 * (exponent - 1.0) * log(x * x + _BLUNT))
 
 

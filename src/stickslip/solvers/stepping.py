@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import rows_of, spread
-from stickslip.engine import lanes, trace
+from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.forces import rest_velocity
@@ -20,8 +20,8 @@ from stickslip.trajectory import Trajectory
 
 __all__ = ["run"]
 
-#: Steps that a case may take, for each period it should run.
-BUDGET = 200_000
+#: Steps that a case may take: for each period it should run, and in all where there is no period.
+BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000
 CHUNK = 4096
 
 
@@ -29,16 +29,18 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
     kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
     method = "exact" if tableau is None else tableau.name
-    job = lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, BUDGET * todo.periods)
+    budget = BUDGET_APERIODIC if todo.model.period is None else BUDGET * todo.periods
+    job = lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
     table = _Table(todo, kernel)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, table, job))
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
     if status > 1 and status != trace.LOST:
-        trace.check_numbers(todo.model)
+        checks.check_numbers(todo.model)
+        done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
-            f"the run stopped after {results.periods_run[0]} of {todo.periods} periods: {STATUS[status]}; "
+            f"the run stopped{done}: {STATUS[status]}; "
             f"the state was x, v, z = {results.end[0].tolist()}. Try another rtol (now {todo.rtol:g}) or start, and check the law's numbers"
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}

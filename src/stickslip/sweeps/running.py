@@ -56,7 +56,7 @@ def sweep(
     make : callable or Robot
         What makes a robot from the keywords, such as a preset; or a robot, whose fields are then named with dots:
         ``sweep(robot, **{"drive.amplitude": [4e-4, 5e-4]})``.
-    *designs : Design
+    *designs : stickslip.designs.Design
         Columns that share a dimension: see `stickslip.designs` (zipped, table, sobol, latin_hypercube). They are crossed with the axes.
     periods, duration, settle, rtol, method, slip_ratio, dwell
         As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when

@@ -1,0 +1,68 @@
+"""The directive ``commands``: every command of ``stickslip`` with usage, options and an example, read from the parsers themselves."""
+
+from __future__ import annotations
+
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+_DONE = ("==SUPPRESS==",)
+
+
+def told(parser) -> list[tuple[str, str]]:
+    """Each argument as it is typed, and what it means."""
+    rows = []
+    for action in parser._actions:
+        if action.help in _DONE or "-h" in action.option_strings:
+            continue
+        names = ", ".join(action.option_strings)
+        value = "" if action.nargs == 0 else str(action.metavar or action.dest)
+        rows.append((" ".join(part for part in (names, value) if part), str(action.help or "")))
+    return rows
+
+
+class Commands(SphinxDirective):
+    """A section for each command."""
+
+    def run(self) -> list[nodes.Node]:
+        """The sections."""
+        from stickslip.cli import COMMANDS, act_of
+        from stickslip.cli.arguments import parser_of
+        from stickslip.cli.transcripts import transcript
+
+        return [section(name, about, parser_of(act_of(name), name), transcript(name)) for name, (_, about) in COMMANDS.items()]
+
+
+def section(name: str, about: str, parser, example: str) -> nodes.section:
+    """One command."""
+    found = nodes.section(ids=[f"command-{name}"], names=[f"command-{name}"])
+    found += nodes.title("", "", nodes.literal("", f"stickslip {name}"))
+    found += nodes.paragraph("", parser.description or about)
+    found += block(" ".join(parser.format_usage().removeprefix("usage: ").split()), "text")
+    found += table(told(parser))
+    end = (parser.epilog or "").removesuffix(example.rstrip("\n")).strip("\n")
+    if end:
+        found += block(end, "text")
+    if example:
+        found += nodes.paragraph("", "For example:")
+        found += block(example.rstrip("\n"), "console")
+    return found
+
+
+def block(text: str, language: str) -> nodes.literal_block:
+    return nodes.literal_block(text, text, language=language)
+
+
+def table(rows: list[tuple[str, str]]) -> nodes.definition_list:
+    """Arguments with their meanings."""
+    found = nodes.definition_list()
+    for name, meaning in rows:
+        term = nodes.term("", "", nodes.literal("", name))
+        found += nodes.definition_list_item("", term, nodes.definition("", nodes.paragraph("", meaning)))
+    return found
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register the directive."""
+    app.add_directive("commands", Commands)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

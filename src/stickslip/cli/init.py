@@ -1,0 +1,130 @@
+"""``stickslip init``: a study file to begin with, with meaning and unit behind every number."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import Parser, parser, subject
+from stickslip.cli.docstrings import about, meanings
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["act", "commented"]
+
+_SOLVE = """
+[solve]                          # arguments of the solver; take the # away to set one
+periods = 200                    # drive periods to simulate
+# settle = 100                   # of them, how many to leave out of the mean velocity
+# rtol = 1e-6                    # relative tolerance, 1e-3 to 1e-12; exact arcs do not need it
+# start = { v = 0.0 }            # start values of x [m], v [m/s], z [m]
+"""
+_ARGUMENTS = """
+# [arguments]                    # what the command line would give as NAME=VALUE; several values are for `stickslip sweep`
+# "drive.{name}" = "{low:.6g}..{high:.6g}:9"
+"""
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = _parser(command)
+    asked = made.parse_intermixed_args(words)
+    target = None if asked.file is None else show.writable("FILE", asked.file, (".toml",))
+    if target is not None and target.exists() and not asked.force:
+        raise InputError("FILE", [f"{str(target)!r} is there already; give another name, or type --force to write over it"])
+    text = commented(_robot(asked))
+    if target is not None:
+        target.write_text(text, encoding="utf-8")
+    if asked.json:
+        show.print_json({"written": None if target is None else str(target), "text": text})
+    elif target is None:
+        print(text, end="")
+    else:
+        print(f"written to {target}; try: stickslip run {target}")
+    return 0
+
+
+def _parser(command: str) -> Parser:
+    made = parser(command, "Write a study file to begin with: a preset, or a robot with any law and drive, a remark on every line.", False)
+    made.add_argument("file", metavar="FILE", nargs="?", help="the .toml file to write (default: on stdout)")
+    made.add_argument("--preset", metavar="NAME", help="begin with this preset (default piezo_rig)")
+    made.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a number of the preset (again for more)")
+    made.add_argument("--law", metavar="NAME", help="with this law, its numbers an example (see `stickslip laws`)")
+    made.add_argument("--drive", metavar="NAME", help="with this drive, its numbers an example (see `stickslip drives`)")
+    made.add_argument("--force", action="store_true", help="write over a file that is there")
+    return made
+
+
+def _robot(asked: Any) -> Any:
+    """The robot that was asked for; names that are not known are told together."""
+    from stickslip.drives import DRIVES
+    from stickslip.friction import LAWS
+
+    problems, changes = Problems("init"), {}
+    parts: list[tuple[str, str | None, dict[str, Any]]] = [("friction", asked.law, dict(LAWS)), ("drive", asked.drive, dict(DRIVES))]
+    for field, word, known in parts:
+        if word is not None and word not in known:
+            problems.add(f"--{'law' if field == 'friction' else 'drive'} {word}: {did_you_mean(word, known)}")
+        elif word is not None:
+            changes[field] = known[word].example()
+    problems.check()
+    usual = ["tilt_deg=1.7", "amplitude=5.525e-4"] if asked.preset in (None, "piezo_rig") and not asked.set else []
+    return subject(asked.preset or "piezo_rig", [*asked.set, *usual], solver=()).robot().replace(**changes)
+
+
+def commented(robot: Any) -> str:
+    """A robot as the text of a study file, with unit and meaning behind every number.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> text = commented(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4))
+    >>> print(text.splitlines()[3].rstrip())
+    body_mass = 0.06259              # [kg] Mass M of the body.
+    >>> ss.Robot.from_toml(text).drive.amplitude
+    0.0005
+    """
+    head = ["# A study file: stickslip run FILE, or check, sweep, map, bifurcation, report. Units are SI, angles radians.", ""]
+    body = _table(robot, "robot")
+    name = next(iter(n for n, v in vars(robot.drive).items() if isinstance(v, float)), "amplitude")
+    value = getattr(robot.drive, name, 1.0)
+    return "\n".join([*head, *body]) + "\n" + _SOLVE + _ARGUMENTS.format(name=name, low=0.8 * value, high=1.2 * value)
+
+
+def _table(record: Any, where: str) -> list[str]:
+    """The lines of one table and of those within it."""
+    import dataclasses
+
+    import tomli_w
+
+    from stickslip.tables import PARTS
+
+    told, lines, inner = meanings(type(record)), [_remarked(f"[{where}]", about(type(record)))], []
+    kinds = {cls: name for part in PARTS.values() for name, cls in part.items()}
+    if type(record) in kinds:
+        lines.append(_remarked(f'kind = "{kinds[type(record)]}"', _others(where.rpartition(".")[2], PARTS)))
+    for field in dataclasses.fields(record):
+        value = getattr(record, field.name)
+        if dataclasses.is_dataclass(value):
+            inner += ["", *_table(value, f"{where}.{field.name}")]
+        elif value is not None:
+            words = told.get(field.name, {"unit": "", "meaning": ""})
+            unit = f"[{words['unit']}] " if words["unit"] else ""
+            lines.append(_remarked(_assigned(tomli_w, field.name, value), unit + words["meaning"]))
+    return lines + inner
+
+
+def _assigned(tomli_w: Any, name: str, value: Any) -> str:
+    """``name = value`` on one line."""
+    if isinstance(value, tuple):
+        return f"{name} = [{', '.join(repr(float(v)) if isinstance(v, float) else str(v) for v in value)}]"
+    return str(tomli_w.dumps({name: value})).strip()
+
+
+def _remarked(line: str, remark: str) -> str:
+    return f"{line:<32} # {remark}" if remark else line
+
+
+def _others(part: str, parts: dict[str, dict[str, Any]]) -> str:
+    """Where to find the other kinds."""
+    command = {"friction": "laws", "drive": "drives"}.get(part)
+    return f"`stickslip {command}` lists all" if command else f"{', '.join(parts[part])}"

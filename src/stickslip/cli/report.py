@@ -1,0 +1,81 @@
+"""``stickslip report``: a robot, a run or a study as one HTML page that needs nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser, subject
+from stickslip.errors import InputError
+
+__all__ = ["act"]
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Write one HTML page about a robot (it is solved now), a run (.nc) or a study (a folder, or .nc of a sweep).")
+    made.add_argument("--out", metavar="FILE", default="report.html", help="the .html file to write (default: report.html)")
+    made.add_argument("--title", metavar="TEXT", help="what stands at its top")
+    asked = made.parse_intermixed_args(words)
+    target = show.writable("--out", asked.out, (".html",))
+    typed = " ".join(["stickslip report", asked.robot, *asked.settings])
+    text, what = _page(asked, typed)
+
+    from stickslip.report import write
+
+    write(str(target), text)
+    size = len(text.encode())
+    if asked.json:
+        show.print_json({"what": what, "written": str(target), "bytes": size})
+    else:
+        print(f"a report on {what}, {size / 1e3:.0f} kB; written to {target}")
+    return 0
+
+
+def _page(asked: Any, typed: str) -> tuple[str, str]:
+    """The page's text, and what it is about."""
+    path = Path(asked.robot).expanduser()
+    if (path / "manifest.json").exists() or path.suffix.lower() == ".nc":
+        if asked.settings:
+            raise InputError("report", [f"{asked.robot!r} is finished; it takes no {asked.settings[0]!r}; leave the settings out"])
+        return _kept(path, asked.title, typed)
+    study = subject(asked.robot, asked.settings)
+    robot = study.robot()
+    if robot.period is None:
+        raise InputError(
+            "report", [f"{type(robot).__name__} has no period; a report is about a periodic drive; type stickslip run instead"]
+        )
+
+    from stickslip.report.of_run import run_page
+    from stickslip.solvers import solve
+
+    run = solve(robot, **study.options, keep="trajectory")
+    return run_page(run, asked.title or study.title(), typed), f"one run of {study.title()}"
+
+
+def _kept(path: Path, title: str | None, typed: str) -> tuple[str, str]:
+    """The page on what is in a folder or a file."""
+    from stickslip.report.of_run import run_page
+    from stickslip.report.of_study import study_page
+
+    if path.is_dir() or not _is_run(path):
+        from stickslip.sweeps import open_study
+
+        grid = open_study(path)
+        return study_page(grid, title or path.name, typed), f"{show.counted(int(grid['mean_velocity'].size), 'case')} in {path}"
+
+    from stickslip.io import load
+
+    return run_page(load(path), title or path.name, typed), f"the run in {path}"
+
+
+def _is_run(path: Path) -> bool:
+    """Whether a netCDF file is a run, and not the results of a sweep."""
+    import h5py
+
+    try:
+        with h5py.File(path) as file:
+            return "mean_velocity" not in file
+    except OSError as error:
+        raise InputError("report", [f"{str(path)!r} cannot be read: {error}; give a .nc file of ours or a study folder"]) from None

@@ -1,0 +1,215 @@
+"""Study files: a robot, or the function that makes one, with arguments and solver options, as TOML. Errors name their lines.
+
+Such a file has a table ``[robot]`` (as `Robot.to_toml` writes it), or a table ``[mechanism]``, or a line ``make = "piezo_rig"``. Then
+``[arguments]`` gives what a command line gives as NAME=VALUE, and ``[solve]`` arguments of the solver. A file whose ``make`` is
+``"file.py:function"`` or ``"module:function"`` runs that code only where ``--allow-code`` was typed: a file that somebody sent is data.
+"""
+
+from __future__ import annotations
+
+import re
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli.probing import of_solver
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["ALLOW_CODE", "SOLVER", "Study", "code_refused", "found", "lines_of", "located"]
+
+#: Arguments of the solver that a command line may set.
+SOLVER = (
+    "periods", "duration", "settle", "rtol", "method", "samples", "steps", "workers", "slip_ratio", "dwell", "start.x", "start.v", "start.z"
+)  # fmt: skip
+#: Whether a study file may name code in this command.
+ALLOW_CODE: ContextVar[bool] = ContextVar("allow_code", default=False)
+_TABLES = ("robot", "mechanism", "make", "arguments", "solve", "identify")
+
+
+@dataclass(frozen=True)
+class Study:
+    """What stands in a study file, or what a preset is.
+
+    Parameters
+    ----------
+    make : Robot or callable
+        The robot or mechanism, or what makes it.
+    arguments : dict
+        Numbers of it to set; text is to be read as on the command line.
+    options : dict
+        Arguments of the solver.
+    """
+
+    make: Any
+    arguments: dict[str, Any] = field(default_factory=dict)
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+def found(name: str) -> Study:
+    """The preset, study file or function of this name."""
+    from stickslip.presets import PRESETS
+
+    if name in PRESETS:
+        return Study(PRESETS[name])
+    if ":" in name:
+        return Study(_imported(name))
+    path = Path(name).expanduser()
+    if path.suffix.lower() != ".toml" and not path.exists():
+        near = did_you_mean(name, PRESETS)
+        raise InputError("robot", [f"{name!r} is neither a preset nor a study file; give the path of a .toml file or a preset: {near}"])
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (UnicodeDecodeError, OSError) as error:
+        why = "it is not text" if isinstance(error, UnicodeDecodeError) else error.strerror
+        what = "give the path of a TOML file, such as `stickslip init study.toml` writes"
+        raise InputError("study file", [f"{name!r} cannot be read: {why}; {what}"]) from None
+    return _read(text, name, path.resolve().parent)
+
+
+def _imported(name: str, folder: Path | None = None) -> Any:
+    """A function of the user's own, as module:function or file.py:function."""
+    import importlib
+    import sys
+
+    where, _, function = name.rpartition(":")
+    path = (folder or Path()) / Path(where).expanduser()
+    if path.suffix == ".py":
+        sys.path.insert(0, str(path.resolve().parent))
+        where = path.stem
+    elif "" not in sys.path:
+        sys.path.insert(0, "")
+    try:
+        return getattr(importlib.import_module(where), function)
+    except (ImportError, AttributeError) as error:
+        what = "give module:function or file.py:function, of a function that returns a Robot"
+        raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
+
+
+# ---- reading ----
+def _read(text: str, name: str, folder: Path) -> Study:
+    """The study in a file's text; all that is wrong with it comes as one error, line by line."""
+    import tomllib
+
+    what = f"study file {name!r}"
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(what, [f"not readable as TOML: {error}"]) from None
+    problems = Problems(what)
+    for word in document:
+        if word not in _TABLES and _made(document):
+            problems.add(f"{word} is not known; {did_you_mean(word, _TABLES)}")
+    make = _make(document, text, folder, problems)
+    options = _options(document.get("solve", {}), make, problems)
+    arguments = document.get("arguments", {})
+    if not isinstance(arguments, dict):
+        problems.add('arguments is no table; type [arguments] and under it for example "drive.amplitude" = 5e-4')
+    if problems.found:
+        raise InputError(what, located(problems.found, lines_of(text)))
+    return Study(make, arguments, options)
+
+
+def _made(document: dict[str, Any]) -> bool:
+    return any(name in document for name in ("robot", "mechanism", "make"))
+
+
+def _make(document: dict[str, Any], text: str, folder: Path, problems: Problems) -> Any:
+    """The robot, the mechanism, or the function that makes one; None if it cannot be made."""
+    from stickslip.robot import Robot
+
+    try:
+        if "make" in document:
+            return _function(str(document["make"]), folder)
+        return _mechanism(document, text) if "mechanism" in document else Robot.from_toml(text)
+    except InputError as error:
+        problems.include(error)
+        return None
+
+
+def _mechanism(document: dict[str, Any], text: str) -> Any:
+    from stickslip.mechanisms import MECHANISMS
+
+    table = document["mechanism"]
+    kind = table.get("kind") if isinstance(table, dict) else None
+    if kind not in MECHANISMS:
+        near = did_you_mean(str(kind), MECHANISMS)
+        raise InputError("mechanism", [f'mechanism.kind = {kind!r}; {near}; type for example kind = "pulled_mass" under [mechanism]'])
+    return MECHANISMS[kind].from_toml(text)
+
+
+def _function(name: str, folder: Path) -> Any:
+    from stickslip.presets import PRESETS
+
+    if name in PRESETS:
+        return PRESETS[name]
+    if ":" not in name:
+        near = did_you_mean(name, PRESETS)
+        raise InputError("make", [f"make = {name!r} is neither a preset nor code as file.py:function; {near}"])
+    if not ALLOW_CODE.get():
+        raise InputError("make", [code_refused("make", name)])
+    return _imported(name, folder)
+
+
+def code_refused(key: str, name: str) -> str:
+    """Why the code that a study file names does not run."""
+    return f"{key} = {name!r} names Python code, which could do anything you can; read it first, and if you trust it type --allow-code"
+
+
+def _options(table: dict[str, Any], make: Any, problems: Problems) -> dict[str, Any]:
+    """The arguments of the solver that are known; names and values that are wrong are noted."""
+    names = {name.partition(".")[0] for name in SOLVER}
+    for option in table:
+        if option not in names:
+            problems.add(f"solve.{option} is not known; {did_you_mean(option, names)}")
+    known = {k: v for k, v in table.items() if k in names}
+    if problems.found and known:  # else the command says it, with everything that is wrong with its own words
+        problems.found += [f"solve.{p}" for p in of_solver(_stand_in(make), known)]
+    return known
+
+
+def _stand_in(make: Any) -> Any:
+    """A robot against which options can be judged where the file has none."""
+    from stickslip.presets import coulomb_robot
+
+    return coulomb_robot(0.5, 0.9) if make is None or callable(make) else make
+
+
+# ---- lines ----
+def lines_of(text: str) -> dict[str, int]:
+    r"""On which line each table and each key of a TOML text stands.
+
+    Examples
+    --------
+    >>> lines_of('[robot]\nbody_mass = 1\n\n[robot.drive]\nkind = "harmonic"')
+    {'robot': 1, 'robot.body_mass': 2, 'robot.drive': 4, 'robot.drive.kind': 5}
+    """
+    table = ""
+    found: dict[str, int] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        head = re.match(r"\s*\[([^\[\]]+)\]", line)
+        key = re.match(r"""\s*["']?([\w.-]+)["']?\s*=""", line)
+        if head:
+            table = head[1].replace(" ", "")
+            found.setdefault(table, number)
+        elif key:
+            found.setdefault(f"{table}.{key[1]}".lstrip("."), number)
+    return found
+
+
+def located(sentences: list[str], lines: dict[str, int]) -> list[str]:
+    """The sentences with the line of what they are about, or of the table in which it is missing; in the order of the lines.
+
+    Examples
+    --------
+    >>> located(["robot.inner_mass is missing", "robot.body_mass = -1"], {"robot": 1, "robot.body_mass": 3})
+    ['line 1: robot.inner_mass is missing', 'line 3: robot.body_mass = -1']
+    """
+    marked = [(_line(s, lines), s) for s in sentences]
+    return [f"line {line}: {s}" if line else s for line, s in sorted(marked, key=lambda pair: pair[0] or 0)]
+
+
+def _line(sentence: str, lines: dict[str, int]) -> int | None:
+    named = re.match(r"\[?([\w.]+)", sentence)
+    path = named[1].split(".") if named else []
+    return next((lines[".".join(path[:n])] for n in range(len(path), 0, -1) if ".".join(path[:n]) in lines), None)

@@ -1,0 +1,136 @@
+"""What a law must be before it is traced: its methods take what the engine gives, and give numbers."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import math
+from typing import Any
+
+from stickslip.engine.symbols import TraceError
+from stickslip.errors import InputError, Problems
+from stickslip.fields import leaves, replace_leaf
+from stickslip.forces import is_dynamic, normal_load
+
+__all__ = ["as_tuple", "check_numbers", "check_signatures", "explained", "given", "inner_states", "wants_applied"]
+
+
+def inner_states(law: Any) -> int:
+    """Number of inner states of a dynamic law."""
+    return int(getattr(law, "states", 1))
+
+
+def as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
+    """What a law gives for its inner states, as a tuple of that many."""
+    values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
+    if len(values) != count:
+        raise TraceError(
+            f"{what} gives {len(values)} values; the law has {count} inner state{'' if count == 1 else 's'} (class attribute states)"
+        )
+    return values
+
+
+def given(values: tuple[Any, ...]) -> Any:
+    """Inner states as a law takes them: a number if there is one."""
+    return values[0] if len(values) == 1 else values
+
+
+def explained(work: Any, model: Any) -> Any:
+    """Do some work on a user's law; what goes wrong in it is said as what to write."""
+    law_name = type(model.friction).__name__
+    check_signatures(model.friction)
+    try:
+        return work(model)
+    except TraceError as error:
+        raise InputError(law_name, [str(error)]) from error
+    except AttributeError as error:
+        raise InputError(
+            law_name,
+            [
+                f"{error}; while a law is traced it has its dataclass fields and methods and nothing else: compute in the method, "
+                "or make it a field"
+            ],
+        ) from error
+    except TypeError as error:
+        hint = "call functions from stickslip.maths in a law, not from math or numpy, and return a number"
+        raise InputError(law_name, [f"{error}; {hint}"]) from error
+
+
+ARGUMENTS = {
+    "rate": ("v", "z", "load"), "force": ("v", "z", "zdot", "load"), "sliding": ("v", "load"), "breakaway": ("load",),
+    "switches": ("v", "z", "load"), "scale": ("load",), "velocity_scale": (),
+}  # fmt: skip
+
+
+def _arguments(law: Any, name: str) -> tuple[str, ...]:
+    """What a method of a law takes: a law with modes is given them, and one that asks for it what would hold the body."""
+    remembers = ("mode",) if hasattr(law, "switches") and name in ("rate", "force", "switches") else ()
+    return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and wants_applied(law) else ())
+
+
+def wants_applied(law: Any) -> bool:
+    """Whether a law's force must know the friction force that would hold the body."""
+    return "applied" in inspect.signature(law.force).parameters
+
+
+def check_signatures(law: Any) -> None:
+    """A law's methods take what the engine gives, in that order."""
+    problems = Problems(type(law).__name__)
+    for name in ARGUMENTS:
+        method = getattr(law, name, None)
+        if not callable(method):
+            continue
+        expected = _arguments(law, name)
+        given = tuple(p.name for p in inspect.signature(method).parameters.values() if p.default is p.empty)
+        if len(given) != len(expected) or (set(given) == set(expected) and given != expected):
+            problems.add(
+                f"{name} takes ({', '.join(given)}); allowed is ({', '.join(expected)}), in this order; type def {name}(self, "
+                f"{', '.join(expected)})"
+            )
+    problems.check()
+
+
+def check_numbers(model: Any) -> None:
+    """Call the law with plain floats of the first case; a law that returns NaN is said here, before any compiling."""
+    explained(_check_numbers, model)
+
+
+def _check_numbers(model: Any) -> None:
+    from stickslip.batch import rows_of
+
+    names = tuple(name for name, _ in leaves(model))
+    case: Any = replace_leaf(model, dict(zip(names, (float(c) for c in rows_of(model, names)[0]), strict=True)))
+    load, speed = float(normal_load(case, 0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
+    look = _values_of_dynamic if is_dynamic(case.friction) else _values_of_set_valued
+    for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
+        try:
+            values = look(case.friction, v, load)
+        except (ValueError, ZeroDivisionError, OverflowError) as error:
+            values = {"rate or force" if is_dynamic(case.friction) else "sliding or breakaway": f"no number ({error})"}
+        for what, value in values.items():
+            if not isinstance(value, (int, float)) or not math.isfinite(value):
+                law = case.friction
+                numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
+                raise InputError(
+                    type(law).__name__,
+                    [
+                        f"{what}(v={v:.6g}, {'z=0, ' if is_dynamic(law) else ''}load={load:.6g}) is {value} with {numbers}; "
+                        "allowed is a finite number; check the law's formula and fields"
+                    ],
+                )
+
+
+def _values_of_dynamic(law: Any, v: float, load: float) -> dict[str, Any]:
+    count, memory = inner_states(law), ((0,) * int(getattr(law, "modes", 0)),) if hasattr(law, "switches") else ()
+    z = (0.0,) * count
+    rate = as_tuple(law.rate(v, given(z), load, *memory), count, "rate")
+    bad = [r for r in rate if not isinstance(r, (int, float))]
+    if bad:
+        return {"rate": bad[0]}
+    applied = (0.0,) if wants_applied(law) else ()
+    return {"rate": max(map(abs, rate), default=0.0), "force": law.force(v, given(z), given(rate), load, *memory, *applied)}
+
+
+def _values_of_set_valued(law: Any, v: float, load: float) -> dict[str, Any]:
+    backward, forward = law.breakaway(load)
+    return {"breakaway": forward if not math.isfinite(forward) else backward} | ({"sliding": law.sliding(v, load)} if v else {})

@@ -1,0 +1,134 @@
+"""A page about one run: how it moves, moving pictures, the numbers, and how to make it again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.report.drawn import svg
+from stickslip.report.html import page
+
+__all__ = ["moments", "run_page"]
+
+_MOMENTS = 480  # instants of the moving picture
+_LONGEST = 4  # drive periods that it shows at most
+
+
+def run_page(run: Any, title: str, command: str = "") -> str:
+    """The page about a run of a robot.
+
+    Parameters
+    ----------
+    run : Trajectory
+    title : str
+        What stands at its top.
+    command : str
+        What to type for the same page, if it was made by a command.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> text = run_page(run, "The rig on 1.7 degrees")
+    >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
+    (True, False)
+    """
+    from stickslip import plot
+
+    return page(
+        "run.html",
+        title=title,
+        rows=_facts(run),
+        pictures=[
+            ("Velocity over three drive periods; shaded where the body rests.", svg(lambda ax: plot.velocity(run, ax=ax))),
+            ("Phase portrait without the drift; a circle at the start of each drive period.", svg(lambda ax: plot.phase(run, ax=ax))),
+            ("Drive force and friction force, with the forces of break-away.", svg(lambda ax: plot.forces(run, ax=ax))),
+        ],
+        moments=moments(run),
+        numbers=_numbers(run.model),
+        notes=list(run.notes),
+        toml=_toml(run),
+        command=command,
+        provenance=_provenance(run),
+        sources=_sources(run.model),
+    )
+
+
+def _facts(run: Any) -> list[tuple[str, str]]:
+    """What there is to say, each with its unit."""
+    from stickslip.analysis.energy import energy
+    from stickslip.analysis.motion import motion
+    from stickslip.analysis.steady import mean_velocity
+
+    m, balance = motion(run), energy(run)
+    work = float(balance.drive[balance.settle :].mean())
+    period = "not found: the mean velocity still depends on the length of the run" if m.period is None else f"{m.period}"
+    shares = ", ".join(f"{name} {100 * getattr(m, f'{name}_fraction'):.1f} %" for name in ("forward", "backward", "stick"))
+    return [
+        ("mean velocity", f"{1e3 * mean_velocity(run):.6g} mm/s"),
+        ("motion type", f"{m.type} (pattern {m.pattern}, margin {m.margin:.3g})"),
+        ("repeats after [drive periods]", period),
+        ("parts of a period", shares),
+        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s"),
+        ("drive period", f"{1e3 * run.period_time:.6g} ms"),
+        ("work of the drive in a period", f"{1e6 * work:.6g} µJ"),
+        ("worst residual of the energy balance", f"{balance.worst:.1e}"),
+        ("status", f"{run.status}, {run.periods} drive periods, {run.settle} of them to settle"),
+    ]
+
+
+def moments(run: Any) -> dict[str, Any]:
+    """The last motion period as plain numbers for the moving picture: times [ms], lengths [mm], velocities [mm/s], force [N]."""
+    import numpy as np
+
+    from stickslip.analysis.steady import period_number
+
+    span = min(period_number(run) or _LONGEST, _LONGEST, max(run.periods, 1)) * run.period_time
+    end = float(run.strobe_times[-1])
+    at = run.at(np.linspace(end - span, end, _MOMENTS))
+    digits = {"t": (1e3, at["t"] - at["t"][0]), "x": (1e3, at["x"] - at["x"][0]), "v": (1e3, at["v"]), "R": (1.0, at["friction_force"])}
+    digits["xi"] = (1e3, at["xi"])
+    return {name: [float(f"{factor * value:.6g}") for value in column] for name, (factor, column) in digits.items()}
+
+
+def _numbers(model: Any) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and meaning of every number; the unit is that of the docs' page on notation."""
+    from stickslip.fields import leaves
+    from stickslip.sweeps.naming import AXES
+
+    found = []
+    for name, value in leaves(model):
+        meaning, unit = AXES.get(name.rpartition(".")[2], ("", ""))
+        found.append((name, f"{float(value):.10g} {'' if unit == '1' else unit}".rstrip(), meaning))
+    return found
+
+
+def _toml(run: Any) -> str:
+    """The robot as a study file; empty if a part of it is the user's own class."""
+    from stickslip.errors import InputError
+
+    try:
+        return f"{run.model.to_toml()}\n[solve]\nperiods = {run.periods}\nsettle = {run.settle}\n"
+    except InputError:
+        return ""
+
+
+def _provenance(run: Any) -> list[tuple[str, str]]:
+    made = run.provenance
+    told = [*made.get("versions", {}).items(), *made.get("settings", {}).items()]
+    return [(name, "-" if value is None else str(value)) for name, value in told]
+
+
+def _sources(model: Any) -> list[str]:
+    """The references that the docstrings of law and drive name."""
+    import inspect
+    import re
+
+    found = []
+    for part in (model.friction, getattr(model, "drive", None)):
+        text = re.search(r"^References\n-+\n(.*?)(?=\n\n\w|\Z)", inspect.getdoc(type(part)) or "", re.M | re.S)
+        found += [" ".join(text[1].split())] if text else []
+    return found

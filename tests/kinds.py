@@ -1,0 +1,34 @@
+"""Every law, every drive and every track, with numbers that plain Python can follow; and a robot of any three."""
+
+from __future__ import annotations
+
+import stickslip as ss
+
+SOFT = {"sigma0": 2e4, "sigma1": 20.0}  # bristles that are soft enough for plain Python
+
+DRIVES = {
+    **{name: kind.example() for name, kind in ss.DRIVES.items()},
+    "twophase": ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2),
+    "threephase": ss.ThreePhase(u1=0.1, w1=10.0, w2=60.0, w3=12.0),
+}
+TRACKS = {
+    "level": ss.Level(),
+    "downhill": ss.Incline(tilt=0.03),
+    "uphill": ss.Incline(tilt=-0.03),
+    "varying": ss.VaryingFriction(ss.Level(), depth=0.3),
+}
+
+
+def softened(law):
+    return law.replace(**{name: value for name, value in SOFT.items() if hasattr(law, name)})
+
+
+LAWS = {name: softened(kind.example()) for name, kind in ss.LAWS.items()} | {
+    "bristle": ss.LAWS["bristle"].example().replace(sigma0=2e3),
+    "sum": ss.Sum.example(),
+    "lugre + viscous": softened(ss.LuGre.example()) + ss.Viscous.example(),
+}
+
+
+def robot(law, drive, track="level"):
+    return ss.Robot(body_mass=0.0626, inner_mass=0.0095, drive=DRIVES[drive], friction=LAWS[law], track=TRACKS[track])

@@ -1,0 +1,80 @@
+"""Compiled = plain: every kind of robot by its kernel and by the solver in plain Python, which shares no line with it."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from kinds import DRIVES, LAWS, TRACKS, robot
+from stickslip.batch import rows_of
+from stickslip.engine import lanes, tableaux, trace
+from stickslip.forces import is_dynamic
+
+COMPILED = [law for law in LAWS if not getattr(LAWS[law], "scalar_only", False)]
+#: Each law with two drives; each drive, and with it each track, with a set-valued and a dynamic law.
+COVERING = {(law, drive, "level") for law in COMPILED for drive in ("harmonic", "twophase")}
+ON_TRACKS = {"multiharmonic": "downhill", "trapezoid": "varying"}
+COVERING |= {(law, drive, ON_TRACKS.get(drive, "level")) for law in ("coulomb", "lugre") for drive in DRIVES}
+
+
+def cases():
+    """The covering set; everything else is slow."""
+    for case in itertools.product(COMPILED, DRIVES, TRACKS):
+        yield pytest.param(*case, id="-".join(case), marks=[] if case in COVERING else [pytest.mark.slow])
+
+
+def instants(model, periods):
+    """Instants at which the velocity of both runs is compared: none within a millionth of a period of a jump of v."""
+    t = np.linspace(0.0, periods * model.period, 601)[1:-1]
+    jumps = np.array([instant + k * model.period for instant, _ in model.impulses for k in range(periods + 1)])
+    return t[np.all(abs(t[:, None] - jumps) > 1e-6 * model.period, axis=1)]
+
+
+@pytest.mark.parametrize(("law", "drive", "track"), list(cases()))
+def test_compiled_is_plain(law, drive, track):
+    """Arcs are exact and the judge is held to 1e-12 a step; a law with inner states is held to 1e-9 a step by both."""
+    model = robot(law, drive, track)
+    dynamic = is_dynamic(model.friction)
+    run = ss.solve(model, periods=3, rtol=1e-9)
+    judge = ss.solve(model, periods=3, method="dop853", rtol=1e-10 if dynamic else 1e-12)
+    t = instants(model, 3)
+    assert run.method == ("Rodas5P" if dynamic else "exact") and judge.method == "dop853"
+    assert run.at(t)["v"] == pytest.approx(judge.at(t)["v"], abs=(1e-7 if dynamic else 1e-9) * model.free_velocity)
+    if not dynamic:
+        assert [(e.kind, e.after) for e in run.events] == [(e.kind, e.after) for e in judge.events]
+        assert [e.t for e in run.events] == pytest.approx([e.t for e in judge.events], abs=1e-10 * model.period)
+
+
+# one lane and sixteen ---------------------------------------------------------------------------------------------
+
+
+def started(model, numbers):
+    """A model's rows, and starts at rest: x, then the states."""
+    table = rows_of(model, numbers)
+    states = trace.trace(model).states
+    return table, np.zeros((len(table), 1 + states))
+
+
+@pytest.mark.parametrize(
+    ("model", "tableau"),
+    [
+        (robot("gms", "harmonic").replace({"drive.amplitude": np.linspace(2e-4, 1.1e-3, 21)}), tableaux.RODAS5P),
+        (robot("stribeck", "harmonic").replace({"drive.amplitude": np.linspace(2e-4, 1.1e-3, 21)}), None),
+        (robot("coulomb", "twophase").replace({"drive.u2": np.linspace(0.06, 0.5, 21)}), None),
+        (ss.ForcedOscillator(1.0, 1.0, 0.02, np.linspace(0.5, 2.0, 21), 0.7, ss.Coulomb(0.3, 0.3, 0.35, 0.35)), None),
+    ],
+    ids=["a law with modes", "Taylor arcs", "impulses", "a mechanism"],
+)  # fmt: skip
+def test_one_lane_and_sixteen_give_the_same_bits(model, tableau):
+    """21 cases: lanes take a second one while others are at their first."""
+    wide, narrow = (lanes.kernel_of(model, tableau, record=one) for one in (False, True))
+    table, start = started(model, wide.names)
+    job = lanes.Job(12, 5, False, 1e-9, 0.75, 1e9)
+    many, one = (lanes.run(kernel, table, start, job) for kernel in (wide, narrow))
+    assert (wide.lanes, narrow.lanes) == (16, 1) and set(many.status) == {0}
+    assert np.ptp(many.displacement) > 0 and np.ptp(many.accepted) > 0
+    for name in ("displacement", "window", "v_max", "v_min", "end", "period", "seg_count", "seg_time", "seg_code", "accepted", "rejected"):
+        assert np.array_equal(getattr(many, name), getattr(one, name)), name

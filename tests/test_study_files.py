@@ -1,0 +1,110 @@
+"""Study files: what they may say, that errors name their lines and come at once, and that code in them needs permission."""
+
+import json
+
+import pytest
+
+import stickslip as ss
+from stickslip.cli import main
+
+RIG = "[robot]\nbody_mass = 0.06\ninner_mass = 0.01\n[robot.drive]\nkind = 'harmonic'\namplitude = 5e-4\nfrequency = 33.0\n"
+COULOMB = "[robot.friction]\nkind = 'coulomb'\nmu_plus = 0.12\nmu_minus = 0.2\n"
+CODE = """\
+import stickslip as ss
+open("ran", "w").close()
+def walker(amplitude):
+    return ss.presets.piezo_rig(1.7, amplitude, law="coulomb")
+"""
+
+
+@pytest.fixture
+def call(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words, **files):
+        for name, text in files.items():
+            (tmp_path / f"{name}.{'py' if name == 'mine' else 'toml'}").write_text(text, encoding="utf-8")
+        code = main(list(words))
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return run
+
+
+def test_arguments_in_the_file_are_those_of_the_command_line(call):
+    text = f'{RIG}{COULOMB}[arguments]\n"drive.amplitude" = 4e-4\n[solve]\nperiods = 30\n'
+    from_file = json.loads(call("run", "a.toml", "--json", a=text)[1])
+    typed = json.loads(call("run", "b.toml", "drive.amplitude=4e-4", "periods=30", "--json", b=RIG + COULOMB)[1])
+    assert from_file["mean_velocity"] == typed["mean_velocity"] and from_file["parameters"]["drive.amplitude"] == 4e-4
+    over = json.loads(call("run", "a.toml", "drive.amplitude=6e-4", "--json", a=text)[1])
+    assert over["parameters"]["drive.amplitude"] == 6e-4 and over["periods"] == 30
+
+
+def test_a_file_may_name_a_preset_and_several_values_are_for_a_sweep(call):
+    text = 'make = "piezo_rig"\n[arguments]\ntilt_deg = 1.7\nlaw = "coulomb"\namplitude = "4e-4..6e-4:3"\n'
+    found = json.loads(call("sweep", "a.toml", "--json", a=text)[1])
+    assert found["axes"]["amplitude"] == [4e-4, 5e-4, 6e-4]
+    code, _, err = call("run", "a.toml")
+    assert code == 2 and "is several values" in err
+    assert call("run", "a.toml", "amplitude=5e-4", "periods=20")[0] == 0
+
+
+def test_everything_wrong_with_a_file_is_told_at_once_with_its_lines(call):
+    text = "[robot]\nbody_mas = 1\ninner_mass = -1\n[robot.drive]\nkind = 'harmonic'\nomega = 200.0\n[robot.friction]\nkind = 'lugree'\n"
+    code, _, err = call("run", "a.toml", a=text + "[solve]\nperiod = 10\nrtol = 5\n[slove]\nx = 1\n")
+    assert code == 2 and "study file 'a.toml': 8 problems" in err
+    for sentence in (
+        "line 1: robot.body_mass is missing",
+        "line 2: robot.body_mas is not known; did you mean 'body_mass'?",
+        "line 3: robot.inner_mass = -1",
+        "line 4: robot.drive.amplitude is missing",
+        "line 8: robot.friction.kind = 'lugree'; did you mean 'lugre'?",
+        "line 10: solve.period is not known; did you mean 'periods'?",
+        "line 11: solve.rtol = 5; allowed is",
+        "line 12: slove is not known; did you mean 'solve'?",
+    ):
+        assert sentence in err
+    lines = [int(line.partition("line ")[2].partition(":")[0]) for line in err.splitlines() if "line " in line]
+    assert lines == sorted(lines)
+
+
+def test_text_that_is_no_toml_says_where(call):
+    assert "(at line 2, column" in call("run", "a.toml", a="[robot]\nbody_mass = = 1\n")[2]
+
+
+def test_code_in_a_file_runs_only_where_it_is_allowed(call, tmp_path):
+    files = {"mine": CODE, "a": 'make = "mine.py:walker"\n[arguments]\namplitude = 5.525e-4\n[solve]\nperiods = 20\n'}
+    code, _, err = call("run", "a.toml", **files)
+    assert code == 2 and "line 1: make = 'mine.py:walker' names Python code" in err and "type --allow-code" in err
+    assert not (tmp_path / "ran").exists()
+    code, out, _ = call("run", "a.toml", "--allow-code", "--json")
+    assert code == 0 and (tmp_path / "ran").exists() and json.loads(out)["mean_velocity"] == pytest.approx(0.00201468, rel=1e-5)
+    assert call("run", "a.toml")[0] == 2  # what one command allows, the next one does not
+
+
+def test_a_mechanism_runs_for_a_duration(call):
+    law = "[mechanism.friction]\nkind = 'coulomb'\nmu_plus = 1.0\nmu_minus = 1.0\nf_plus = 1.5\nf_minus = 1.5\n"
+    text = f"[mechanism]\nkind = 'pulled_mass'\nmass = 1.0\nstiffness = 2.0\nspeed = 0.1\n{law}"
+    code, out, _ = call("run", "a.toml", "duration=40", a=text)
+    assert code == 0 and "slip 5, stick 4" in out and "m/s" in out and "finished, 40 s" in out
+    assert "type duration=60.0 [s]" in call("run", "a.toml")[2]
+    assert "did you mean 'pulled_mass'?" in call("run", "b.toml", b="[mechanism]\nkind = 'pulled_mas'\n")[2]
+
+
+@pytest.mark.parametrize("law", ["coulomb", "gms", "tabulated"])
+def test_init_writes_a_file_that_runs_and_explains_every_number(law, call, tmp_path):
+    assert call("init", "study.toml", "--law", law)[0] == 0
+    text = (tmp_path / "study.toml").read_text(encoding="utf-8")
+    robot = ss.Robot.from_toml(text)
+    assert type(robot.friction) is ss.LAWS[law] and robot.friction == ss.LAWS[law].example()
+    numbers = [line for line in text.splitlines() if " = " in line and not line.startswith("#")]
+    assert all("#" in line for line in numbers)
+    code, _, err = call("init", "study.toml")
+    assert code == 2 and "--force" in err and call("init", "study.toml", "--force")[0] == 0
+
+
+def test_init_with_every_drive_can_be_read_back(call):
+    for name, kind in ss.DRIVES.items():
+        code, out, _ = call("init", "--drive", name)
+        assert code == 0 and type(ss.Robot.from_toml(out).drive) is kind
+    assert "did you mean 'harmonic'?" in call("init", "--drive", "harmonc")[2]
