@@ -6,14 +6,14 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-_DONE = ("==SUPPRESS==",)
+_COMMON = ("--json", "--allow-code", "ROBOT", "NAME=VALUE")  # the page says once what they are
 
 
 def told(parser) -> list[tuple[str, str]]:
     """Each argument as it is typed, and what it means."""
     rows = []
     for action in parser._actions:
-        if action.help in _DONE or "-h" in action.option_strings:
+        if action.help == "==SUPPRESS==" or {str(action.metavar), *action.option_strings} & {*_COMMON, "-h"}:
             continue
         names = ", ".join(action.option_strings)
         value = "" if action.nargs == 0 else str(action.metavar or action.dest)
@@ -39,7 +39,8 @@ def section(name: str, about: str, parser, example: str) -> nodes.section:
     found += nodes.title("", "", nodes.literal("", f"stickslip {name}"))
     found += nodes.paragraph("", parser.description or about)
     found += block(" ".join(parser.format_usage().removeprefix("usage: ").split()), "text")
-    found += table(told(parser))
+    if rows := told(parser):
+        found += table(rows)
     end = (parser.epilog or "").removesuffix(example.rstrip("\n")).strip("\n")
     if end:
         found += block(end, "text")

@@ -7,7 +7,7 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
 
-_OPERATOR = r"\\(?:sin|cos|tan|tanh|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
+_OPERATOR = r"\\(?:arcsin|arctan|sin|cos|tanh|tan|cot|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
 
 
 def spaced(tex: str) -> str:
