@@ -15,7 +15,7 @@ from stickslip.forces import is_dynamic
 
 COMPILED = [law for law in LAWS if not getattr(LAWS[law], "scalar_only", False)]
 #: Each law with two drives; each drive, and with it each track, with a set-valued and a dynamic law.
-COVERING = {(law, drive, "level") for law in COMPILED for drive in ("harmonic", "twophase")}
+COVERING = {(law, drive, "level") for law in COMPILED for drive in ("harmonic", "twophase") if drive == "harmonic" or law in ss.LAWS}
 ON_TRACKS = {"multiharmonic": "downhill", "trapezoid": "varying"}
 COVERING |= {(law, drive, ON_TRACKS.get(drive, "level")) for law in ("coulomb", "lugre") for drive in DRIVES}
 

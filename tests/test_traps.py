@@ -10,6 +10,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import stickslip as ss
 from stickslip.analysis.phases import two_phase
@@ -144,6 +145,22 @@ def test_a_force_that_only_just_reaches_the_static_limit_moves_nothing(arcs):
     assert [e.kind for e in run.events] == ["slip", "stick"] * 50
     slips = times(run)[::2] - run.period_time * np.arange(50)
     assert slips == pytest.approx(math.asin(1.0 - 1e-12), abs=1e-15 / math.sqrt(2e-12) + 1e-13)  # a rounding of the force, by its slope
+
+
+def test_a_condition_on_time_alone_is_found_inside_a_long_step():
+    """Held by Karnopp's law nothing limits the step. It breaks away where sin wt = f; v' = sin wt - f in the band, sin wt - mu beyond."""
+    w, law = 3.0, ss.Karnopp(0.5, 0.5, 0.8, 0.8, width=0.01)
+    run = ss.solve(unit(law, ss.Harmonic(amplitude=2 / w**2, omega=w)), periods=1, rtol=1e-9)
+    away = math.asin(0.8) / w
+
+    def gained(t, start, resists):
+        return (np.cos(w * start) - np.cos(w * t)) / w - resists * (t - start)
+
+    beyond = brentq(lambda t: gained(t, away, 0.8) - 0.01, away, 1.5 / w, xtol=1e-16)
+    held, band, free = np.linspace(0, away, 50), np.linspace(away, beyond, 50), np.linspace(beyond, 3.0 / w, 50)
+    assert run.at(held)["v"] == pytest.approx(0.0, abs=1e-8)
+    assert run.at(band)["v"] == pytest.approx(gained(band, away, 0.8), abs=1e-8)
+    assert run.at(free)["v"] == pytest.approx(0.01 + gained(free, beyond, 0.5), abs=1e-8)
 
 
 def test_where_two_laws_hold_a_body_only_their_sum_is_told():

@@ -29,9 +29,7 @@ class EventWriter:
     guard_start: list[str]
     guard_rate: list[str]
     scale_v: str
-
-    def _bind(self, t: str, y: list[str]) -> dict[str, str]:
-        raise NotImplementedError
+    _bind: Any  # names for time and states -> names for everything that an expression depends on
 
     def _at(self, i: int, theta: str) -> str:
         return horner([f"_k{i}_{m}" for m in range(self.degree + 1)], theta)
