@@ -144,8 +144,9 @@ def value(node, known):
             return node.value
         case "case" | "variable":
             return known[node.name]
-        case "flag":
-            return 1.0 if value(graph.guards[int(node.name[1:])], known) > 0 else -1.0
+        case "flag":  # of a condition on time alone, or of a guard
+            held = graph.clocks[int(node.name[3:])] if node.name.startswith("clk") else graph.guards[int(node.name[1:])]
+            return 1.0 if value(held, known) > 0 else -1.0
         case "select":
             return value(args[1] if value(args[0], known) > 0 else args[2], known)
         case "reciprocal":

@@ -68,7 +68,8 @@ class EventWriter:
         w.line("_wrong", f"_late or {self.f[0]} * _b0 < 0.0")
         w.line("_which", "0.0")
         w.line("_size", "0.0")
-        end = self._bind("_t + _hh", [f"_n{i}" for i in range(self.n)])
+        w.line("_to", "_t + _hh")
+        end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
         for k in range(1, self.g):
             self._other_crossing(k, end)
 

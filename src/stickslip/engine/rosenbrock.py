@@ -294,7 +294,11 @@ class _StepWriter(EventWriter):
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
         w.line("_bad", f"(not _acc1) and _hh < 1e-14 * {w.value(self.eq.period, self.start)}")
         nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.n))
-        w.line("_stat", f"1.0 if _fin else (({NOT_A_NUMBER}.0 if ({nan}) else {TOO_SMALL}.0) if _bad else _stat)")
+        w.line("_end", f"{TOO_SMALL}.0")
+        for k, switch in self.eq.switches.items():
+            if switch.status:  # steps shrink without end where a contact stiffens as it is lost
+                w.line("_end", f"{switch.status}.0 if _g{k}s < 1e-9 * _size{k} else _end")
+        w.line("_stat", f"1.0 if _fin else (({NOT_A_NUMBER}.0 if ({nan}) else _end) if _bad else _stat)")
         w.line("_stat", "_code if _code > 0.5 else _stat")
         w.line("_stat", f"{BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
 
