@@ -13,7 +13,7 @@ from stickslip.errors import Problems
 
 __all__ = [
     "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "is_dynamic", "law_force", "law_rate", "memories_of",
-    "normal_load", "offered_force", "rest_velocity", "states_of",
+    "normal_load", "offered_force", "rest_velocity", "states_of", "wants_applied",
 ]  # fmt: skip
 
 _TINY = 1e-300  # a velocity that has a sign and nothing else
@@ -35,9 +35,14 @@ def memories_of(law: Any) -> int:
     return int(getattr(law, "modes", 0)) if is_dynamic(law) else 0
 
 
+def wants_applied(law: Any) -> bool:
+    """Whether a dynamic law's force must know the friction force that would hold the body (its argument `applied`)."""
+    return _takes_applied(law.__class__)
+
+
 @functools.lru_cache(maxsize=256)
-def _knows_applied(law: Any) -> bool:
-    return "applied" in inspect.signature(law.force).parameters
+def _takes_applied(kind: Any) -> bool:
+    return "applied" in inspect.signature(kind.force).parameters
 
 
 def law_rate(law: Any, slip: Any, z: Any, load: Any, memory: Any = ()) -> Any:
@@ -47,7 +52,7 @@ def law_rate(law: Any, slip: Any, z: Any, load: Any, memory: Any = ()) -> Any:
 
 def law_force(law: Any, slip: Any, z: Any, zdot: Any, load: Any, memory: Any = (), applied: Any = 0.0) -> Any:
     """Friction force R of a dynamic law [N]; `applied` is what would keep the velocity constant, for the laws that ask for it."""
-    more = ((memory,) if memories_of(law) else ()) + ((applied,) if _knows_applied(law.__class__) else ())
+    more = ((memory,) if memories_of(law) else ()) + ((applied,) if wants_applied(law) else ())
     return law.force(slip, z, zdot, load, *more)
 
 
@@ -100,7 +105,7 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
     law, load = model.friction, normal_load(model, t, x)
     slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
     if is_dynamic(law):
-        applied = model.total_mass * model.acceleration(t, x, v, 0.0) if _knows_applied(law.__class__) else 0.0
+        applied = model.total_mass * model.acceleration(t, x, v, 0.0) if wants_applied(law) else 0.0
         return law_force(law, slip, z, zdot, load, memory, applied)
     return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
 

@@ -11,6 +11,7 @@ from stickslip.drives.drive import largest_velocity
 from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Record, positive
+from stickslip.forces import check_law
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level
 
@@ -71,16 +72,7 @@ class Robot(Record):
                 problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
             elif not dataclasses.is_dataclass(part):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
-        law = self.friction
-        if isinstance(law, type) or not (
-            (hasattr(law, "sliding") and hasattr(law, "breakaway")) or (hasattr(law, "rate") and hasattr(law, "force"))
-        ):
-            problems.add(
-                f"friction = {law!r}; allowed is an object with sliding and breakaway (set-valued law) or with rate and force "
-                f"(dynamic law); type for example {_PARTS['friction']}"
-            )
-        elif not dataclasses.is_dataclass(law):
-            problems.add(f"friction = {law!r} is not a dataclass; {_NO_DATACLASS}")
+        check_law(self.friction, problems)
         if not problems.found:
             try:
                 shape_of(self)
@@ -174,7 +166,6 @@ _NO_DATACLASS = "write @dataclass(frozen=True) above the class, so that its numb
 _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
     "track": "track=ss.Level()",
-    "friction": "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)",
 }
 
 

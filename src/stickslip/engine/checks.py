@@ -10,14 +10,9 @@ from typing import Any
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
 
-__all__ = ["as_tuple", "check_numbers", "check_signatures", "explained", "given", "inner_states", "wants_applied"]
-
-
-def inner_states(law: Any) -> int:
-    """Number of inner states of a dynamic law."""
-    return int(getattr(law, "states", 1))
+__all__ = ["as_tuple", "check_numbers", "check_signatures", "explained", "given"]
 
 
 def as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
@@ -68,11 +63,6 @@ def _arguments(law: Any, name: str) -> tuple[str, ...]:
     return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and wants_applied(law) else ())
 
 
-def wants_applied(law: Any) -> bool:
-    """Whether a law's force must know the friction force that would hold the body."""
-    return "applied" in inspect.signature(law.force).parameters
-
-
 def check_signatures(law: Any) -> None:
     """A law's methods take what the engine gives, in that order."""
     problems = Problems(type(law).__name__)
@@ -121,7 +111,7 @@ def _check_numbers(model: Any) -> None:
 
 
 def _values_of_dynamic(law: Any, v: float, load: float) -> dict[str, Any]:
-    count, memory = inner_states(law), ((0,) * int(getattr(law, "modes", 0)),) if hasattr(law, "switches") else ()
+    count, memory = states_of(law), ((0,) * int(getattr(law, "modes", 0)),) if hasattr(law, "switches") else ()
     z = (0.0,) * count
     rate = as_tuple(law.rate(v, given(z), load, *memory), count, "rate")
     bad = [r for r in rate if not isinstance(r, (int, float))]

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.checks import inner_states, wants_applied
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, states_of, wants_applied
 
 __all__ = ["latex"]
 
@@ -148,7 +147,7 @@ def _equations(law: Any, v: _Tex, load: _Tex) -> list[tuple[str, Any]]:
 
     if not is_dynamic(law):
         return [("R", law.sliding(v, load))]
-    count = inner_states(law)
+    count = states_of(law)
     memory = [_Tex(sympy.Symbol(f"m_{{{i + 1}}}", integer=True)) for i in range(int(getattr(law, "modes", 0)))]
     more = (tuple(memory),) if hasattr(law, "switches") else ()
     applied = (_Tex(sympy.Symbol("R_{0}", real=True)),) if wants_applied(law) else ()

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.engine.checks import as_tuple, explained, given, inner_states, wants_applied
+from stickslip.engine.checks import as_tuple, explained, given
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
 from stickslip.maths import maximum
 
 __all__ = ["SPAN", "Equations", "Switch", "label", "numbers_of", "trace"]
@@ -182,7 +182,7 @@ def _trace(model: Any) -> Equations:
 
 def _dynamic(m: _Mechanics) -> _Motion:
     """A law with inner states: rate and force; its memory of whole numbers, if it has one, changes by switches."""
-    law, graph, count = m.law, m.graph, inner_states(m.law)
+    law, graph, count = m.law, m.graph, states_of(m.law)
     z = tuple(graph.variable(f"z{i}") for i in range(count))
     modes = tuple(graph.mode(f"mode{i}") for i in range(int(getattr(law, "modes", 0)))) if hasattr(law, "switches") else ()
     memory = (modes,) if hasattr(law, "switches") else ()
