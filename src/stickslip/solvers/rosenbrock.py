@@ -8,7 +8,7 @@ from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["solve"]
+__all__ = ["method", "solve"]
 
 #: At looser tolerances than this the fourth-order method is cheaper (benchmarks/work_precision.py).
 LOOSE = 1e-4
@@ -18,5 +18,10 @@ SAFETY = 0.5
 
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
+    return stepping.run(todo, *method(todo))
+
+
+def method(todo: Request) -> tuple[tableaux.Tableau, float]:
+    """The method that a request takes, and the tolerance to which its steps are held."""
     by_tolerance = tableaux.RODAS4 if todo.rtol >= LOOSE else tableaux.RODAS5P
-    return stepping.run(todo, tableaux.TABLEAUX.get(todo.method, by_tolerance), SAFETY * todo.rtol)
+    return tableaux.TABLEAUX.get(todo.method, by_tolerance), SAFETY * todo.rtol

@@ -11,14 +11,14 @@ from stickslip.batch import rows_of, spread
 from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
-from stickslip.forces import rest_velocity
+from stickslip.forces import rest_velocity, states_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.request import Request
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["run"]
+__all__ = ["run", "run_to_end"]
 
 #: Steps that a case may take: for each period it should run, and in all where there is no period.
 BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000
@@ -28,10 +28,7 @@ CHUNK = 4096
 def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
     kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
-    method = "exact" if tableau is None else tableau.name
-    budget = BUDGET_APERIODIC if todo.model.period is None else BUDGET * todo.periods
-    job = lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
-    table = _Table(todo, kernel)
+    method, job, table = _method(tableau), _job(todo, rtol), _Table(todo, kernel)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, table, job))
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
@@ -45,6 +42,25 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
+
+
+def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any]:
+    """The summary of a batch, and v (cases,) and the law's inner states (cases, states) of every case at its end."""
+    kernel = lanes.kernel_of(todo.model, tableau, record=False)
+    table = _Table(todo, kernel)
+    results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
+    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table.offset))])
+    return summary, results.end[:, 1] + table.offset, results.end[:, 2 : 2 + states_of(todo.model.friction)]
+
+
+def _method(tableau: Tableau | None) -> str:
+    return "exact" if tableau is None else tableau.name
+
+
+def _job(todo: Request, rtol: float) -> lanes.Job:
+    """What to do with every case."""
+    budget = BUDGET_APERIODIC if todo.model.period is None else BUDGET * todo.periods
+    return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
 class _Table:

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.engine import lanes, tableaux
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, states_of
+from stickslip.forces import is_dynamic
 from stickslip.solvers import exact, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
 from stickslip.solvers.gather import NEEDED, Raw, gather
@@ -28,8 +27,7 @@ def solve_to_end(robot: Any, options: dict[str, Any], start: dict[str, Any], wor
     asked = solver_arguments(options)
     todo = request(robot, start=start, workers=workers, keep="summary", samples=400, progress=None, options={}, **asked)
     if is_dynamic(robot.friction) and todo.method in ("auto", "rodas4", "rodas5p") and not getattr(robot.friction, "scalar_only", False):
-        by_tolerance = tableaux.RODAS4 if todo.rtol >= rosenbrock.LOOSE else tableaux.RODAS5P
-        return _stepped(todo, tableaux.TABLEAUX.get(todo.method, by_tolerance), rosenbrock.SAFETY * todo.rtol)
+        return _stepped(todo, *rosenbrock.method(todo))
     if not is_dynamic(robot.friction) and todo.method in ("auto", "exact"):
         return _exact(todo, start) if handles(robot) is None else _stepped(todo, None, exact.REPEAT / 10)
     what = f"method {todo.method!r} with {type(robot.friction).__name__}"
@@ -37,14 +35,8 @@ def solve_to_end(robot: Any, options: dict[str, Any], start: dict[str, Any], wor
 
 
 def _stepped(todo: Request, tableau: Any, rtol: float) -> tuple[Summary, dict[str, Array]]:
-    kernel = lanes.kernel_of(todo.model, tableau, record=False)
-    job = lanes.Job(todo.periods, todo.settle, todo.auto, rtol, todo.slip_ratio, stepping.BUDGET * todo.periods)
-    table = stepping._Table(todo, kernel)
-    results = lanes.run(kernel, table.rows, table.start, job)
-    inner = states_of(todo.model.friction)
-    v, z = results.end[:, 1] + table.offset, results.end[:, 2 : 2 + inner]
-    summary = gather(todo, "exact" if tableau is None else tableau.name, [((0, todo.cases), stepping._raw(results, table.offset))])
-    return summary, {"v": v, **({"z": z[:, 0] if inner == 1 else z} if inner else {})}
+    summary, v, z = stepping.run_to_end(todo, tableau, rtol)
+    return summary, {"v": v, **({"z": z[:, 0] if z.shape[1] == 1 else z} if z.shape[1] else {})}
 
 
 def _exact(todo: Request, start: dict[str, Any]) -> tuple[Summary, dict[str, Array]]:
