@@ -12,6 +12,7 @@ from stickslip.analysis.closed_form import three_phase, two_phase
 from stickslip.engine.symbols import Graph
 from stickslip.fields import leaves, replace_leaf
 from stickslip.maths import within
+from stickslip.testing.symbol_values import values_of
 
 G = 9.81
 MU, PLUS, MINUS = 0.1315, 0.15, 0.25
@@ -137,24 +138,8 @@ def test_arrays_and_numbers_give_the_same(drive):
 
 
 def value(node, known):
-    """What an expression of symbols comes to; a held flag takes the sign of its guard."""
-    graph, args = node.graph, node.args
-    match node.op:
-        case "constant":
-            return node.value
-        case "case" | "variable":
-            return known[node.name]
-        case "flag":  # of a condition on time alone, or of a guard
-            held = graph.clocks[int(node.name[3:])] if node.name.startswith("clk") else graph.guards[int(node.name[1:])]
-            return 1.0 if value(held, known) > 0 else -1.0
-        case "select":
-            return value(args[1] if value(args[0], known) > 0 else args[2], known)
-        case "reciprocal":
-            return 1 / value(args[0], known)
-        case "add" | "subtract" | "multiply":
-            a, b = (value(x, known) for x in args)
-            return {"add": a + b, "subtract": a - b, "multiply": a * b}[node.op]
-    return getattr(math, node.op)(value(args[0], known))
+    """What an expression of symbols comes to."""
+    return values_of(node.graph, {"t": 0.0, **known})[node.number]
 
 
 @every_drive

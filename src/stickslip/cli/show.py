@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.jsontext import strict
 
 __all__ = ["counted", "facts", "no_period", "print_json", "progress", "quantity", "stages", "table", "writable"]
 
@@ -60,19 +61,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def print_json(record: Any) -> None:
     """Strict JSON: numbers that are no numbers become null."""
-    print(json.dumps(_strict(record), indent=1, allow_nan=False, ensure_ascii=False))
-
-
-def _strict(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(k): _strict(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_strict(v) for v in value]
-    if hasattr(value, "tolist"):
-        return _strict(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if isinstance(value, (str, int, bool, type(None))) else str(value)
+    print(json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False))
 
 
 def progress(what: str) -> Callable[[int, int], None] | None:

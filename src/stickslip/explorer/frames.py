@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 import json
-import math
 import struct
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["plain", "read", "written"]
+from stickslip.jsontext import strict
+
+__all__ = ["read", "written"]
 
 
-def plain(value: Any) -> Any:
-    """A value that strict JSON can hold: numbers that are no numbers become null."""
-    if isinstance(value, Mapping):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(v) for v in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value
+def _as_it_is(value: Any) -> Any:
+    return value  # what strict JSON does not know is a mistake of ours, and said
 
 
 def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) -> bytes:
@@ -37,7 +29,7 @@ def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) 
 
     flat = {name: np.asarray(a, np.float32).ravel() for name, a in (arrays or {}).items()}
     told = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
-    text = json.dumps(plain(told), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    text = json.dumps(strict(told, other=_as_it_is), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     return b"".join([struct.pack("<I", len(text)), text, *(a.astype("<f4").tobytes() for a in flat.values())])
 

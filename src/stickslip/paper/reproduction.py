@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import time
 from collections import Counter
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import Amplitudes, infer
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 from stickslip.paper.claims import VERDICTS, Claim, Study, claims, study_of
@@ -238,17 +238,8 @@ def as_dict(result: Reproduction) -> dict[str, Any]:
         "provenance": result.provenance,
         "seconds": result.seconds,
     }
-    return _plain(data)
+    return strict(data, _key)
 
 
-def _plain(value: Any) -> Any:
-    """Only what strict JSON knows: no arrays, no NaN, text keys."""
-    if isinstance(value, dict):
-        return {k if isinstance(k, str) else f"{k:g}" if isinstance(k, float) else str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    if hasattr(value, "tolist"):
-        return _plain(value.tolist())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if isinstance(value, (str, int, bool, type(None))) else str(value)
+def _key(key: Any) -> str:
+    return f"{key:g}" if isinstance(key, float) else str(key)

@@ -43,8 +43,9 @@ def _value(node: Sym, values: list[float], known: dict[str, float], graph: Graph
             return node.value
         case "case" | "variable":
             return known[node.name]
-        case "flag":
-            return 1.0 if values[graph.guards[int(node.name[1:])].number] > 0 else -1.0
+        case "flag":  # of a condition on time alone, or of a guard
+            held = graph.clocks[int(node.name[3:])] if node.name.startswith("clk") else graph.guards[int(node.name[1:])]
+            return 1.0 if values[held.number] > 0 else -1.0
         case "add":
             return a[0] + a[1]
         case "subtract":
