@@ -12,7 +12,7 @@ from stickslip.engine.events import EventWriter
 from stickslip.engine.symbols import Sym
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
 from stickslip.engine.trace import Equations
-from stickslip.engine.write import Writer, combine, horner, literal
+from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 
 __all__ = ["CONTROL", "Control", "Step", "write_step"]
 
@@ -40,7 +40,6 @@ CONTROL = {RODAS4.name: Control(), RODAS5P.name: Control(swing=0.45, swing_from=
 
 #: Values of the step's state `stat` beside 0 (running) and 1 (arrived at the end of the period).
 BUDGET, TOO_SMALL, NOT_A_NUMBER = 2, 3, 4
-_LOG = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
 
 
 @dataclass(frozen=True)
@@ -238,7 +237,7 @@ class _StepWriter(EventWriter):
                 floor = f"{literal(k.inner_floor)} * _m{i}"
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
             w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
-            w.line(f"_l{i}", f"(as_bits(_e{i}) - as_bits(_s{i})) * {_LOG}")
+            w.line(f"_l{i}", f"(as_bits(_e{i}) - as_bits(_s{i})) * {LOG_OF_BITS}")
         w.line("_ok", " and ".join(f"_e{i} <= _s{i}" for i in range(self.n)))
         w.line("_ln", "_l0")
         for i in range(1, self.n):
@@ -249,7 +248,7 @@ class _StepWriter(EventWriter):
         """The next step's length: integral control with Gustafsson's prediction, all in binary logarithms."""
         w, k = self.w, self.k
         w.line("_lf", f"fma({literal(-k.exponent)}, _ln, {literal(_log2(k.safety))})")
-        w.line("_lh1", f"fma(as_bits(_hh) * 1.0, {_LOG}, -1022.957)")
+        w.line("_lh1", f"fma(as_bits(_hh) * 1.0, {LOG_OF_BITS}, -1022.957)")
         w.line("_lg", f"_lf + (_lh1 - _lh) + {literal(k.exponent)} * (_le - _ln)")
         w.line("_lf", "_lg if (_lg < _lf and _ok) else _lf")
         w.line("_most", f"_grow if _ok else {literal(_log2(k.growth_rejected))}")

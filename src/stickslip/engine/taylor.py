@@ -14,14 +14,13 @@ from stickslip.engine.jets import ZERO, Jets
 from stickslip.engine.rosenbrock import Step
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.trace import Equations
-from stickslip.engine.write import Writer, horner, literal
+from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
 __all__ = ["ORDER", "switches", "write_step"]
 
 ORDER = 16
 LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of the velocity scale: what a step may leave out
-_LOG = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
 
 
 def write_step(eq: Equations) -> Step:
@@ -135,7 +134,7 @@ class _SeriesWriter:
         for m in (ORDER - 1, ORDER):
             if c[m] == ZERO:
                 continue
-            bits = w.line(w.fresh(), f"(as_bits({tolerated}) - as_bits(abs({c[m]}))) * {_LOG}")
+            bits = w.line(w.fresh(), f"(as_bits({tolerated}) - as_bits(abs({c[m]}))) * {LOG_OF_BITS}")
             power = w.line(w.fresh(), f"{literal(1 / m)} * {bits}")
             w.line(power, f"{power} if {power} < 900.0 else 900.0")
             h = w.line(w.fresh(), f"as_float(np.int64(({power} + 1022.957) * 4503599627370496.0))")

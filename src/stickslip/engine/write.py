@@ -12,7 +12,9 @@ from collections.abc import Iterable, Sequence
 
 from stickslip.engine.symbols import CASE, STATE, Sym
 
-__all__ = ["Writer", "combine", "horner", "literal"]
+__all__ = ["LOG_OF_BITS", "Writer", "combine", "horner", "literal"]
+
+LOG_OF_BITS = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
 
 
 def literal(value: float) -> str:

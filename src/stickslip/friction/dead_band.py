@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stickslip.fields import at_least, positive
-from stickslip.friction.law import Law
+from stickslip.friction.approximation import Approximation
 from stickslip.friction.sides import by_side
 from stickslip.maths import where
 
@@ -14,7 +14,7 @@ __all__ = ["DeadBand"]
 
 
 @dataclass(frozen=True, eq=False)
-class DeadBand(Law):
+class DeadBand(Approximation):
     r"""Anisotropic Coulomb friction that is viscous inside a band around v = 0: an approximation.
 
     .. math:: R = \mu_\pm N\,v/w \;(|v| < w), \qquad R = \pm\mu_\pm N \;(|v| \ge w)
@@ -40,7 +40,6 @@ class DeadBand(Law):
     mu_minus: float
     width: float
 
-    states: ClassVar[int] = 0
     approximation: ClassVar[str] = (
         "dead-band Coulomb friction is a viscous film inside the band: under any force below break-away the body creeps, at up to width"
     )
@@ -51,23 +50,7 @@ class DeadBand(Law):
         "width": (positive, "a positive velocity [m/s]"),
     }
 
-    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
-        """There is no inner state."""
-        return ()
-
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""
         share = where(v > self.width, 1.0, where(v < -self.width, -1.0, v / self.width))
         return by_side(v, self.mu_plus, self.mu_minus) * load * share
-
-    def scale(self, load: Any) -> tuple[Any, ...]:
-        """There is no inner state."""
-        return ()
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes [m/s]."""
-        return self.width
-
-    def notes(self, load: Any) -> list[str]:
-        """What is wrong with this law."""
-        return [self.approximation]

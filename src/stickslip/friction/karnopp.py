@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import at_least, positive
-from stickslip.friction.law import Law
+from stickslip.friction.approximation import Approximation
 from stickslip.friction.sides import by_side, check_static, static
 from stickslip.maths import where
 
@@ -15,7 +15,7 @@ __all__ = ["Karnopp"]
 
 
 @dataclass(frozen=True, eq=False)
-class Karnopp(Law):
+class Karnopp(Approximation):
     r"""Anisotropic Karnopp friction: in a band around v = 0 the body is held as long as static friction can: an approximation.
 
     .. math:: R = \pm\mu_\pm N \;(|v| > w), \qquad R = \min(\max(R_0, -f_- N), f_+ N) \;(|v| \le w)
@@ -51,7 +51,6 @@ class Karnopp(Law):
     f_minus: float | None
     width: float
 
-    states: ClassVar[int] = 0
     approximation: ClassVar[str] = (
         "Karnopp's model does not bring the body to rest: inside the band it keeps the velocity with which it came in, up to width"
     )
@@ -67,25 +66,9 @@ class Karnopp(Law):
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)
 
-    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
-        """There is no inner state."""
-        return ()
-
     def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
         """Friction force R; `applied` is the one that would keep v constant [N]."""
         forward, backward = static(self.f_plus, self.mu_plus) * load, -static(self.f_minus, self.mu_minus) * load
         held = where(applied > forward, forward, where(applied < backward, backward, applied))
         sliding = by_side(v, self.mu_plus, -self.mu_minus) * load
         return where(v > self.width, sliding, where(v < -self.width, sliding, held))
-
-    def scale(self, load: Any) -> tuple[Any, ...]:
-        """There is no inner state."""
-        return ()
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes [m/s]."""
-        return self.width
-
-    def notes(self, load: Any) -> list[str]:
-        """What is wrong with this law."""
-        return [self.approximation]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stickslip.fields import at_least, positive
-from stickslip.friction.law import Law
+from stickslip.friction.approximation import Approximation
 from stickslip.friction.sides import by_side
 from stickslip.maths import tanh
 
@@ -14,7 +14,7 @@ __all__ = ["TanhCoulomb"]
 
 
 @dataclass(frozen=True, eq=False)
-class TanhCoulomb(Law):
+class TanhCoulomb(Approximation):
     r"""Anisotropic Coulomb friction whose step at v = 0 is replaced by a steep curve: an approximation.
 
     .. math:: R = \mu_\pm N \tanh(v/w)
@@ -40,7 +40,6 @@ class TanhCoulomb(Law):
     mu_minus: float
     width: float
 
-    states: ClassVar[int] = 0
     approximation: ClassVar[str] = (
         "tanh-smoothed Coulomb friction holds nothing at rest: under any force below break-away the body creeps, at a speed near width"
     )
@@ -51,22 +50,6 @@ class TanhCoulomb(Law):
         "width": (positive, "a positive velocity [m/s]"),
     }
 
-    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
-        """There is no inner state."""
-        return ()
-
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""
         return by_side(v, self.mu_plus, self.mu_minus) * load * tanh(v / self.width)
-
-    def scale(self, load: Any) -> tuple[Any, ...]:
-        """There is no inner state."""
-        return ()
-
-    def velocity_scale(self) -> Any:
-        """The velocity over which friction changes [m/s]."""
-        return self.width
-
-    def notes(self, load: Any) -> list[str]:
-        """What is wrong with this law."""
-        return [self.approximation]

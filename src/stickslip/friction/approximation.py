@@ -1,0 +1,33 @@
+"""What the smoothed laws share: no inner state, a width in velocity, and a sentence on what is wrong with them."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from stickslip.friction.law import Law
+
+__all__ = ["Approximation"]
+
+
+class Approximation(Law):
+    """Base of the laws that exist to show how wrong they are; each brings its force and its sentence."""
+
+    states: ClassVar[int] = 0
+    approximation: ClassVar[str] = ""
+    width: Any
+
+    def rate(self, v: Any, z: Any, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def scale(self, load: Any) -> tuple[Any, ...]:
+        """There is no inner state."""
+        return ()
+
+    def velocity_scale(self) -> Any:
+        """The velocity over which friction changes [m/s]."""
+        return self.width
+
+    def notes(self, load: Any) -> list[str]:
+        """What is wrong with this law."""
+        return [self.approximation]
