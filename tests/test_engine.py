@@ -10,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from problems import paper_batch
-from stickslip.engine import cache, lanes, tableaux, trace
+from stickslip.engine import cache, driver, lanes, tableaux, trace
 from stickslip.engine.symbols import Graph
 from stickslip.engine.write import Writer
 from stickslip.maths import cos, exp, log, sin, sqrt, tanh, where
@@ -163,8 +163,8 @@ def test_branch_free_functions_are_exact_to_a_few_units(function):
     w = Writer(prefix="_")
     x = graph.variable("x")
     w.line("_out", w.value(function(x), {"x": "x[i]"}))
-    source = lanes._HEADER.format(label="test", method="test", lanes=1)
-    source += '@njit("void(float64[::1], float64[::1])", **OPTIONS)\ndef apply(x, out):\n    for i in range(x.size):\n'
+    source = driver.HEADER.format(label="test")
+    source += '@njit("void(float64[::1], float64[::1])", **CALLED)\ndef apply(x, out):\n    for i in range(x.size):\n'
     source += "".join(f"        {line}\n" for line in w.lines) + "        out[i] = _out\n"
     module = cache.load(source, f"test_{function.__name__}", function.__name__)
     rng = np.random.default_rng(0)

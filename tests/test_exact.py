@@ -299,13 +299,26 @@ class Rubber:
 
     grip: float
     slope: float = 0.0
-    hold: float = 1.0
 
     def sliding(self, v, load):
         return where(v > 0, self.grip, -1.3 * self.grip) * load + self.slope * v
 
     def breakaway(self, load):
-        return -1.3 * self.hold * self.grip * load, self.hold * self.grip * load
+        return -1.3 * self.grip * load, self.grip * load
+
+
+class Weak(Rubber):
+    """Its break-away falls below its sliding friction at small loads."""
+
+    def breakaway(self, load):
+        return -1.3 * self.grip * load**2, self.grip * load**2
+
+
+class Pushing(Rubber):
+    """Its sliding friction drives the motion."""
+
+    def sliding(self, v, load):
+        return -super().sliding(v, load)
 
 
 def with_law(law):
@@ -323,8 +336,8 @@ def test_a_users_own_law_is_asked_and_not_assumed():
     ("robot", "said"),
     [
         (with_law(Rubber(grip=0.15, slope=0.01)), "depends on the speed"),
-        (with_law(Rubber(grip=0.15, hold=0.9)), "breaks away below"),
-        (with_law(Rubber(grip=-0.15)), "feeds the motion"),
+        (with_law(Weak(grip=0.15)), "breaks away below"),
+        (with_law(Pushing(grip=0.15)), "feeds the motion"),
         (ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4), "dynamic law"),
     ],
 )

@@ -18,6 +18,8 @@ COMPILED = [law for law in LAWS if not getattr(LAWS[law], "scalar_only", False)]
 COVERING = {(law, drive, "level") for law in COMPILED for drive in ("harmonic", "twophase") if drive == "harmonic" or law in ss.LAWS}
 ON_TRACKS = {"multiharmonic": "downhill", "trapezoid": "varying"}
 COVERING |= {(law, drive, ON_TRACKS.get(drive, "level")) for law in ("coulomb", "lugre") for drive in DRIVES}
+COVERING |= {("resetintegrator", "harmonic", "uphill")}  # z leaves zero with no speed, to the side that its flag does not hold
+COVERING |= {("karnopp", "trapezoid", "level")}  # at rest nothing moves that would keep steps short enough to see it break away
 
 
 def cases():
@@ -35,17 +37,20 @@ def instants(model, periods):
 
 @pytest.mark.parametrize(("law", "drive", "track"), list(cases()))
 def test_compiled_is_plain(law, drive, track):
-    """Arcs are exact and the judge is held to 1e-12 a step; a law with inner states is held to 1e-9 a step by both."""
+    """Arcs are exact and the judge is held to 1e-12 a step; a law with inner states is held to 1e-9 a step by both.
+
+    The judge steps over the corners of a table: between its tolerances 1e-11 and 1e-12 it differs from itself by 1e-8.
+    """
     model = robot(law, drive, track)
-    dynamic = is_dynamic(model.friction)
+    dynamic, corners = is_dynamic(model.friction), law == "tabulated"
     run = ss.solve(model, periods=3, rtol=1e-9)
-    judge = ss.solve(model, periods=3, method="dop853", rtol=1e-10 if dynamic else 1e-12)
+    judge = ss.solve(model, periods=3, method="dop853", rtol=1e-10 if dynamic and law != "karnopp" else 1e-12)  # it may step over a band
     t = instants(model, 3)
     assert run.method == ("Rodas5P" if dynamic else "exact") and judge.method == "dop853"
-    assert run.at(t)["v"] == pytest.approx(judge.at(t)["v"], abs=(1e-7 if dynamic else 1e-9) * model.free_velocity)
+    assert run.at(t)["v"] == pytest.approx(judge.at(t)["v"], abs=(1e-7 if dynamic else 1e-7 if corners else 1e-9) * model.free_velocity)
     if not dynamic:
         assert [(e.kind, e.after) for e in run.events] == [(e.kind, e.after) for e in judge.events]
-        assert [e.t for e in run.events] == pytest.approx([e.t for e in judge.events], abs=1e-10 * model.period)
+        assert [e.t for e in run.events] == pytest.approx([e.t for e in judge.events], abs=(1e-8 if corners else 1e-10) * model.period)
 
 
 # one lane and sixteen ---------------------------------------------------------------------------------------------
@@ -78,3 +83,11 @@ def test_one_lane_and_sixteen_give_the_same_bits(model, tableau):
     assert np.ptp(many.displacement) > 0 and np.ptp(many.accepted) > 0
     for name in ("displacement", "window", "v_max", "v_min", "end", "period", "seg_count", "seg_time", "seg_code", "accepted", "rejected"):
         assert np.array_equal(getattr(many, name), getattr(one, name)), name
+
+
+def test_a_number_that_is_missing_is_another_kind():
+    """A law without static coefficients, solved after one that has them: the same motion as with equal ones."""
+    given = dict(mass=1.0, stiffness=2.0, speed=0.1, damping=0.5)
+    with_static, without = (ss.BlockOnBelt(friction=ss.Coulomb(1.0, 1.0, **f), **given) for f in (dict(f_plus=1.0, f_minus=1.0), {}))
+    ends = [ss.solve(bench, duration=5.0).at(5.0) for bench in (with_static, without)]
+    assert ends[0]["x"] == pytest.approx(ends[1]["x"], rel=1e-12)

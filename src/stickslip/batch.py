@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.errors import InputError, Problems
 from stickslip.fields import describe, is_array, leaves
 
-__all__ = ["Labels", "labels_of", "rows_of", "shape_of", "spread"]
+__all__ = ["Labels", "check_shape", "labels_of", "rows_of", "shape_of", "spread"]
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,15 @@ def _arrays(model: Any) -> dict[str, Any]:
 def shape_of(model: Any) -> tuple[int, ...]:
     """Shape of the batch; () for a single case."""
     return labels_of(model).shape
+
+
+def check_shape(model: Any, problems: Problems) -> None:
+    """Add what is wrong with the shapes of a model's arrays, once its fields are right."""
+    if not problems.found:
+        try:
+            shape_of(model)
+        except InputError as error:
+            problems.include(error)
 
 
 def labels_of(model: Any) -> Labels:

@@ -55,7 +55,11 @@ def intervals_of(seg_count: Array, seg_time: Array, seg_code: Array, dwell: floa
     >>> str(merged.pattern[0]), merged.start[0, :2].round(12).tolist(), merged.length[0, :2].round(12).tolist()
     ('+0', [0.6, 0.1], [0.5, 0.5])
     """
-    count = np.asarray(seg_count)
+    return _intervals(np.asarray(seg_count), seg_time, seg_code, dwell)[0]
+
+
+def _intervals(count: Array, seg_time: Array, seg_code: Array, dwell: float) -> tuple[Intervals, list[str], Array]:
+    """The intervals; the different patterns among them, and which one each case has."""
     K = max(int(count.max(initial=0)), 1)
     time, code, valid = _packed(count, np.asarray(seg_time, float)[:, :K], np.asarray(seg_code, np.int8)[:, :K])
     label = _labels(time, code, valid, dwell)
@@ -114,8 +118,8 @@ def _merged(time: Array, label: Array, valid: Array) -> tuple[Array, Array, Arra
     return start, np.where(np.arange(K) < begins.sum(axis=1)[:, None], length, 0.0), sign
 
 
-def _rotated(start: Array, length: Array, sign: Array) -> Intervals:
-    """The intervals turned so that each row begins where its pattern begins."""
+def _rotated(start: Array, length: Array, sign: Array) -> tuple[Intervals, list[str], Array]:
+    """The intervals turned so that each row begins where its pattern begins; the patterns, and which one each row has."""
     distinct, which = _distinct_rows(sign)
     found = [_canonical([int(s) for s in row if s != _NONE]) for row in distinct]
     count, K = (distinct != _NONE).sum(axis=1)[which][:, None], sign.shape[1]
@@ -123,7 +127,8 @@ def _rotated(start: Array, length: Array, sign: Array) -> Intervals:
     shift = np.array([f[1] for f in found], int)[which][:, None]
     order = np.where(places < count, (places + shift) % np.maximum(count, 1), places)
     start, length, sign = (np.take_along_axis(a, order, axis=1) for a in (start, length, sign))
-    return Intervals(start, length, sign, np.array([f[0] for f in found])[which])
+    patterns = [f[0] for f in found]
+    return Intervals(start, length, sign, np.array(patterns)[which]), patterns, which
 
 
 def _distinct_rows(sign: Array) -> tuple[Array, Array]:
@@ -190,11 +195,11 @@ def type_of(
     """
     count, net = np.asarray(seg_count), np.asarray(net, float)
     codes = np.asarray(seg_code, np.int8)[:, : max(int(count.max(initial=0)), 1)]
-    merged = intervals_of(count, seg_time, codes, dwell)
+    merged, patterns, which = _intervals(count, seg_time, codes, dwell)
     given = np.arange(codes.shape[1]) < count[:, None]
     sliding = (given & (abs(codes) == 2)).any(axis=1)
     elastic = (given & (abs(codes) == 1)).any(axis=1)
-    motion_type = np.array([_TYPES.get(p, "other") for p in merged.pattern.tolist()], "<U10")
+    motion_type = np.array([_TYPES.get(p, "other") for p in patterns], "<U10")[which]
     motion_type[(np.asarray(period) > 1) | (count < 1)] = "other"
     still = (count > 0) & ~sliding
     motion_type[still] = np.where(elastic & np.asarray(moving), "presliding", "rest")[still]

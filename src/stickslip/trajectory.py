@@ -244,13 +244,19 @@ class Trajectory:
         return np.minimum(self.pieces.t[0] + np.arange(count + 1) * self.period_time, self.pieces.t[-1])
 
     @cached_property
-    def _strobe(self) -> tuple[Any, Any, Any]:
-        """States at the strobe times, after an impulse that falls on one."""
+    def _strobe(self) -> tuple[Any, Any, Any, Any]:
+        """States and memories at the strobe times, after an impulse that falls on one."""
         t, nodes = self.strobe_times, self.pieces.t
         index = self._index(t + 1e-12 * self.period_time)
         x, v, z = self.pieces.evaluate(np.maximum(t, nodes[index]), index)
-        v[-1] += sum(jump for time, jump in self._impulses if abs(time - t[-1]) < 1e-9 * self.period_time and t[-1] >= nodes[-1])
-        return x, v, z
+        memory = np.array(self.pieces.memory[index]) if hasattr(self.pieces, "memory") else np.empty((len(t), 0), int)
+        jump = sum(jump for time, jump in self._impulses if abs(time - t[-1]) < 1e-9 * self.period_time and t[-1] >= nodes[-1])
+        slip = float(self.model.contact_velocity(float(v[-1])))
+        if memory.shape[1] and slip * (slip + jump) < 0:
+            load = forces.normal_load(self.model, float(t[-1]), float(x[-1]))
+            z[-1], memory[-1] = forces.passed_zero(self.model.friction, z[-1], load, memory[-1])
+        v[-1] += jump
+        return x, v, z, memory
 
     @property
     def strobe_x(self) -> Any:
@@ -266,6 +272,11 @@ class Trajectory:
     def strobe_z(self) -> Any:
         """Inner state at the strobe times, shaped like `z`."""
         return _as_column(self._strobe[2])
+
+    @property
+    def strobe_memory(self) -> Any:
+        """Whole numbers that the law remembers, at the strobe times, shaped like `z`; None where it remembers none."""
+        return _as_column(self._strobe[3])
 
     # ---- doors ----
     @property

@@ -65,13 +65,17 @@ class EventWriter:
         w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
         w.line("_th", "_te * _gs / (_gs - _ge if _ge < _tiny else 1.0)")
         w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
-        w.line("_wrong", f"_late or {self.f[0]} * _b0 < 0.0")
+        w.line("_wrong", f"_late or {self._leaves(self.f[0], '_b0', '_g0e < _tiny')}")
         w.line("_which", "0.0")
         w.line("_size", "0.0")
         w.line("_to", "_t + _hh")
         end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
         for k in range(1, self.g):
             self._other_crossing(k, end)
+
+    def _leaves(self, rate: str, side: str, out: str) -> str:
+        """Whether a guard that starts at zero goes to the other side: by its rate, or, where that is zero too, by where the step ends."""
+        return f"({rate} * {side} < 0.0 or ({rate} == 0.0 and {out}))"
 
     def _other_crossing(self, k: int, end: dict[str, str]) -> None:
         """The same for another guard of the law; the one that goes first is kept."""
@@ -87,7 +91,7 @@ class EventWriter:
         w.line(f"_th{k}", f"_gp{k} / (_gp{k} - _g{k}e if _out{k} else 1.0)")
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
-        w.line("_wrong", f"(_late or {self.guard_rate[k]} * _b{k} < 0.0) if _first else _wrong")
+        w.line("_wrong", f"(_late or {self._leaves(self.guard_rate[k], f'_b{k}', f'_out{k}')}) if _first else _wrong")
         for name, value in (
             ("_gs", f"_gp{k}"),
             ("_ge", f"_g{k}e"),

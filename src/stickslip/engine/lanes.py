@@ -1,8 +1,8 @@
 """Kernels that run many cases in SIMD lanes: their text, and the arrays they work on.
 
-A kernel's file is the step of `rosenbrock.py` written once for each group of eight lanes, line by line in turn (two
-independent chains hide each other's latency), with the driver text of ``kernels/lanes.py`` below it. The same text with
-one lane, which also keeps the dense output, solves a single case; the two give the same bits.
+A kernel's file is the step of `rosenbrock.py` or the series of `taylor.py`, written once for each group of eight lanes, line
+by line in turn (two independent chains hide each other's latency), and what else depends on the law. The driver (`driver.py`)
+calls it. The same text with one lane, which also keeps the dense output, solves a single case; the two give the same bits.
 """
 
 from __future__ import annotations
@@ -10,11 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from importlib import resources
 from typing import Any
 
-from stickslip.engine import cache, taylor
+from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
@@ -26,53 +25,16 @@ from stickslip.fields import leaves
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "run"]
 
 SEGMENTS, RINGS, KEPT = 32, 34, 16
-_HEADER = '''"""Written by stickslip: {label}, {lanes} lanes. A step of the equations, then the driver."""
-import math
-
-import numpy as np
-from llvmlite import ir
-from numba import njit, types
-from numba.extending import intrinsic
-
-OPTIONS = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
-
-
-@intrinsic
-def as_float(typingctx, i):
-    def emit(context, builder, sig, args):
-        return builder.bitcast(args[0], ir.DoubleType())
-    return types.float64(types.int64), emit
-
-
-@intrinsic
-def as_bits(typingctx, x):
-    def emit(context, builder, sig, args):
-        return builder.bitcast(args[0], ir.IntType(64))
-    return types.int64(types.float64), emit
-
-
-@intrinsic
-def choose(typingctx, condition, yes, no):
-    def emit(context, builder, sig, args):
-        return builder.select(*args)
-    return yes(types.boolean, yes, no), emit
-
-
-@intrinsic
-def fma(typingctx, a, b, c):
-    def emit(context, builder, sig, args):
-        return builder.fma(*args)
-    return types.float64(types.float64, types.float64, types.float64), emit
-
-
-'''
+#: Numbers of the layout that a law's own functions read.
+_NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "F_MODE", "F_CLK")
 
 
 @dataclass(frozen=True)
 class Kernel:
     """A compiled kernel and the shape of what it works on."""
 
-    module: Any
+    module: Any  # the law's functions: the driver knows them by their addresses only
+    table: Any  # where the driver finds what (see driver.py)
     lanes: int
     fields: int
     states: int
@@ -112,9 +74,11 @@ class Results:
     seg_code: Any
     accepted: Any
     rejected: Any
+    memory: Any  # (cases, modes): memories of the law at the end
     pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
 
 
+_NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 _kernels: dict[Any, Kernel] = {}
 
 
@@ -140,7 +104,7 @@ def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
 def _kind(model: Any) -> tuple[Any, ...]:
     """What the equations depend on: classes, names of the numbers, and the fields that are no numbers."""
     numbers = set(numbers_of(model))
-    return tuple((name, None if name in numbers else value) for name, value in leaves(model, kinds=True))
+    return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
 
 def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> Kernel:
@@ -148,11 +112,12 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     step = taylor.write_step(eq) if tableau is None else write_step(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
     width, groups = (1, 1) if record else (8, 2)
-    source = _source(eq, step, width, groups, f"{label}, {method}", record)
+    source = _source(eq, step, width, groups, f"{label}, {method}")
     name = "single" if record else "lanes"
     module = cache.load(source, f"{name}_{_plain(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})")
     return Kernel(
         module,
+        driver.table(module, *_layout(eq, step, width * groups)),
         width * groups,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -171,51 +136,49 @@ def _constants(eq: Equations, step: Step) -> list[Any]:
     """What is computed once for each case, in order: what the step reads, then what the driver reads."""
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
-    return [*step.case_nodes, eq.period, eq.velocity_scale, eq.free_velocity, *scales, *instants, *(jump for _, jump in eq.impulses)]
+    own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
+    return [*step.case_nodes, *own, *scales, *instants, *(jump for _, jump in eq.impulses)]
 
 
-def _layout(eq: Equations, step: Step, lanes: int, record: bool) -> dict[str, Any]:
-    """The numbers by which the driver finds its way; a field that this kind of step has not is at -1."""
+def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
+    """The numbers by which the driver finds its way; a field that this kind of step has not is at -1. Then each state's scale."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     first = len(step.case_nodes)
     scale_at = [-1] * eq.states
     for place, i in enumerate(i for i, s in enumerate(eq.scales, start=1) if s is not None):
-        scale_at[i] = first + 3 + place
+        scale_at[i] = first + 4 + place
     constants = len(_constants(eq, step))
     breaks = len(eq.instants) + len(eq.impulses)
     named = {
-        "L": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
-        "CONSTANTS": constants, "DEGREE": step.degree, "RECORD": record, "PERIOD": first, "FREE": first + 2, "SCALE_AT": tuple(scale_at),
-        "SET_VALUED": not eq.dynamic, "OFFERED": eq.offered is not None, "CYCLIC": eq.cyclic, "MODES": len(eq.modes),
+        "LANES": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
+        "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
+        "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
         "BREAK_AT": constants - len(eq.impulses) - breaks, "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
     firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
-    return named | {name: offsets.get(field, -1) for name, field in (firsts | {f"F_{f.upper()}": f for f in alone}).items()}
+    fields = firsts | {f"F_{f.upper()}": f for f in alone}
+    return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
 
 
-def _source(eq: Equations, step: Step, width: int, groups: int, label: str, record: bool) -> str:
+def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> str:
+    """What depends on the law: the functions that the driver calls (`driver.FUNCTIONS`)."""
     lanes = width * groups
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
-    named = _layout(eq, step, lanes, record)
+    named, _ = _layout(eq, step, lanes)
     parts = [
-        _HEADER.format(label=label, lanes=lanes),
-        "".join(f"{k} = {v!r}\n" for k, v in named.items()),
+        driver.HEADER.format(label=f"{label}, {lanes} lanes") + f"L = {lanes}\n",
+        "".join(f"{name} = {named[name]}\n" for name in _NAMED),
         _prelude(eq, _constants(eq, step)),
-        *_flags(eq),
-        _powers(eq, step.degree),
+        _look(eq),
+        _force(eq, step.degree),
+        (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(width, groups, offsets, named["F_C"])),
-        *(() if eq.dynamic else (taylor.switches(eq, step), _driver("arcs"))),
-        *map(_driver, ("flags", "watching", "lanes")),
+        *(() if eq.dynamic else (taylor.switches(eq, step),)),
     ]
     return "\n\n".join(parts)
-
-
-@lru_cache
-def _driver(name: str) -> str:
-    return (resources.files("stickslip.engine") / "kernels" / f"{name}.py").read_text(encoding="utf-8")
 
 
 def _prelude(eq: Equations, nodes: list[Any]) -> str:
@@ -227,58 +190,45 @@ def _prelude(eq: Equations, nodes: list[Any]) -> str:
     return '@njit("void(float64[::1], float64[::1])", **OPTIONS)\ndef prelude(row, c):\n' + "".join(f"    {line}\n" for line in body)
 
 
-def _flags(eq: Equations) -> list[str]:
+def _look(eq: Equations) -> str:
     """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
     bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
-    w = Writer(prefix="p")
-    ticks = [w.line(f"out[{k}]", f"-1.0 if {w.value(clock, bind)} < 0.0 else 1.0") for k, clock in enumerate(eq.clocks)]
-    texts = [_function("clocks", "row, t, out", w.lines, bool(ticks))]
-    w = Writer(prefix="p")
     sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
-    lines = [f"mode[{i}] = {w.value(new, bind)}" for i, new in enumerate(eq.first_modes)]
-    texts.append(_function("modes", "row, t, y, clock, mode", [*w.lines, *lines], bool(lines)))
-    w = Writer(prefix="p")
+    writers = [Writer(prefix=letter) for letter in "pqrs"]
+    for k, clock in enumerate(eq.clocks):
+        writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
+    news = [f"mode[{i}] = {writers[1].value(new, bind)}" for i, new in enumerate(eq.first_modes)]
     for k, guard in enumerate(eq.guards):
-        w.line(f"out[{k}]", f"1.0 * {w.value(guard, bind | sides)}")
+        writers[2].line(f"out[{k}]", f"1.0 * {writers[2].value(guard, bind | sides)}")
         if k < eq.signs:
-            w.line(f"b{k}", f"-1.0 if out[{k}] < 0.0 else 1.0")
-    texts.append(_function("sides", "row, t, y, clock, mode, out", w.lines, True))
-    w, lines = Writer(prefix="p"), []
+            writers[2].line(f"b{k}", f"-1.0 if out[{k}] < 0.0 else 1.0")
+    passed = []
     if eq.dynamic and 0 in eq.switches:
+        w, switch = writers[3], eq.switches[0]
         w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
-        lines = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(eq.switches[0].modes)]
-        lines += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(eq.switches[0].states) if new is not None]
-    texts.append(_function("at_rest", "row, t, y, clock, mode", [*w.lines, *lines], bool(lines)))
-    return texts
+        passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
+        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.states) if new is not None]
+    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed), strict=True)
+    text = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', "def look(what, row, t, y, clock, mode, out):"]
+    for what, (_, before, after) in enumerate(bodies):
+        if before or after:
+            text += [f"    if what == {what}:", *(f"        {line}" for line in [*before, *after])]
+    return "\n".join([*text, "    return"])
 
 
-def _powers(eq: Equations, degree: int) -> str:
-    """The force that all but friction offer, by time, and the mass; the nodes on which its work is summed."""
+def _force(eq: Equations, degree: int) -> str:
+    """The force that all but friction offer, by time; the nodes on which its work is summed."""
     import numpy as np
 
     nodes, weights = np.polynomial.legendre.leggauss(4 if degree < 8 else 10)
     tables = [f"{name} = np.array({values.tolist()!r})" for name, values in (("NODES", 0.5 * (nodes + 1)), ("WEIGHTS", 0.5 * weights))]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
-    w, mass = Writer(prefix="p"), Writer(prefix="p")
-    force = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
-    total = mass.value(eq.mass, bind)
-    return "\n".join(
-        [
-            *tables,
-            '@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)\ndef offered(lane, S, row, t):',
-            *(f"    {line}" for line in [*w.lines, f"return 1.0 * {force}"]),
-            '@njit("float64(float64[::1])", **OPTIONS)\ndef total_mass(row):',
-            *(f"    {line}" for line in [*mass.lines, f"return 1.0 * {total}"]),
-        ]
-    )
-
-
-def _function(name: str, arguments: str, lines: list[str], something: bool) -> str:
-    types = ", ".join("float64" if a == "t" else "float64[::1]" for a in arguments.split(", "))
-    body = "".join(f"    {line}\n" for line in (lines if something else ["pass"]))
-    return f'@njit("void({types})", **OPTIONS)\ndef {name}({arguments}):\n{body}'
+    w = Writer(prefix="p")
+    value = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
+    head = ['@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)', "def force(lane, S, row, t):"]
+    return "\n".join([*tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"])])
 
 
 def run(
@@ -292,23 +242,26 @@ def run(
 ) -> Results:
     """Run all cases of a table, returning to Python after every slice, so that Ctrl-C works.
 
+    A start is a row of x, the states, and the memories of the law; a row without memories begins with zeros.
     Results do not depend on how cases are spread over lanes, slices, calls and threads.
     """
     import numpy as np
 
     cases, n = params.shape[0], k.states
+    start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
     S = np.ones(k.fields * k.lanes)
     lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 15)), np.zeros((k.lanes, RINGS, 1 + n)), np.zeros((k.lanes, KEPT))
+    lane_floats, ring, xs = np.zeros((k.lanes, 15)), np.zeros((k.lanes, RINGS, 1 + n + k.modes)), np.zeros((k.lanes, KEPT))
     cursor = np.array([0, cases, 0], dtype=np.int64)
-    out, count = np.full((cases, 6 + n), np.nan), np.zeros((cases, 6), dtype=np.int64)
+    out, count = np.full((cases, 6 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
-    while k.module.advance(
+    advance = driver.load().advance
+    while advance(
         S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,
-        job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls,
+        job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
     ):  # fmt: skip
         kept.append(pieces[: cursor[2]].copy())
         cursor[2] = 0
@@ -318,6 +271,6 @@ def run(
     if progress is not None:
         progress(cases)
     return Results(
-        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5:], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3], seg_time,
-        seg_code, count[:, 4], count[:, 5], np.concatenate(kept) if keep_pieces else None,
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3],
+        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n :], np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip

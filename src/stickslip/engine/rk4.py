@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine import cache
-from stickslip.engine.lanes import _HEADER, _plain, _prelude
+from stickslip.engine.driver import HEADER
+from stickslip.engine.lanes import _plain, _prelude
 from stickslip.engine.symbols import Sym
 from stickslip.engine.trace import Equations, label, trace
 from stickslip.engine.write import Writer
@@ -72,7 +73,7 @@ def kernel(model: Any) -> Kernel:
     """The compiled loop of a model's kind."""
     s, name = slopes(model), label(model)
     body = _Loop(s).text()
-    source = "\n\n".join([_HEADER.format(label=f"{name}, RK4", lanes=1), *body])
+    source = "\n\n".join([HEADER.format(label=f"{name}, RK4"), *body])
     return Kernel(cache.load(source, f"rk4_{_plain(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 
@@ -121,7 +122,7 @@ class _Loop:
         nodes = self.w.case_nodes
         n, many = range(self.n), len(nodes)
         keep = ["_x", *(f"_y{i}" for i in n), *(f"_k1_{i}" for i in n)]
-        lines = [f'@njit("{_SIGNATURE}", **OPTIONS)', "def advance(row, state, periods, steps, every, strobe, nodes, extremes):"]
+        lines = [f'@njit("{_SIGNATURE}", **CALLED)', "def advance(row, state, periods, steps, every, strobe, nodes, extremes):"]
         lines += [f"    c = np.empty({many + 1})", "    prelude(row, c)", *(f"    _c{i} = c[{i}]" for i in range(many))]
         lines += [f"    h = c[{many}] / steps", "    kept = 0", "    _x = state[0]", *(f"    _y{i} = state[{i + 1}]" for i in n)]
         lines += [

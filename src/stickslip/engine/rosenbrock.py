@@ -33,6 +33,7 @@ class Control:
     swing_rate: float = 0.8  # and for each unit of |v| beyond swing_from Stribeck velocities
     swing_from: float = 1.92
     longest: float = 0.15  # of a period
+    watchful: float = 1 / 400  # the same where a law balances what is applied: nothing moves then that would keep steps short
     newton: int = 3  # iterations for an event inside the step
 
 
@@ -256,7 +257,8 @@ class _StepWriter(EventWriter):
         w.line("_lf", f"_lf if _lf > {literal(_log2(k.shrink))} else {literal(_log2(k.shrink))}")
         w.line("_hn", "_hh * as_float(np.int64((_lf + 1022.957) * 4503599627370496.0))")
         w.line("_hn", "(_h if _h > _hn else _hn) if (_hh < _h and _ok) else _hn")  # a clipped step must not shrink the wish
-        longest = w.line(w.fresh(), f"{literal(k.longest)} * {w.value(self.eq.period, self.start)}")
+        most = k.watchful if self.eq.balances else k.longest
+        longest = w.line(w.fresh(), f"{literal(most)} * {w.value(self.eq.period, self.start)}")
         w.line("_hn", f"_hn if _hn < {longest} else {longest}")
         w.line("_h", "_hn if _acc1 else (_cut * _hh if _evB else (_hn if not _ok else _h))")
         w.line("_le", "(_ln if _ln > -8.0 else -8.0) if _acc1 else _le")

@@ -34,7 +34,7 @@ class Layout:
 
 
 def step_text(step: Step, at: Layout) -> str:
-    """The source of `step`, or of a Taylor step's `series`."""
+    """The source of `step`; of a Taylor step it only writes the series (the driver finds where it ends)."""
     if step.series:
         return _series(step, at)
     writes = _writes(at, [f for f in step.fields if f != "tend"])
@@ -46,7 +46,10 @@ def _series(step: Step, at: Layout) -> str:
     made = set(_made(step.lines))
     inputs = [f for f in step.fields if f not in made]
     return _function(
-        "series", "S", [*_reads(step, at, inputs, step.lines), *step.lines, *_writes(at, [f for f in step.fields if f in made])], at
+        "step",
+        "S, rtol, budget",
+        [*_reads(step, at, inputs, step.lines), *step.lines, *_writes(at, [f for f in step.fields if f in made])],
+        at,
     )
 
 

@@ -71,6 +71,7 @@ class Equations:
     contact: Contact | None  # of a set-valued law
     mass: Sym  # all that moves with the contact [kg]
     offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it
+    balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
 
     @property
     def dynamic(self) -> bool:
@@ -177,6 +178,7 @@ def _trace(model: Any) -> Equations:
         scales=(*motion.scales, *(() if m.cyclic else (None,))),
         stribeck_velocity=None if speed is None else m.lift(speed()),
         cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
+        balances=is_dynamic(m.model.friction) and wants_applied(m.model.friction),
     )  # fmt: skip
 
 

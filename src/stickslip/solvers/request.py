@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, labels_of, spread
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.fields import leaves, number
-from stickslip.forces import states_of
+from stickslip.forces import memories_of, states_of
 
 __all__ = ["Request", "provenance", "request"]
 
@@ -28,7 +28,7 @@ class Request:
     settle: int
     auto: bool
     rtol: float
-    start: Any  # (cases, 1 + states): x, v, inner states
+    start: Any  # (cases, 2 + inner states + memories): x, v, inner states, memories of the law
     given_start: dict[str, Any]
     workers: int
     keep: str
@@ -69,12 +69,11 @@ def request(
     problems.check()
     labels = labels_of(model)
     periods = _periods(model, labels, periods, settle, duration, problems)
-    whole = {"periods": (periods, 1), "workers": (workers, 1), "samples": (samples, 4)}
-    for name, (value, least) in whole.items():
-        if not _is_whole(value) or value < least:
-            problems.add(f"{name} = {value!r}; allowed is a whole number from {least}; type for example {name}={max(least, 200)}")
+    problems.whole("periods", periods, 1, example=200)
+    problems.whole("workers", workers, 1, example=2)
+    problems.whole("samples", samples, 4, example=200)
     auto = settle == "auto"
-    if settle is not None and not auto and (not _is_whole(settle) or settle < 0 or (_is_whole(periods) and settle >= periods)):
+    if settle is not None and not auto and (not is_whole(settle) or settle < 0 or (is_whole(periods) and settle >= periods)):
         allowed = f'a whole number from 0 below periods = {periods!r}, None or "auto"'
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
     if not isinstance(rtol, (int, float)) or not 1e-12 <= rtol <= 1e-3:
@@ -141,10 +140,6 @@ def _check_size(keep: str, periods: int, samples: int) -> None:
         )  # fmt: skip
 
 
-def _is_whole(value: Any) -> bool:
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-
-
 def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
     from stickslip.solvers import METHODS
 
@@ -178,25 +173,29 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
 
 
 def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
-    """Start values as a table (cases, 1 + states)."""
-    inner = states_of(model.friction)
+    """Start values as a table (cases, 2 + inner states + memories)."""
+    inner, memories = states_of(model.friction), memories_of(model.friction)
     cases = int(np.prod(labels.shape, dtype=np.int64))
-    table = np.zeros((cases, 2 + inner))
+    table = np.zeros((cases, 2 + inner + memories))
     if start is None:
         return table
     if not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
         return table
     columns = {"x": [0], "v": [1], "z": list(range(2, 2 + inner))}
+    columns |= {"memory": list(range(2 + inner, 2 + inner + memories))} if memories else {}
     for name, value in start.items():
         if name not in columns:
             problems.add(f"start has no {name!r}; {did_you_mean(str(name), columns)}")
             continue
         try:
             values = np.asarray(value, dtype=float)
-            if name == "z" and inner > 1:
-                values = values if values.ndim else np.repeat(values, inner)
-                table[:, 2:] = np.broadcast_to(values, (*labels.shape, inner)).reshape(cases, inner)
+            several = len(columns[name])
+            if name == "memory" and np.any(values != np.round(values)):
+                problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")
+            elif several > 1:
+                values = values if values.ndim else np.repeat(values, several)
+                table[:, columns[name]] = np.broadcast_to(values, (*labels.shape, several)).reshape(cases, several)
             elif columns[name] or np.any(values != 0.0):
                 if not columns[name]:
                     problems.add(f"start has z = {value!r}, but {type(model.friction).__name__} has no inner state; leave z out")

@@ -44,13 +44,13 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
 
 
-def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any]:
-    """The summary of a batch, and v (cases,) and the law's inner states (cases, states) of every case at its end."""
+def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any, Any]:
+    """The summary of a batch, and of every case at its end v (cases,), the law's inner states (cases, states) and its memories."""
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = _Table(todo, kernel)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
     summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table.offset))])
-    return summary, results.end[:, 1] + table.offset, results.end[:, 2 : 2 + states_of(todo.model.friction)]
+    return summary, results.end[:, 1] + table.offset, results.end[:, 2 : 2 + states_of(todo.model.friction)], results.memory
 
 
 def _method(tableau: Tableau | None) -> str:
@@ -64,7 +64,7 @@ def _job(todo: Request, rtol: float) -> lanes.Job:
 
 
 class _Table:
-    """The cases as the kernel takes them: rows of numbers, starts (x, then the states), and what to add to get v."""
+    """The cases as the kernel takes them: rows of numbers, starts (x, the states, the memories), and what to add to get v."""
 
     def __init__(self, todo: Request, kernel: lanes.Kernel):
         model, labels = todo.model, todo.labels
@@ -74,9 +74,10 @@ class _Table:
         if len(names) < len(kernel.names):
             self.rows = np.column_stack([self.rows, self.span])
         self.offset = spread(rest_velocity(model), labels)  # velocity of the body less that at the contact
-        x, v, z = todo.start[:, :1], todo.start[:, 1:2] - self.offset[:, None], todo.start[:, 2:]
+        x, v, z, memory = np.split(todo.start, [1, 2, 2 + states_of(model.friction)], axis=1)
+        v = v - self.offset[:, None]
         self.cyclic = bool(getattr(model, "cyclic", False))
-        self.start = np.ascontiguousarray(np.hstack([x, v, z] if self.cyclic else [x, v, z, x]))
+        self.start = np.ascontiguousarray(np.hstack([x, v, z, *(() if self.cyclic else (x,)), memory]))
 
 
 def _parts(todo: Request, kernel: lanes.Kernel, table: _Table, job: lanes.Job) -> Any:

@@ -1,42 +1,42 @@
-"""Where a Taylor step ends: text between the series of `taylor.py` and the driver of lanes.py."""
+"""Where a Taylor step ends, once a law's kernel has written its series: a module of its own for each number of lanes L."""
 # ruff: noqa: F821
 # mypy: ignore-errors
 #
-# A polynomial's coefficients stand at S[at + m * L], m = 0 .. DEGREE, in powers of theta = (time since the start) / h.
+# A polynomial's coefficients stand at S[at + m * L], m = 0 .. ORDER, in powers of theta = (time since the start) / h.
 
 LOOKS = 4  # stretches of a step at whose ends a guard is looked at
 NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not below it
 NEWTON = 60  # iterations at most; a handful is usual
 
 
-@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+@njit(float64(f1, int64, float64), **OPTIONS)
 def at_theta(S, at, x):
     """The polynomial at x."""
-    value = S[at + DEGREE * L]
-    for m in range(DEGREE - 1, -1, -1):
+    value = S[at + ORDER * L]
+    for m in range(ORDER - 1, -1, -1):
         value = fma(value, x, S[at + m * L])
     return value
 
 
-@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+@njit(float64(f1, int64, float64), **OPTIONS)
 def rate_at(S, at, x):
     """Its slope."""
-    value = DEGREE * S[at + DEGREE * L]
-    for m in range(DEGREE - 1, 0, -1):
+    value = ORDER * S[at + ORDER * L]
+    for m in range(ORDER - 1, 0, -1):
         value = fma(value, x, m * S[at + m * L])
     return value
 
 
-@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+@njit(float64(f1, int64, float64), **OPTIONS)
 def curve_at(S, at, x):
     """Its second derivative."""
-    value = DEGREE * (DEGREE - 1) * S[at + DEGREE * L]
-    for m in range(DEGREE - 1, 1, -1):
+    value = ORDER * (ORDER - 1) * S[at + ORDER * L]
+    for m in range(ORDER - 1, 1, -1):
         value = fma(value, x, m * (m - 1) * S[at + m * L])
     return value
 
 
-@njit("float64(float64[::1], int64, float64, float64)", **OPTIONS)
+@njit(float64(f1, int64, float64, float64), **OPTIONS)
 def root(S, at, lo, hi):
     """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
     x = 0.5 * (lo + hi)
@@ -55,7 +55,7 @@ def root(S, at, lo, hi):
     return x
 
 
-@njit("float64(float64[::1], int64, float64, float64)", **OPTIONS)
+@njit(float64(f1, int64, float64, float64), **OPTIONS)
 def lowest(S, at, lo, hi):
     """Where a polynomial that falls at lo and rises at hi is lowest between them."""
     x = 0.5 * (lo + hi)
@@ -74,11 +74,11 @@ def lowest(S, at, lo, hi):
     return x
 
 
-@njit("float64(float64[::1], int64)", **OPTIONS)
+@njit(float64(f1, int64), **OPTIONS)
 def first_zero(S, at):
     """Where a polynomial that begins positive first falls below zero in [0, 1]; 2 if it does not."""
     rest = 0.0
-    for m in range(1, DEGREE + 1):
+    for m in range(1, ORDER + 1):
         rest += abs(S[at + m * L])
     if S[at] > rest:
         return 2.0
@@ -99,7 +99,7 @@ def first_zero(S, at):
     return 2.0
 
 
-@njit("float64(float64[::1], int64, float64)", **OPTIONS)
+@njit(float64(f1, int64, float64), **OPTIONS)
 def extremum(S, at, end):
     """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
     d0, d1 = S[at + L], rate_at(S, at, end)
@@ -118,52 +118,53 @@ def extremum(S, at, end):
     return at_theta(S, at, x)
 
 
-@njit("void(int64, float64[::1], float64)", **OPTIONS)
-def land(lane, S, budget):
+@njit(void(int64, f1, float64, i1), **OPTIONS)
+def land_lane(lane, S, budget, D):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
+    states, at_y, at_k = D[STATES], D[F_Y] + lane, D[F_K] + lane
+    at_t, at_x, at_stat, at_nacc = D[F_T] + lane, D[F_X] + lane, D[F_STAT] + lane, D[F_NACC] + lane
     theta, which = 2.0, 0
-    for k in range(1, GUARDS):
-        zero = first_zero(S, F_G + (k - 1) * (DEGREE + 1) * L + lane)
+    for k in range(1, D[GUARDS]):
+        zero = first_zero(S, D[F_G] + (k - 1) * (ORDER + 1) * L + lane)
         if zero < theta:
             theta, which = zero, k
-    h, last = S[F_HH + lane], S[F_LAST + lane] > 0.5
+    h, last = S[D[F_HH] + lane], S[D[F_LAST] + lane] > 0.5
     part = min(theta, 1.0)
-    S[F_T0 + lane], S[F_X0 + lane], S[F_SIDE + lane] = S[F_T + lane], S[F_X + lane], S[F_SIGN + lane]
-    travel = S[F_K + DEGREE * L + lane] / (DEGREE + 1)
-    for m in range(DEGREE - 1, -1, -1):
-        travel = fma(travel, part, S[F_K + m * L + lane] / (m + 1))
-    S[F_TOP + lane] = extremum(S, F_K + lane, part)
+    S[D[F_T0] + lane], S[D[F_X0] + lane], S[D[F_SIDE] + lane] = S[at_t], S[at_x], S[D[F_SIGN] + lane]
+    travel = S[at_k + ORDER * L] / (ORDER + 1)
+    for m in range(ORDER - 1, -1, -1):
+        travel = fma(travel, part, S[at_k + m * L] / (m + 1))
+    S[D[F_TOP] + lane] = extremum(S, at_k, part)
     bad = False
-    for i in range(STATES):
-        y = at_theta(S, F_K + i * (DEGREE + 1) * L + lane, part)
-        S[F_Y + i * L + lane] = y
+    for i in range(states):
+        y = at_theta(S, at_k + i * (ORDER + 1) * L, part)
+        S[at_y + i * L] = y
         bad = bad or y != y
         if i > 0:
-            S[F_M + (i - 1) * L + lane] = max(S[F_M + (i - 1) * L + lane], abs(y))
-    S[F_X + lane] = S[F_X + lane] + h * part * travel if CYCLIC else S[F_Y + (STATES - 1) * L + lane]
-    S[F_NACC + lane] += 1.0
+            S[D[F_M] + (i - 1) * L + lane] = max(S[D[F_M] + (i - 1) * L + lane], abs(y))
+    S[at_x] = S[at_x] + h * part * travel if D[CYCLIC] == 1 else S[at_y + (states - 1) * L]
+    S[at_nacc] += 1.0
     if bad:
-        S[F_STAT + lane] = 4.0
+        S[at_stat] = 4.0
         return
     if theta <= 1.0:
-        S[F_T + lane] += part * h
-        status = switched(which, lane, S)
+        S[at_t] += part * h
+        status = call_switched(D[AT_SWITCHED], which, lane, S)
         if status > 0:
-            S[F_STAT + lane] = status
+            S[at_stat] = status
     elif last:
-        S[F_T + lane] = S[F_TEND + lane]
-        S[F_STAT + lane] = 1.0
+        S[at_t] = S[D[F_TEND] + lane]
+        S[at_stat] = 1.0
     else:
-        S[F_T + lane] += h
-        if h < 1e-15 * S[F_C + PERIOD * L + lane]:
-            S[F_STAT + lane] = 3.0
-    if S[F_NACC + lane] > budget and S[F_STAT + lane] < 0.5:
-        S[F_STAT + lane] = 2.0
+        S[at_t] += h
+        if h < 1e-15 * S[D[F_C] + D[PERIOD] * L + lane]:
+            S[at_stat] = 3.0
+    if S[at_nacc] > budget and S[at_stat] < 0.5:
+        S[at_stat] = 2.0
 
 
-@njit("void(float64[::1], float64, float64)", **OPTIONS)
-def step(S, rtol, budget):
-    """One step of every lane."""
-    series(S)
+@njit(void(f1, float64, i1), **OPTIONS)
+def land(S, budget, D):
+    """End the step of every lane."""
     for lane in range(L):
-        land(lane, S, budget)
+        land_lane(lane, S, budget, D)

@@ -1,8 +1,8 @@
-"""Text of every lane kernel below its step, the last part; engine/lanes.py puts the constants and the step before it."""
+"""How lanes are filled, stepped, watched and emptied: the driver's last part; engine/driver.py puts the others before it."""
 # ruff: noqa: F821
 # mypy: ignore-errors
 #
-# A lane holds one case: its step's state in S (field f of a lane at S[f + lane]; offsets F_... are multiples of the number
+# A lane holds one case: its step's state in S (a field of a lane at S[D[F_...] + lane]; these offsets are multiples of the number
 # of lanes L), whole numbers in N[lane], floats in K[lane], the last strobe states in RING[lane]. When its case is finished, the
 # lane takes the next one. CURSOR = (next case, end of cases). Everything a lane knows is in these arrays, so the kernel
 # can return after any number of calls and go on later with the same bits.
@@ -11,25 +11,28 @@
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
 
-@njit("void(int64, int64, float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1])", **OPTIONS)
-def take(lane, case, S, N, K, XS, PARAM, START):
+@njit(void(int64, int64, f1, i2, f2, f2, f2, f2, i1), **OPTIONS)
+def take(lane, case, S, N, K, XS, PARAM, START, D):
     """Put a case into a lane."""
-    c = np.empty(CONSTANTS)
-    prelude(PARAM[case], c)
-    for j in range(CONSTANTS):
-        S[F_C + j * L + lane] = c[j]
-    for f in range(FIELDS - CONSTANTS):
+    L = D[LANES]
+    c = np.empty(D[CONSTANTS])
+    call_prelude(D[AT_PRELUDE], PARAM[case], c)
+    for j in range(D[CONSTANTS]):
+        S[D[F_C] + j * L + lane] = c[j]
+    for f in range(D[FIELDS] - D[CONSTANTS]):
         S[f * L + lane] = 0.0
-    period = c[PERIOD]
-    if F_H >= 0:
-        S[F_H + lane] = 1e-3 * period
-        S[F_LE + lane] = -2.0
-        S[F_LH + lane] = math.log2(1e-3 * period)
-        S[F_GROW + lane] = 1.4
-    S[F_X + lane] = START[case, 0]
-    for i in range(STATES):
-        S[F_Y + i * L + lane] = START[case, 1 + i]
-    set_flags(lane, S, PARAM[case], True)
+    period = c[D[PERIOD]]
+    if D[F_H] >= 0:
+        S[D[F_H] + lane] = 1e-3 * period
+        S[D[F_LE] + lane] = -2.0
+        S[D[F_LH] + lane] = math.log2(1e-3 * period)
+        S[D[F_GROW] + lane] = 1.4
+    S[D[F_X] + lane] = START[case, 0]
+    for i in range(D[STATES]):
+        S[D[F_Y] + i * L + lane] = START[case, 1 + i]
+    for k in range(D[KEPT_MODES]):
+        S[D[F_MODE] + k * L + lane] = START[case, 1 + D[STATES] + k]
+    set_flags(lane, S, PARAM[case], D[SET_VALUED] == 1, D)
     for j in range(9):
         N[lane, j] = 0
     for j in range(15):
@@ -37,58 +40,67 @@ def take(lane, case, S, N, K, XS, PARAM, START):
     N[lane, CASE] = case
 
 
-@njit("void(int64, float64, float64[::1], int64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], int8[:,::1])", **OPTIONS)
-def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC):
+@njit(void(int64, float64, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
+def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
     """At a known instant: what was observed ends before an impulse, and begins anew after it."""
-    jump = jump_of(lane, S)
+    jump = jump_of(lane, S, D)
     if jump == 0.0:
         return
     if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
-        observe(lane, 0.0, K[lane, RQ], slip_ratio, S[F_C + PERIOD * L + lane], N, K, SEGT, SEGC)
-    apply_jump(lane, S, PARAM[N[lane, CASE]], jump)
+        observe(lane, 0.0, K[lane, RQ], slip_ratio, S[D[F_C] + D[PERIOD] * D[LANES] + lane], N, K, SEGT, SEGC, D)
+    apply_jump(lane, S, PARAM[N[lane, CASE]], jump, D)
     if N[lane, RECORDING] == 1:
-        v = S[F_Y + lane]
+        v = S[D[F_Y] + lane]
         N[lane, FRESH] = 2
-        K[lane, TP], K[lane, VP] = S[F_T + lane], v
+        K[lane, TP], K[lane, VP] = S[D[F_T] + lane], v
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
-@njit("void(int64, float64[::1], int64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,::1], int64[:,::1])", **OPTIONS)
-def finish(lane, S, N, K, RING, OUT, COUNT):
+@njit(void(int64, f1, i2, f2, f3, f2, i2, i1), **OPTIONS)
+def finish(lane, S, N, K, RING, OUT, COUNT, D):
     """Write a case's results."""
+    L = D[LANES]
     case = N[lane, CASE]
     OUT[case, 0] = K[lane, DISPLACEMENT]
     OUT[case, 1] = K[lane, WINDOW]
     OUT[case, 2] = K[lane, VMAX]
     OUT[case, 3] = K[lane, VMIN]
     good = N[lane, STATUS] == FINISHED or N[lane, STATUS] == REPEATED
-    OUT[case, 4] = K[lane, WORK] / K[lane, LASTED] if OFFERED and K[lane, LASTED] > 0.0 else np.nan
-    OUT[case, 5] = RING[lane, N[lane, DONE] % RINGS, 0] if good else S[F_X + lane]
-    for i in range(STATES):
-        OUT[case, 6 + i] = RING[lane, N[lane, DONE] % RINGS, 1 + i] if good else S[F_Y + i * L + lane]
+    OUT[case, 4] = K[lane, WORK] / K[lane, LASTED] if D[OFFERED] == 1 and K[lane, LASTED] > 0.0 else np.nan
+    OUT[case, 5] = RING[lane, N[lane, DONE] % RINGS, 0] if good else S[D[F_X] + lane]
+    for i in range(D[STATES]):
+        OUT[case, 6 + i] = RING[lane, N[lane, DONE] % RINGS, 1 + i] if good else S[D[F_Y] + i * L + lane]
+    for k in range(D[KEPT_MODES]):
+        OUT[case, 6 + D[STATES] + k] = RING[lane, N[lane, DONE] % RINGS, 1 + D[STATES] + k] if good else S[D[F_MODE] + k * L + lane]
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
     COUNT[case, 3] = N[lane, SEGMENTS]
-    COUNT[case, 4] = np.int64(S[F_NACC + lane])
-    COUNT[case, 5] = np.int64(S[F_NREJ + lane])
+    COUNT[case, 4] = np.int64(S[D[F_NACC] + lane])
+    COUNT[case, 5] = np.int64(S[D[F_NREJ] + lane])
     N[lane, CASE] = -1
 
 
-@njit("int64(int64, int64, int64, int64, float64, float64[::1], int64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,::1])", **OPTIONS)
-def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
+@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f2, i1), **OPTIONS)
+def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is wanting."""
+    L = D[LANES]
     N[lane, DONE] += 1
     k = N[lane, DONE]
-    x = S[F_X + lane]
+    x = S[D[F_X] + lane]
     RING[lane, k % RINGS, 0] = x
-    scale = np.empty(STATES)
-    for i in range(STATES):
-        RING[lane, k % RINGS, 1 + i] = S[F_Y + i * L + lane]
-        scale[i] = (
-            S[F_C + FREE * L + lane] if i == 0 else (S[F_C + SCALE_AT[i] * L + lane] if SCALE_AT[i] >= 0 else S[F_M + (i - 1) * L + lane])
-        )
-        scale[i] = max(scale[i], 1e-300)
+    scale = np.empty(D[STATES])
+    for i in range(D[STATES]):
+        RING[lane, k % RINGS, 1 + i] = S[D[F_Y] + i * L + lane]
+        if i == 0:
+            size = S[D[F_C] + D[FREE] * L + lane]
+        elif D[SCALE_AT + i] >= 0:
+            size = S[D[F_C] + D[SCALE_AT + i] * L + lane]
+        else:
+            size = S[D[F_M] + (i - 1) * L + lane]
+        scale[i] = max(size, 1e-300)
+    for m in range(D[KEPT_MODES]):
+        RING[lane, k % RINGS, 1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
     if k >= settle and k < settle + KEPT:
         XS[lane, k - settle] = x
     if N[lane, TARGET] > 0:
@@ -99,20 +111,20 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
             K[lane, WINDOW] = N[lane, NUMBER]
         return 1
     if auto and k < periods:
-        p = repeated(lane, N, RING, scale, 10.0 * rtol)
-        if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 0.0) <= 3.0 * rtol:
+        p = repeated(lane, N, RING, scale, 10.0 * rtol, D)
+        if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 0.0, D) <= 3.0 * rtol:
             N[lane, NUMBER] = p
             N[lane, STATUS] = REPEATED
             N[lane, TARGET] = k + p
             K[lane, XBEGIN] = x
-            begin_record(lane, N, K, S)
+            begin_record(lane, N, K, S, D)
         return 0
     if k == periods - 1 and not auto:
-        begin_record(lane, N, K, S)
+        begin_record(lane, N, K, S, D)
     if k < periods:
         return 0
-    p = repeated(lane, N, RING, scale, 30.0 * rtol)
-    if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 3.0 * rtol) > 300.0 * rtol:  # it still drifts
+    p = repeated(lane, N, RING, scale, 30.0 * rtol, D)
+    if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 3.0 * rtol, D) > 300.0 * rtol:  # it still drifts
         p = 0
     N[lane, NUMBER] = p
     whole = max(p, 1)
@@ -125,117 +137,133 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS):
         return 1
     N[lane, TARGET] = k + whole
     K[lane, XBEGIN] = x
-    begin_record(lane, N, K, S)
+    begin_record(lane, N, K, S, D)
     return 0
 
 
-@njit(
-    "int64(float64[::1], int64[:,::1], float64[:,::1], float64[:,:,::1], float64[:,::1], int64[::1], float64[:,::1], float64[:,::1], "
-    "float64[:,::1], int64[:,::1], float64[:,::1], int8[:,::1], float64[:,::1], int64, int64, int64, float64, float64, float64, int64)",
-    **OPTIONS,
-)
+@njit(boolean(int64, int64, int64, f1, i2, f2, f2, i1, f2, f2, i1), **OPTIONS)
+def next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
+    """Put the next case into an idle lane, if there is one."""
+    if CURSOR[0] >= CURSOR[1]:
+        return False
+    take(lane, CURSOR[0], S, N, K, XS, PARAM, START, D)
+    CURSOR[0] += 1
+    XS[lane, 0] = S[D[F_X] + lane]
+    if periods == 1 and not auto:
+        begin_record(lane, N, K, S, D)
+    return True
+
+
+@njit(void(f1, i2, i1, f2, i1), **OPTIONS)
+def keep_piece(S, N, CURSOR, PIECES, D):
+    """Write the last step's dense output, in powers of its own part of the step."""
+    n = CURSOR[2]
+    begin, end = S[D[F_T0]], S[D[F_T]]
+    PIECES[n, 0], PIECES[n, 1], PIECES[n, 2], PIECES[n, 3], PIECES[n, 4] = N[0, DONE], begin, end, S[D[F_X0]], S[D[F_SIDE]]
+    part, power = (end - begin) / S[D[F_HH]], 1.0
+    if S[D[F_STAT]] == 1.0:
+        part = 1.0
+    for k in range(D[KEPT_MODES]):
+        PIECES[n, 5 + k] = S[D[F_HELD] + k]
+    for m in range(D[DEGREE] + 1):
+        for i in range(D[STATES]):
+            PIECES[n, 5 + D[KEPT_MODES] + i * (D[DEGREE] + 1) + m] = S[D[F_K] + i * (D[DEGREE] + 1) + m] * power
+        power *= part
+    CURSOR[2] += 1
+
+
+@njit(void(float64, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
+def watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
+    """Note what the last step of every recording lane did; status 7 when the last observation is made."""
+    for lane in range(D[LANES]):
+        if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
+            continue
+        if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
+            K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
+            K[lane, LASTED] += S[D[F_T] + lane] - S[D[F_T0] + lane]
+        if D[F_TOP] >= 0 and N[lane, CLOSING] == 0:
+            K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[D[F_TOP] + lane]), min(K[lane, VMIN], S[D[F_TOP] + lane])
+        if N[lane, FRESH] > 0:
+            period = S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+            observe(lane, S[D[F_ACC] + lane], S[D[F_RATIO] + lane], slip_ratio, period, N, K, SEGT, SEGC, D)
+            if N[lane, CLOSING] == 1:
+                S[D[F_STAT] + lane] = 7.0
+                continue
+        if S[D[F_T] + lane] != K[lane, TP] or S[D[F_SIGN] + lane] != K[lane, BP]:
+            K[lane, TP], K[lane, VP], K[lane, BP] = S[D[F_T] + lane], S[D[F_Y] + lane], S[D[F_SIGN] + lane]
+            N[lane, FRESH] = 1
+
+
+@njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
+def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PARAM, SEGT, SEGC, D):
+    """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
+    jumped, within, done = False, False, 0
+    if D[BREAKS] > 0:
+        jumped = jump_of(lane, S, D) != 0.0
+        pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
+        within = S[D[F_T] + lane] < S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+    if not within:
+        done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D)
+        S[D[F_T] + lane] = 0.0
+    if D[BREAKS] > 0:
+        set_flags(lane, S, PARAM[N[lane, CASE]], D[SET_VALUED] == 1 and jumped, D)
+        if N[lane, FRESH] == 2:
+            K[lane, VP], K[lane, BP] = S[D[F_Y] + lane], S[D[F_SIGN] + lane]
+    if not within:
+        if N[lane, FRESH] == 2:
+            K[lane, TP] = 0.0
+        if done == 1:
+            N[lane, CLOSING] = 1
+
+
+@njit(int64(f1, i2, f2, f3, f2, i1, f2, f2, f2, i2, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1), **CALLED)
 def advance(
-    S, N, K, RING, XS, CURSOR, PARAM, START, OUT, COUNT, SEGT, SEGC, PIECES, periods, settle, auto, rtol, slip_ratio, budget, calls
+    S, N, K, RING, XS, CURSOR, PARAM, START, OUT, COUNT, SEGT, SEGC, PIECES, periods, settle, auto, rtol, slip_ratio, budget, calls, D
 ):
     """Up to `calls` vector steps. Returns the number of lanes at work; CURSOR[2] counts the pieces written."""
+    L = D[LANES]
     active = 0
     recording = 0
     pieces_wanted = PIECES.shape[0] > 0
     for lane in range(L):
-        if N[lane, CASE] >= 0:
+        if N[lane, CASE] >= 0 or next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
             active += 1
             recording += N[lane, RECORDING]
-        elif CURSOR[0] < CURSOR[1]:
-            take(lane, CURSOR[0], S, N, K, XS, PARAM, START)
-            CURSOR[0] += 1
-            active += 1
-            XS[lane, 0] = S[F_X + lane]
-            if periods == 1 and not auto:
-                begin_record(lane, N, K, S)
-                recording += 1
     for _ in range(calls):
         if active == 0:
             return 0
-        if RECORD and pieces_wanted and CURSOR[2] >= PIECES.shape[0]:
+        if pieces_wanted and CURSOR[2] >= PIECES.shape[0]:
             return active
-        step(S, rtol, budget)
-        if RECORD and pieces_wanted and S[F_T] != S[F_T0]:
-            n = CURSOR[2]
-            begin, end = S[F_T0], S[F_T]
-            PIECES[n, 0], PIECES[n, 1], PIECES[n, 2], PIECES[n, 3], PIECES[n, 4] = N[0, DONE], begin, end, S[F_X0], S[F_SIDE]
-            part, power = (end - begin) / S[F_HH], 1.0
-            if S[F_STAT] == 1.0:
-                part = 1.0
-            for k in range(KEPT_MODES):
-                PIECES[n, 5 + k] = S[F_HELD + k]
-            for m in range(DEGREE + 1):
-                for i in range(STATES):
-                    PIECES[n, 5 + KEPT_MODES + i * (DEGREE + 1) + m] = S[F_K + i * (DEGREE + 1) + m] * power
-                power *= part
-            CURSOR[2] += 1
+        call_step(D[AT_STEP], S, rtol, budget)
+        if D[SET_VALUED] == 1:
+            call_land(D[AT_LAND], S, budget, D)
+        if pieces_wanted and S[D[F_T]] != S[D[F_T0]]:
+            keep_piece(S, N, CURSOR, PIECES, D)
         if recording > 0:
-            for lane in range(L):
-                if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
-                    continue
-                if OFFERED and N[lane, CLOSING] == 0 and S[F_T + lane] != S[F_T0 + lane]:
-                    dissipate(lane, S, K, PARAM[N[lane, CASE]])
-                if F_TOP >= 0 and N[lane, CLOSING] == 0:
-                    K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], S[F_TOP + lane]), min(K[lane, VMIN], S[F_TOP + lane])
-                if N[lane, FRESH] > 0:
-                    period = S[F_C + PERIOD * L + lane]
-                    observe(lane, S[F_ACC + lane], S[F_RATIO + lane], slip_ratio, period, N, K, SEGT, SEGC)
-                    if N[lane, CLOSING] == 1:
-                        S[F_STAT + lane] = 7.0
-                        continue
-                if S[F_T + lane] != K[lane, TP] or S[F_SIGN + lane] != K[lane, BP]:
-                    K[lane, TP], K[lane, VP], K[lane, BP] = S[F_T + lane], S[F_Y + lane], S[F_SIGN + lane]
-                    N[lane, FRESH] = 1
+            watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
         for lane in range(L):
-            stat = S[F_STAT + lane]
+            stat = S[D[F_STAT] + lane]
             if stat < 0.5:
                 continue
-            S[F_STAT + lane] = 0.0
+            S[D[F_STAT] + lane] = 0.0
             if N[lane, CASE] < 0:
-                S[F_NACC + lane] = 0.0
-                S[F_NREJ + lane] = 0.0
-                S[F_TEND + lane] = 1e30
+                S[D[F_NACC] + lane] = 0.0
+                S[D[F_NREJ] + lane] = 0.0
+                S[D[F_TEND] + lane] = 1e30
                 continue
             if stat == 1.0:
-                if BREAKS > 0:
-                    pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC)
-                    if S[F_T + lane] < S[F_C + PERIOD * L + lane]:
-                        set_flags(lane, S, PARAM[N[lane, CASE]], SET_VALUED and jump_of(lane, S) != 0.0)
-                        if N[lane, FRESH] == 2:
-                            K[lane, VP], K[lane, BP] = S[F_Y + lane], S[F_SIGN + lane]
-                        continue
                 was = N[lane, RECORDING]
-                done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS)
-                jumped = BREAKS > 0 and jump_of(lane, S) != 0.0
-                S[F_T + lane] = 0.0
-                if BREAKS > 0:
-                    set_flags(lane, S, PARAM[N[lane, CASE]], SET_VALUED and jumped)
-                    if N[lane, FRESH] == 2:
-                        K[lane, VP], K[lane, BP] = S[F_Y + lane], S[F_SIGN + lane]
+                arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PARAM, SEGT, SEGC, D)
                 recording += N[lane, RECORDING] - was
-                if N[lane, FRESH] == 2:
-                    K[lane, TP] = 0.0
-                if done == 0:
-                    continue
-                N[lane, CLOSING] = 1
                 continue
             if stat != 7.0:
                 N[lane, STATUS] = np.int64(stat)
                 N[lane, SEGMENTS] = 0
             recording -= N[lane, RECORDING]
-            finish(lane, S, N, K, RING, OUT, COUNT)
-            if CURSOR[0] < CURSOR[1]:
-                take(lane, CURSOR[0], S, N, K, XS, PARAM, START)
-                CURSOR[0] += 1
-                XS[lane, 0] = S[F_X + lane]
-                if periods == 1 and not auto:
-                    begin_record(lane, N, K, S)
-                    recording += 1
+            finish(lane, S, N, K, RING, OUT, COUNT, D)
+            if next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
+                recording += N[lane, RECORDING]
             else:
                 active -= 1
-                S[F_TEND + lane] = 1e30
+                S[D[F_TEND] + lane] = 1e30
     return active

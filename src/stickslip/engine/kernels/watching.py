@@ -3,8 +3,8 @@
 # mypy: ignore-errors
 
 
-@njit("int64(int64, int64[:,::1], float64[:,:,::1], float64[::1], float64)", **OPTIONS)
-def repeated(lane, N, RING, scale, tolerance):
+@njit(int64(int64, i2, f3, f1, float64, i1), **OPTIONS)
+def repeated(lane, N, RING, scale, tolerance, D):
     """Smallest p such that the strobe state of p periods ago came back, twice in a row; 0 if none."""
     k = N[lane, DONE]
     for p in range(1, KEPT + 1):
@@ -13,7 +13,7 @@ def repeated(lane, N, RING, scale, tolerance):
         good = True
         for back in range(2):
             d = 0.0
-            for i in range(STATES):
+            for i in range(D[STATES]):
                 d = max(d, abs(RING[lane, (k - back) % RINGS, 1 + i] - RING[lane, (k - back - p) % RINGS, 1 + i]) / scale[i])
             if not d <= tolerance:
                 good = False
@@ -22,14 +22,14 @@ def repeated(lane, N, RING, scale, tolerance):
     return 0
 
 
-@njit("float64(int64, int64, int64[:,::1], float64[:,:,::1], float64[::1], float64)", **OPTIONS)
-def remaining(lane, p, N, RING, scale, noise):
+@njit(float64(int64, int64, i2, f3, f1, float64, i1), **OPTIONS)
+def remaining(lane, p, N, RING, scale, noise, D):
     """Estimated distance to the periodic state: the last difference d1 over 1 - d1/d0; a difference below `noise` is no drift."""
     k = N[lane, DONE]
     d1 = 0.0
     d0 = 0.0
     for back in range(max(1, min(p, min(k, RINGS - 1) - 2 * p + 1))):  # every phase of the motion, as far as it is remembered
-        for i in range(STATES):
+        for i in range(D[STATES]):
             new, old, older = (k - back) % RINGS, (k - back - p) % RINGS, (k - back - 2 * p) % RINGS
             d1 = max(d1, abs(RING[lane, new, 1 + i] - RING[lane, old, 1 + i]) / scale[i])
             d0 = max(d0, abs(RING[lane, old, 1 + i] - RING[lane, older, 1 + i]) / scale[i])
@@ -39,22 +39,22 @@ def remaining(lane, p, N, RING, scale, noise):
     return d1 / (1.0 - ratio)
 
 
-@njit("void(int64, int64[:,::1], float64[:,::1], float64[::1])", **OPTIONS)
-def begin_record(lane, N, K, S):
+@njit(void(int64, i2, f2, f1, i1), **OPTIONS)
+def begin_record(lane, N, K, S, D):
     """Start to observe the motion from the lane's present point."""
     N[lane, RECORDING] = 1
     N[lane, SEGMENTS] = 0
     N[lane, FRESH] = 2
-    K[lane, TP] = S[F_T + lane]
-    K[lane, VP] = S[F_Y + lane]
-    K[lane, BP] = S[F_SIGN + lane]
-    K[lane, VMAX] = S[F_Y + lane]
-    K[lane, VMIN] = S[F_Y + lane]
+    K[lane, TP] = S[D[F_T] + lane]
+    K[lane, VP] = S[D[F_Y] + lane]
+    K[lane, BP] = S[D[F_SIGN] + lane]
+    K[lane, VMAX] = S[D[F_Y] + lane]
+    K[lane, VMIN] = S[D[F_Y] + lane]
     K[lane, WORK] = 0.0
     K[lane, LASTED] = 0.0
 
 
-@njit("void(int64, int64, float64, int64[:,::1], float64[:,::1], int8[:,::1])", **OPTIONS)
+@njit(void(int64, int64, float64, i2, f2, b2), **OPTIONS)
 def add_segment(lane, code, length, N, SEGT, SEGC):
     """Append a stretch of one code, or lengthen the last one."""
     case = N[lane, CASE]
@@ -71,8 +71,8 @@ def add_segment(lane, code, length, N, SEGT, SEGC):
         N[lane, SEGMENTS] = n + 1
 
 
-@njit("void(int64, float64, float64, float64, float64, int64[:,::1], float64[:,::1], float64[:,::1], int8[:,::1])", **OPTIONS)
-def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
+@njit(void(int64, float64, float64, float64, float64, i2, f2, f2, b2, i1), **OPTIONS)
+def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
     """The stretch from the last observed point Q to the new one P, whose slopes are known only now."""
     t, v, b = K[lane, TP], K[lane, VP], K[lane, BP]
     if N[lane, FRESH] == 1:
@@ -88,7 +88,7 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
             add_segment(lane, 2 * side if slips else side, dt, N, SEGT, SEGC)
         top = v
         aq = K[lane, AQ]
-        if F_TOP < 0 and aq * acceleration < 0.0:  # an extremum of v between: the cubic's
+        if D[F_TOP] < 0 and aq * acceleration < 0.0:  # an extremum of v between: the cubic's
             d0, d1, rise = aq * dt, acceleration * dt, v - K[lane, VQ]
             a, bb = 3.0 * (d0 + d1 - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * d0 - d1)
             root = math.sqrt(max(bb * bb - 4.0 * a * d0, 0.0))
@@ -103,23 +103,3 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC):
     K[lane, TQ] = 0.0 if t >= period else t  # the end of a period is the beginning of the next
     K[lane, VQ], K[lane, AQ], K[lane, RQ], K[lane, BQ] = v, acceleration, ratio, b
     N[lane, FRESH] = 0
-
-
-@njit("void(int64, float64[::1], float64[:,::1], float64[::1])", **OPTIONS)
-def dissipate(lane, S, K, row):
-    """Work of friction in the last step: what was offered and did not become kinetic energy (Gauss's rule on the dense output)."""
-    begin, end, h = S[F_T0 + lane], S[F_T + lane], S[F_HH + lane]
-    part = (end - begin) / h
-    work = 0.0
-    for q in range(NODES.shape[0]):
-        theta = part * NODES[q]
-        v = S[F_K + DEGREE * L + lane]
-        for m in range(DEGREE - 1, -1, -1):
-            v = fma(v, theta, S[F_K + m * L + lane])
-        work += WEIGHTS[q] * offered(lane, S, row, begin + theta * h) * v
-    last = S[F_K + DEGREE * L + lane]
-    for m in range(DEGREE - 1, -1, -1):
-        last = fma(last, part, S[F_K + m * L + lane])
-    first = S[F_K + lane]
-    K[lane, WORK] += work * (end - begin) - 0.5 * total_mass(row) * (last - first) * (last + first)
-    K[lane, LASTED] += end - begin

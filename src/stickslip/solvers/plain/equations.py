@@ -12,6 +12,7 @@ __all__ = ["LEAST", "LOAD", "SLIP", "Equations"]
 
 SLIP, LOAD = 0, 1  # the first two guards; the others are the law's own
 LEAST = 1e-300  # a velocity that has a side and nothing else
+_HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
 Memory = tuple[int, ...]
@@ -26,6 +27,8 @@ class Equations:
         self.inner, self.memories = states_of(law), memories_of(law)
         self.rest = float(rest_velocity(model))
         self.scale_of_time = time_scale(model)
+        held = self.dynamic and not self.inner and not self.memories
+        self.no_reversal = _HELD * float(model.velocity_scale) if held else 0.0
         self.first, self.last, self.first_load = -math.inf, math.inf, 0.0
 
     def between(self, first: float, last: float) -> None:
@@ -81,7 +84,7 @@ class Equations:
 
     def guards(self, t: float, y: Any, side: int, memory: Memory) -> list[float]:
         """Positive while nothing happens: the velocity at the contact, the load, and the law's switches."""
-        found = [side * self.model.contact_velocity(float(y[1])), float(self.load(t, float(y[0])))]
+        found = [side * self.model.contact_velocity(float(y[1])) + self.no_reversal, float(self.load(t, float(y[0])))]
         return found + [float(guard) for guard, _, _ in self.switches(t, y, self.slip(y, side), memory)] if self.memories else found
 
     def switches(self, t: float, y: Any, slip: float, memory: Memory) -> list[Any]:

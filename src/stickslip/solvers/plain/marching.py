@@ -65,8 +65,8 @@ class _Run:
     """A run on its way: its state, its mode, the memories of its law, and the parts of its dense output."""
 
     def __init__(self, todo: Request, equations: Equations, start: Any):
-        self.todo, self.equations, self.t, self.y = todo, equations, 0.0, np.array(start, float)
-        self.memory: Memory = (0,) * equations.memories
+        self.todo, self.equations, self.t, self.y = todo, equations, 0.0, np.array(start[: 2 + equations.inner], float)
+        self.memory: Memory = tuple(int(m) for m in start[2 + equations.inner :])
         self.parts: list[Part] = []
         self.counts, self.lost = {"steps": 0, "evaluations": 0, "restarts": 0}, False
         self.since, self.events = 0.0, 0

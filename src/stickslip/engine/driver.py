@@ -1,0 +1,151 @@
+"""What all lane kernels share: the driver that fills lanes with cases, steps them and notes what happens; compiled once, for every law.
+
+A law's own kernel (`lanes.py`) holds only what depends on the law: the numbers of a case, its flags, its step. The driver
+calls these functions at their addresses. It finds its way by the kernel's table: how many states and flags there are,
+where each field of a lane stands, and the addresses. So a new law costs the compilation of its step alone.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from importlib import resources
+from typing import Any
+
+from stickslip.engine import cache
+from stickslip.engine.taylor import ORDER
+
+__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "load", "table"]
+
+#: What the driver calls by address, all but `land` in a law's kernel, and their types. `look` does what its first argument says (LOOKS).
+FUNCTIONS = {
+    "prelude": "void(float64[::1], float64[::1])",  # row, constants
+    # what, row, t, y, clock, mode, out
+    "look": "void(int64, float64[::1], float64, float64[::1], float64[::1], float64[::1], float64[::1])",
+    "work": "float64(int64, float64[::1], float64[::1])",  # lane, S, row
+    "step": "void(float64[::1], float64, float64)",  # S, rtol, budget
+    "switched": "int64(int64, int64, float64[::1])",  # which, lane, S
+    "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
+}
+LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST")
+
+#: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
+_COLUMNS = (
+    "LANES", "STATES", "GUARDS", "SIGNS", "FIELDS", "CONSTANTS", "DEGREE", "MODES", "KEPT_MODES", "CLOCKS", "IMPULSES", "BREAKS", "FLAGS",
+    "SET_VALUED", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
+    "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
+    "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP",
+)  # fmt: skip
+
+#: The top of every kernel's file. Only `advance` is called from Python; the others need no wrappers for it.
+HEADER = '''"""Written by stickslip: {label}."""
+import math
+
+import numpy as np
+from llvmlite import ir
+from numba import boolean, float64, int8, int64, njit, types, void
+from numba.extending import intrinsic
+
+CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
+OPTIONS = CALLED | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
+
+
+@intrinsic
+def as_float(typingctx, i):
+    def emit(context, builder, sig, args):
+        return builder.bitcast(args[0], ir.DoubleType())
+    return types.float64(types.int64), emit
+
+
+@intrinsic
+def as_bits(typingctx, x):
+    def emit(context, builder, sig, args):
+        return builder.bitcast(args[0], ir.IntType(64))
+    return types.int64(types.float64), emit
+
+
+@intrinsic
+def choose(typingctx, condition, yes, no):
+    def emit(context, builder, sig, args):
+        return builder.select(*args)
+    return yes(types.boolean, yes, no), emit
+
+
+@intrinsic
+def fma(typingctx, a, b, c):
+    def emit(context, builder, sig, args):
+        return builder.fma(*args)
+    return types.float64(types.float64, types.float64, types.float64), emit
+
+
+'''
+
+_CALLS = '''
+f1, f2, f3, i1, i2, b2 = float64[::1], float64[:, ::1], float64[:, :, ::1], int64[::1], int64[:, ::1], int8[:, ::1]
+
+
+def call(context, builder, sig, args):
+    """A call of the function at the address args[0] with the arguments after it."""
+    kind = context.call_conv.get_function_type(sig.return_type, sig.args[1:])
+    place = builder.inttoptr(args[0], kind.as_pointer())
+    return context.call_conv.call_function(builder, place, sig.return_type, sig.args[1:], args[1:])[1]
+
+'''
+
+
+def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...]) -> Any:
+    """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of the states' scales."""
+    import numpy as np
+
+    where = {name: _address(getattr(module, name, None)) for name in FUNCTIONS}
+    if layout["SET_VALUED"]:
+        where["land"] = _address(_landing(layout["LANES"]).land)
+    addresses = where.values()
+    return np.array([*(layout[name] for name in _COLUMNS), *addresses, *scale_at], dtype=np.int64)
+
+
+def _address(function: Any) -> int:
+    """Where a compiled function stands; 0 if there is none."""
+    if function is None:
+        return 0
+    (compiled,) = function.overloads.values()
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+
+
+@lru_cache(1)
+def load() -> Any:
+    """The compiled driver."""
+    constants = [f"{name} = {i}" for i, name in enumerate(LOOKS)]
+    return cache.load(_source("the driver of all kernels", constants, ("flags", "watching", "lanes")), "driver", "what all kernels share")
+
+
+@lru_cache
+def _landing(lanes: int) -> Any:
+    """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
+    text = _source(f"where Taylor steps end, {lanes} lanes", [f"ORDER, L = {ORDER}, {lanes}"], ("arcs",))
+    return cache.load(text, f"arcs_{lanes}", f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})")
+
+
+def _source(label: str, constants: list[str], texts: tuple[str, ...]) -> str:
+    names = [*_COLUMNS, *(f"AT_{name.upper()}" for name in FUNCTIONS), "SCALE_AT"]
+    folder = resources.files("stickslip.engine") / "kernels"
+    return "\n".join(
+        [
+            HEADER.format(label=label),
+            *(f"{name} = {i}" for i, name in enumerate(names)),
+            *constants,
+            _CALLS,
+            *(_call(name, kind) for name, kind in FUNCTIONS.items()),
+            *("\n" + (folder / f"{name}.py").read_text("utf-8") for name in texts),
+        ]
+    )
+
+
+def _call(name: str, kind: str) -> str:
+    """A function of the driver that calls what stands at an address: its arguments are passed on."""
+    result, _, takes = kind.partition("(")
+    arguments = ", ".join(f"a{i}" for i in range(takes.count(",") + 1))
+    return f"""
+@intrinsic
+def call_{name}(typingctx, address, {arguments}):
+    return {result}(int64, {takes}, call
+"""
