@@ -202,3 +202,11 @@ def test_at_a_resonance_the_tip_lags_the_couple_by_a_right_angle():
     tip = couple.tip_by_modes(b**2, 1.2, 0.3, 8, damping=1e-4)
     assert np.angle(tip) == pytest.approx(-np.pi / 2, abs=1e-3)
     assert abs(tip) == pytest.approx(couple.tip_participation(b, 1.2, 0.3) / (2e-4 * b**4), rel=1e-3)
+
+
+def test_remembered_roots_are_those_of_an_array_and_cannot_be_changed():
+    found = cantilever_eigenvalues(1.2, 6)
+    assert found is cantilever_eigenvalues(1.2, 6)
+    assert (found == cantilever_eigenvalues([0.5, 1.2], 6)[1]).all()
+    with pytest.raises(ValueError, match="read-only"):
+        found[0] = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -549,8 +550,8 @@ BAD = [
      "speed has 1 values; allowed is a table of two or more; type for example speed=(0.0, 0.1)"),
     (lambda: ss.Tabulated((0.0, 1.0), (0.2, 0.1), (0.1, 0.1), f_plus=0.15),
      "f_plus = 0.15 is below mu_plus[0] = 0.2; allowed is f_plus >= mu_plus[0]; type f_plus=None for equal ones"),
-    (lambda: ss.Bristle(0.2, 0.2, 1e5, bristles=0), "bristles = 0; allowed is a whole number from 1 on; type for example bristles=10"),
-    (lambda: ss.Bristle(0.2, 0.2, 1e5, seed=1.5), "seed = 1.5; allowed is a whole number from 0 on; type for example seed=10"),
+    (lambda: ss.Bristle(0.2, 0.2, 1e5, bristles=0), "bristles = 0; allowed is a whole number from 1; type for example bristles=10"),
+    (lambda: ss.Bristle(0.2, 0.2, 1e5, seed=1.5), "seed = 1.5; allowed is a whole number from 0; type for example seed=0"),
     (lambda: ss.DeadBand(0.2, 0.2, width=0.0), "width = 0.0; allowed is a positive velocity [m/s]; type for example width=1.0"),
     (lambda: ss.Dahl.example() + ss.LuGre.example(),
      "Dahl and LuGre both have inner states; allowed is one such law; write one law with both"),
@@ -569,6 +570,29 @@ def test_bad_input_is_told_what_to_type(make, said):
     with pytest.raises(ss.InputError) as raised:
         make()
     assert raised.value.problems == (said,)
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        (lambda load: 0.3 * load, "gives 0.3; allowed are two forces"),
+        (lambda load: (0.3 * load, -0.3 * load), "gives (0.3, -0.3), the larger force first"),
+        (lambda load: (-0.2 * load, 0.2 * load), "less than its friction while it slides slowly (-0.3 and 0.3)"),
+    ],
+)
+def test_a_law_of_ones_own_whose_breakaway_cannot_be_is_told_before_anything_runs(limits, said):
+    @dataclass(frozen=True)
+    class Own:
+        mu: float
+
+        def sliding(self, v, load):
+            return where(v > 0, self.mu, -self.mu) * load
+
+        def breakaway(self, load):
+            return limits(load)
+
+    with pytest.raises(ss.InputError, match=re.escape(said)):
+        ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).replace(friction=Own(0.3))
 
 
 def test_check_law_wants_numbers_and_one_law():
@@ -591,3 +615,65 @@ def test_check_law_wants_numbers_and_one_law():
     report = check_law(Bare(mu=0.2))
     assert report.passed
     assert math.isnan(report["change of units"].value)
+
+
+def test_check_law_says_what_is_wrong_in_a_class():
+    @dataclass(frozen=True)
+    class NoRest:
+        mu: float = 0.2
+
+        def sliding(self, v, load):
+            return where(v > 0, self.mu, -self.mu) * load
+
+    @dataclass(frozen=True)
+    class OneForce(NoRest):
+        def breakaway(self, load):
+            return self.mu * load
+
+    @dataclass(frozen=True)
+    class Swapped(NoRest):
+        def sliding(self, load, v):
+            return where(v > 0, self.mu, -self.mu) * load
+
+        def breakaway(self, load):
+            return -self.mu * load, self.mu * load
+
+    @dataclass(frozen=True)
+    class Python(NoRest):
+        def sliding(self, v, load):
+            if v > 0:
+                return self.mu * load * math.exp(-v)
+            return -self.mu * load * math.exp(v)
+
+        def breakaway(self, load):
+            return -self.mu * load, self.mu * load
+
+    for law, words in (
+        (NoRest, r"it has sliding and no breakaway; type def breakaway\(self, load\)"),
+        (OneForce, r"breakaway gives 0.2; allowed are two forces; type return backward, forward"),
+        (Swapped, r"sliding takes \(load, v\); allowed is \(v, load\)"),
+        (
+            Python,
+            r"(?s)arrays agree with numbers: it takes no array .*never `if`, math or numpy.*symbols agree with numbers: it takes no symbol",
+        ),
+    ):
+        with pytest.raises(ss.InputError, match=words):
+            check_law(law)
+    assert not check_law(Python, raise_=False).passed
+
+
+def test_a_list_in_a_law_of_your_own_is_told_what_to_type():
+    @dataclass(frozen=True)
+    class Mine:
+        mu: float
+
+        def sliding(self, v, load):
+            return where(v > 0, self.mu, -self.mu) * load
+
+        def breakaway(self, load):
+            return -self.mu * load, self.mu * load
+
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, incline="gravity")
+    with pytest.raises(ss.InputError, match=r"friction.mu = \[0.1, 0.2\]; allowed is a number or an array; type for example mu=np.array"):
+        rig.replace(friction=Mine([0.1, 0.2]))
+    assert rig.replace(friction=Mine(np.array([0.1, 0.2]))).friction.mu.size == 2

@@ -13,10 +13,12 @@ from stickslip.errors import Problems
 
 __all__ = [
     "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "is_dynamic", "law_force", "law_rate", "memories_of",
-    "normal_load", "offered_force", "rest_velocity", "states_of", "wants_applied",
+    "normal_load", "offered_force", "passed_zero", "rest_velocity", "states_of", "wants_applied",
 ]  # fmt: skip
 
 _TINY = 1e-300  # a velocity that has a sign and nothing else
+_SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
+_LIMITS = "return the friction forces that rest can bear backwards (negative) and forwards (positive)"
 
 
 # ---- laws ----
@@ -50,6 +52,16 @@ def law_rate(law: Any, slip: Any, z: Any, load: Any, memory: Any = ()) -> Any:
     return law.rate(slip, z, load, memory) if memories_of(law) else law.rate(slip, z, load)
 
 
+def passed_zero(law: Any, z: Any, load: Any, memory: Any) -> tuple[Any, Any]:
+    """Inner states and memories of a law once v has passed zero: after the switches that wait for it and for nothing else."""
+    inner, held = float(z[0]) if len(z) == 1 else tuple(map(float, z)), tuple(map(int, memory))
+    at, beside = (law.switches(v, inner, load, held) for v in (0.0, _TINY))
+    for (guard, new, states), (ahead, _, _) in zip(at, beside, strict=True):
+        if guard <= 0 < ahead:
+            return (z if states is None else np.ravel(states)), new
+    return z, memory
+
+
 def law_force(law: Any, slip: Any, z: Any, zdot: Any, load: Any, memory: Any = (), applied: Any = 0.0) -> Any:
     """Friction force R of a dynamic law [N]; `applied` is what would keep the velocity constant, for the laws that ask for it."""
     more = ((memory,) if memories_of(law) else ()) + ((applied,) if wants_applied(law) else ())
@@ -66,6 +78,39 @@ def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(
         )
     elif not hasattr(law, "__dataclass_fields__"):
         problems.add(f"friction = {law!r} is not a dataclass; write @dataclass(frozen=True) above the class, so that its numbers are known")
+    else:
+        for name, field in law.__dataclass_fields__.items():
+            value = getattr(law, name)
+            if field.type in (float, "float") and isinstance(value, (list, tuple)):
+                problems.add(
+                    f"friction.{name} = {value!r}; allowed is a number or an array; type for example {name}=np.array({list(value)!r})"
+                )
+
+        if set_valued and not is_dynamic(law):
+            _check_breakaway(law, problems)
+
+
+def _check_breakaway(law: Any, problems: Problems) -> None:
+    """Note a set-valued law whose breakaway gives no two limits, gives them in the wrong order, or lies below its sliding friction."""
+    try:
+        limits = law.breakaway(1.0)
+        if not isinstance(limits, (tuple, list)) or len(limits) != 2:
+            problems.add(
+                f"{type(law).__name__}.breakaway(load=1) gives {limits!r}; allowed are two forces; {_LIMITS}, such as return -force, force"
+            )
+            return
+        slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
+        rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(np.asarray(law.sliding(1e9 * _SLOW, 1.0))) for limit in limits]
+    except Exception:  # what goes wrong inside a law is told where it is traced, with what to write
+        return
+    kind, (low, high) = type(law).__name__, map(np.asarray, limits)
+    if np.any(low > high):
+        problems.add(f"{kind}.breakaway(load=1) gives {limits!r}, the larger force first; {_LIMITS}, in this order")
+    elif np.any(slow[1] > high + rounding[1]) or np.any(slow[0] < low - rounding[0]):
+        problems.add(
+            f"{kind}.breakaway(load=1) gives {limits!r}, less than its friction while it slides slowly ({slow[0]} and {slow[1]}); allowed "
+            "is as much or more: a body that breaks away would be stopped at once; make breakaway at least as large as sliding near v = 0"
+        )
 
 
 # ---- models ----

@@ -101,8 +101,7 @@ class VaryingFriction(Record):
     def _check(self, problems: Problems) -> None:
         if isinstance(self.track, type) or not (hasattr(self.track, "across") and hasattr(self.track, "along")):
             problems.add(f"track = {self.track!r}; allowed is a track, an object with across, along; type for example track=ss.Level()")
-        if not isinstance(self.harmonic, int) or isinstance(self.harmonic, bool) or self.harmonic < 1:
-            problems.add(f"harmonic = {self.harmonic!r}; allowed is a whole number from 1; type for example harmonic=1")
+        problems.whole("harmonic", self.harmonic, 1, example=1)
 
     def across(self, gravity: Any) -> Any:
         """Gravity that presses the body on the track [m/s^2]."""

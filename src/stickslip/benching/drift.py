@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.benching.records import Curve, Experiment, Quantity
+from stickslip.benching.seen import seen
 from stickslip.benching.setup import Setup, shorter
 from stickslip.mechanisms import ForcedOscillator
 
@@ -33,9 +34,9 @@ def drift(bench: Setup) -> Experiment:
     start = {"v": 2.0 * bench.typical_speed} if pushed else None
     run = bench.solved(push, _RTOL, periods=periods, samples=_SAMPLES, start=start)
     way = _per_period(run, periods, T)
-    t = np.linspace(0.0, periods * T, periods * _SHOWN + 1)
+    t, x = seen(run, "x", 0.0, periods * T, periods * _SHOWN, bench.pace)
     return Experiment(
-        "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, run.at(t)["x"]),),
+        "drift", "drift below break-away", ("time t", "s"), ("displacement x", "m"), (Curve("mass", t, x),),
         (Quantity("drift", "drift", way, "m", f"way per period of {T:.3g} s, mean of the last {periods // 2}"),),
         {"bias": (push.bias, "N"), "force": (push.force, "N"), "omega": (push.omega, "rad/s"), "mass": (bench.mass, "kg")},
         _remark(bench, pushed),

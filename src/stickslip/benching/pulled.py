@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.benching.records import Curve, Experiment, Quantity
+from stickslip.benching.seen import seen
 from stickslip.benching.setup import FAST, HELD, Setup, shorter
 from stickslip.mechanisms import PulledMass
 
@@ -83,11 +84,12 @@ def stick_slip(bench: Setup) -> Experiment:
     period, peak, still = _cycle(run, pull, max(STILL, 2 * stiffness / bench.contact_stiffness if bench.contact_stiffness else STILL))
     sticks = bool(still > 0)
     end, shown = float(run.pieces.t[-1]), 3.2 * (period if math.isfinite(period) else pull.time_scale)
-    t = np.linspace(max(end - shown, 0.0), end, 700)
+    begin = max(end - shown, 0.0)
+    t, v = seen(run, "v", begin, end, 700, bench.pace)
     return Experiment(
         "stick_slip", "stick-slip, stiff spring" if bench.short and bench.stiffness is None else "stick-slip",
         ("time t", "s"), ("velocity v", "m/s"),
-        (Curve("mass", t - t[0], run.at(t)["v"]), Curve("pull", (0.0, float(t[-1] - t[0])), (speed, speed))),
+        (Curve("mass", t - begin, v), Curve("pull", (0.0, end - begin), (speed, speed))),
         (
             Quantity("stick_slip", "stick-slip", sticks, "", "whether the mass stays still for a part of each cycle"),
             Quantity("stick_slip_period", "its period", period if sticks else math.nan, "s",

@@ -6,12 +6,13 @@ the tip mass ratio R, and a frequency is b with ``omega = b**2 sqrt(EI/(rho A L*
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 from stickslip.errors import Problems
 from stickslip.fields import _all, describe, number
 
-__all__ = ["cantilever_eigenvalues", "check_count", "modal_mass", "mode_shape"]
+__all__ = ["cantilever_eigenvalues", "modal_mass", "mode_shape"]
 
 
 def cantilever_eigenvalues(tip_mass_ratio: Any, n: int) -> Any:
@@ -50,7 +51,25 @@ def cantilever_eigenvalues(tip_mass_ratio: Any, n: int) -> Any:
     """
     import numpy as np
 
-    ratio = np.asarray(_checked(tip_mass_ratio, n), float)[..., None]
+    ratio = np.asarray(_checked(tip_mass_ratio, n), float)
+    return _roots_of_one(float(ratio), n) if ratio.ndim == 0 else _roots(ratio, n)
+
+
+@functools.lru_cache(maxsize=64)
+def _roots_of_one(ratio: float, n: int) -> Any:
+    """The roots of one beam, remembered: whoever drags its voltage asks for them again and again."""
+    import numpy as np
+
+    found = _roots(np.asarray(ratio), n)
+    found.setflags(write=False)
+    return found
+
+
+def _roots(ratio: Any, n: int) -> Any:
+    """The roots for every ratio, in a last axis of length n."""
+    import numpy as np
+
+    ratio = ratio[..., None]
     ends = _pinned_eigenvalues(n)
     falls = (-1.0) ** np.arange(n)  # sign of Eq. 3.5 at the left end of each interval
     low, high = (np.broadcast_to(e, (*ratio.shape[:-1], n)) for e in (ends[:-1], ends[1:]))
@@ -72,16 +91,9 @@ def _checked(tip_mass_ratio: Any, n: Any) -> Any:
             problems.add(f"tip_mass_ratio = {given}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
     except ValueError as error:
         problems.add(f"tip_mass_ratio: {error}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
-    check_count("n", n, problems)
+    problems.whole("n", n, 1, example=5)
     problems.check()
     return ratio
-
-
-def check_count(name: str, value: Any, problems: Problems) -> None:
-    """A number of modes is a whole number from 1."""
-    whole = hasattr(value, "__index__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0
-    if not whole or value < 1:
-        problems.add(f"{name} = {value!r}; allowed is a whole number from 1; type for example {name}=5")
 
 
 def _pinned_eigenvalues(n: int) -> Any:

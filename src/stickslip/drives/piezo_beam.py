@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from stickslip.drives import beam_notes
 from stickslip.drives.beam_input import given, record, take_damping, together
-from stickslip.drives.cantilever import cantilever_eigenvalues, check_count
+from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.couple import tip_by_modes, tip_participation
 from stickslip.drives.harmonic import Harmonic
 from stickslip.errors import InputError, Problems
@@ -95,7 +95,7 @@ class PiezoBeam(Record):
     }
 
     def _check(self, problems: Problems) -> None:
-        check_count("modes", self.modes, problems)
+        problems.whole("modes", self.modes, 1, example=5)
         take_damping(self, problems)
         try:
             if _all(self.length > 0) and not _all(self.patch_length <= self.length):

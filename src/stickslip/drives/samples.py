@@ -60,8 +60,8 @@ def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: A
         problems.add(f"period = {period!r}; allowed is the period of the record [s], which is not guessed; {_EXAMPLE}")
     if not _is_number(tolerance) or not 0 < tolerance < 1:
         problems.add(f"tolerance = {tolerance!r}; allowed is a part of the r.m.s. between 0 and 1; type for example tolerance=1e-3")
-    if order is not None and (not isinstance(order, int) or isinstance(order, bool) or order < 1):
-        problems.add(f"order = {order!r}; allowed is a whole number from 1, or None; type for example order=10")
+    if order is not None:
+        problems.whole("order", order, 1, example=10)
     t = _numbers("t", t, problems)
     values = [_numbers(name, given[name], problems) for name in names]
     problems.check()

@@ -51,8 +51,7 @@ class VerticalVibration(Around):
 
     def _check(self, problems: Problems) -> None:
         super()._check(problems)
-        if not isinstance(self.harmonic, int) or isinstance(self.harmonic, bool) or self.harmonic < 1:
-            problems.add(f"harmonic = {self.harmonic!r}; allowed is a whole number from 1; type for example harmonic=1")
+        problems.whole("harmonic", self.harmonic, 1, example=1)
 
     def vertical_position(self, t: Any) -> Any:
         """Relative position of the inner mass across the track [m]."""

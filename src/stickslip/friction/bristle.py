@@ -62,6 +62,7 @@ class Bristle(Law):
     seed: int = 0
 
     scalar_only: ClassVar[bool] = True
+    random: ClassVar[bool] = True
     _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
     _rules: ClassVar[dict[str, Any]] = {
         "mu_plus": (positive, "a positive number"),
@@ -70,10 +71,8 @@ class Bristle(Law):
     }
 
     def _check(self, problems: Problems) -> None:
-        for name, least in (("bristles", 1), ("seed", 0)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                problems.add(f"{name} = {value!r}; allowed is a whole number from {least} on; type for example {name}=10")
+        problems.whole("bristles", self.bristles, 1, example=10)
+        problems.whole("seed", self.seed, 0, example=0)
 
     @property
     def states(self) -> int:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stickslip.fields import at_least, positive
-from stickslip.friction.approximation import Approximation
+from stickslip.friction.approximation import SmoothedCoulomb
 from stickslip.friction.sides import by_side
 from stickslip.maths import where
 
@@ -14,7 +13,7 @@ __all__ = ["DeadBand"]
 
 
 @dataclass(frozen=True, eq=False)
-class DeadBand(Approximation):
+class DeadBand(SmoothedCoulomb):
     r"""Anisotropic Coulomb friction that is viscous inside a band around v = 0: an approximation.
 
     .. math:: R = \mu_\pm N\,v/w \;(|v| < w), \qquad R = \pm\mu_\pm N \;(|v| \ge w)
@@ -36,19 +35,9 @@ class DeadBand(Approximation):
     [0.15, 0.075, 0.0, -0.21]
     """
 
-    mu_plus: float
-    mu_minus: float
-    width: float
-
     approximation: ClassVar[str] = (
         "dead-band Coulomb friction is a viscous film inside the band: under any force below break-away the body creeps, at up to width"
     )
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, width=1e-3)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (at_least(0.0), "zero or more"),
-        "mu_minus": (at_least(0.0), "zero or more"),
-        "width": (positive, "a positive velocity [m/s]"),
-    }
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""

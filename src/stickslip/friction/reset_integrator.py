@@ -21,8 +21,8 @@ class ResetIntegrator(Law):
     .. math:: \text{sticks:}\; \dot z = v, \; R = \frac{f_s}{\mu_s}\sigma_0 z + \sigma_1 v, \qquad
               \text{slides:}\; \dot z = 0, \; R = \pm\mu_\pm N
 
-    where s is the side of z. It sticks until z reaches :math:`\pm\mu_\pm N/\sigma_0`, so break-away is at :math:`f_\pm N`,
-    and then slides until v passes zero. The memory is a mode: 0 sticks, 1 slides forwards, -1 backwards.
+    where s is the side of z. It sticks until z reaches :math:`\pm\mu_\pm N/\sigma_0` on the side to which v goes, so break-away is at
+    :math:`f_\pm N`, and then slides until v passes zero. The memory is a mode: 0 sticks, 1 slides forwards, -1 backwards.
 
     Parameters
     ----------
@@ -81,9 +81,10 @@ class ResetIntegrator(Law):
         return where(mode[0] > 0, self.mu_plus * load, where(mode[0] < 0, -self.mu_minus * load, sticks))
 
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
-        """Sliding begins where z reaches its bound, forwards or backwards, and ends when v passes zero."""
+        """Sliding begins where z reaches its bound on the side to which v goes, and ends when v passes zero."""
         forward, backward = self.mu_plus * load / self.sigma0, self.mu_minus * load / self.sigma0
-        resting = [where(mode[0] > 0, forward, where(mode[0] < 0, backward, left)) for left in (forward - z, backward + z)]
+        bounds = by_side(v, forward - z, forward), by_side(v, backward, backward + z)
+        resting = [where(mode[0] > 0, forward, where(mode[0] < 0, backward, left)) for left in bounds]
         return [
             (abs(v), (0,), where(mode[0] > 0, forward, where(mode[0] < 0, -backward, z))),
             (resting[0], (1,), forward),

@@ -105,6 +105,11 @@ class DynamicSum(Sum):
         return bool(getattr(self._parts()[0], "scalar_only", False))
 
     @property
+    def random(self) -> bool:
+        """Whether the law draws by chance."""
+        return bool(getattr(self._parts()[0], "random", False))
+
+    @property
     def scale(self) -> Any:
         """Typical size of the inner states; absent where the dynamic law has none."""
         return self._parts()[0].scale

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stickslip.fields import at_least, positive
-from stickslip.friction.approximation import Approximation
+from stickslip.friction.approximation import SmoothedCoulomb
 from stickslip.friction.sides import by_side
 from stickslip.maths import tanh
 
@@ -14,7 +13,7 @@ __all__ = ["TanhCoulomb"]
 
 
 @dataclass(frozen=True, eq=False)
-class TanhCoulomb(Approximation):
+class TanhCoulomb(SmoothedCoulomb):
     r"""Anisotropic Coulomb friction whose step at v = 0 is replaced by a steep curve: an approximation.
 
     .. math:: R = \mu_\pm N \tanh(v/w)
@@ -36,19 +35,9 @@ class TanhCoulomb(Approximation):
     [0.15, 0.114239, 0.0, -0.21]
     """
 
-    mu_plus: float
-    mu_minus: float
-    width: float
-
     approximation: ClassVar[str] = (
         "tanh-smoothed Coulomb friction holds nothing at rest: under any force below break-away the body creeps, at a speed near width"
     )
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, width=1e-3)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (at_least(0.0), "zero or more"),
-        "mu_minus": (at_least(0.0), "zero or more"),
-        "width": (positive, "a positive velocity [m/s]"),
-    }
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
         """Friction force R [N]."""

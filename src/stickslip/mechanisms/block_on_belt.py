@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stickslip.maths import pi, sqrt
-from stickslip.mechanisms.mechanism import RULES, Mechanism
+from stickslip.mechanisms.mechanism import SpringMass
 
 __all__ = ["BlockOnBelt"]
 
 
 @dataclass(frozen=True, eq=False)
-class BlockOnBelt(Mechanism):
+class BlockOnBelt(SpringMass):
     r"""A block held by a spring on a moving belt: the textbook's self-excited oscillator.
 
     .. math:: m\ddot x = -k x - c\,\dot x - R(\dot x - u)
@@ -48,25 +47,7 @@ class BlockOnBelt(Mechanism):
     (-0.1, 1.0)
     """
 
-    mass: float = field(metadata={"example": "1.0"})
-    stiffness: float = field(metadata={"example": "2.0"})
-    speed: float = field(metadata={"example": "0.1"})
-    friction: Any
-    load: float = field(default=1.0, metadata={"example": "1.0"})
-    damping: float = field(default=0.0, metadata={"example": "0.0"})
-
     kind: ClassVar[str] = "block_on_belt"
-    _rules: ClassVar[dict[str, Any]] = RULES
-
-    @property
-    def velocity_scale(self) -> Any:
-        """The speed of the belt, against which errors are measured [m/s]."""
-        return abs(self.speed)
-
-    @property
-    def time_scale(self) -> Any:
-        """Period of the free oscillation [s]."""
-        return 2 * pi * sqrt(self.mass / self.stiffness)
 
     def contact_velocity(self, v: Any) -> Any:
         """Velocity of the block over the belt [m/s]."""

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.batch import shape_of
-from stickslip.errors import InputError, Problems
+from stickslip.batch import check_shape, shape_of
+from stickslip.errors import Problems
 from stickslip.fields import Record, at_least, positive
 from stickslip.forces import check_law
+from stickslip.maths import pi, sqrt
 from stickslip.tables import from_toml, record_html, to_toml
 
-__all__ = ["RULES", "Mechanism"]
+__all__ = ["RULES", "Mechanism", "SpringMass"]
 
 #: What several mechanisms allow for their numbers.
 RULES: dict[str, Any] = {
@@ -34,11 +36,7 @@ class Mechanism(Record):
 
     def _check(self, problems: Problems) -> None:
         check_law(self.friction, problems)
-        if not problems.found:
-            try:
-                shape_of(self)
-            except InputError as error:
-                problems.include(error)
+        check_shape(self, problems)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -71,3 +69,27 @@ class Mechanism(Record):
 
     def _repr_html_(self) -> str:
         return record_html(self)
+
+
+@dataclass(frozen=True, eq=False)
+class SpringMass(Mechanism):
+    """Base of the mechanisms in which something that moves steadily stretches a spring."""
+
+    mass: float = field(metadata={"example": "1.0"})
+    stiffness: float = field(metadata={"example": "2.0"})
+    speed: float = field(metadata={"example": "0.1"})
+    friction: Any
+    load: float = field(default=1.0, metadata={"example": "1.0"})
+    damping: float = field(default=0.0, metadata={"example": "0.0"})
+
+    _rules: ClassVar[dict[str, Any]] = RULES
+
+    @property
+    def velocity_scale(self) -> Any:
+        """Speed of what moves steadily, against which errors are measured [m/s]."""
+        return abs(self.speed)
+
+    @property
+    def time_scale(self) -> Any:
+        """Period of the free oscillation [s]."""
+        return 2 * pi * sqrt(self.mass / self.stiffness)

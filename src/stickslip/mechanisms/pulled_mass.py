@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stickslip.maths import pi, sqrt
-from stickslip.mechanisms.mechanism import RULES, Mechanism
+from stickslip.mechanisms.mechanism import SpringMass
 
 __all__ = ["PulledMass"]
 
 
 @dataclass(frozen=True, eq=False)
-class PulledMass(Mechanism):
+class PulledMass(SpringMass):
     r"""A mass pulled by a spring: the bench on which stick-slip was first measured.
 
     .. math:: m\ddot x = k\,(u t - x) + c\,(u - \dot x) - R
@@ -47,25 +46,12 @@ class PulledMass(Mechanism):
     (0.3, None)
     """
 
-    mass: float = field(metadata={"example": "1.0"})
-    stiffness: float = field(metadata={"example": "2.0"})
-    speed: float = field(metadata={"example": "0.1"})
-    friction: Any
-    load: float = field(default=1.0, metadata={"example": "1.0"})
-    damping: float = field(default=0.0, metadata={"example": "0.0"})
-
     kind: ClassVar[str] = "pulled_mass"
-    _rules: ClassVar[dict[str, Any]] = RULES
 
     @property
-    def velocity_scale(self) -> Any:
-        """The speed of the pull, against which errors are measured [m/s]."""
-        return abs(self.speed)
-
-    @property
-    def time_scale(self) -> Any:
-        """Period of the free oscillation [s]."""
-        return 2 * pi * sqrt(self.mass / self.stiffness)
+    def far_end_velocity(self) -> Any:
+        """Velocity of the spring's far end [m/s], from which nothing depends on time."""
+        return self.speed
 
     def spring_force(self, t: Any, x: Any, v: Any) -> Any:
         """Force of the spring on the mass [N]."""

@@ -7,8 +7,10 @@ import math
 import random
 from typing import Any
 
-from stickslip.errors import InputError
+from stickslip.engine.checks import ARGUMENTS, check_signatures
+from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves
+from stickslip.forces import is_dynamic
 from stickslip.friction.probe import Probe, mirrored
 from stickslip.testing.motions import burst, shaken
 from stickslip.testing.reports import Claim, LawReport
@@ -58,6 +60,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     (True, 0.0)
     """
     law = _instance(law)
+    _check_methods(law, float(load))
     probe = Probe(law, float(load))
     found = [_finite(probe)]
     if found[0].passed:
@@ -67,7 +70,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
         found += [claim for claim in claims if claim is not None]
     report = LawReport(type(law).__name__, tuple(found))
     if raise_ and report.failures:
-        raise InputError(report.law, [f"{c.name}: {c.value:.3g} {c.meaning}; {c.remedy}" for c in report.failures])
+        raise InputError(report.law, [f"{c.name}: {_measured(c)}{c.meaning}; {c.remedy}" for c in report.failures])
     return report
 
 
@@ -83,6 +86,26 @@ def _instance(law: Any) -> Any:
     if many:
         raise InputError("check_law", [f"{', '.join(many)} of the law are arrays; allowed is one law, no batch; take one case of it"])
     return law
+
+
+def _check_methods(law: Any, load: float) -> None:
+    """The methods of a law are there, take what they are given, and breakaway gives two forces."""
+    problems = Problems(type(law).__name__)
+    pairs = (("sliding", "breakaway"), ("rate", "force"))
+    for one, other in pairs if not any(hasattr(law, one) and hasattr(law, other) for one, other in pairs) else ():
+        if hasattr(law, one):
+            problems.add(f"it has {one} and no {other}; type def {other}(self, {', '.join(ARGUMENTS[other])})")
+    problems.check()
+    check_signatures(law)
+    if not is_dynamic(law):
+        forces = law.breakaway(load)
+        if not isinstance(forces, (tuple, list)) or len(forces) != 2:
+            problems.add(f"breakaway gives {forces!r}; allowed are two forces; type return backward, forward (the first is negative)")
+    problems.check()
+
+
+def _measured(claim: Claim) -> str:
+    return "" if math.isnan(claim.value) else f"{claim.value:.3g} "
 
 
 def _from_metadata(cls: type) -> Any:
@@ -234,22 +257,29 @@ def _arrays(probe: Probe) -> Claim | None:
     points = _points(probe)
     v, applied = (np.array([point[k] for point in points]) for k in (0, 3))
     z, mode = (tuple(np.array(column) for column in zip(*(point[k] for point in points), strict=True)) for k in (1, 2))
-    found = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
+    remedy = "write with where, maximum, exp, ... of stickslip.maths, never `if`, math or numpy"
+    try:
+        found = [np.broadcast_to(np.asarray(value, float), v.shape) for value in _all_values(probe, v, z, mode, applied)]
+    except (TypeError, ValueError) as error:
+        return Claim("arrays agree with numbers", False, math.nan, f"it takes no array ({error})", remedy)
     single = np.array([_all_values(probe, *point) for point in points], float).T
     worst = _difference(np.ravel(found), np.ravel(single))
     return Claim(
         "arrays agree with numbers", worst <= _SAME, worst, "difference, relative",
-        "write with where, maximum, exp, ... of stickslip.maths, never `if`",
+        remedy,
     )  # fmt: skip
 
 
 def _symbols(probe: Probe) -> Claim | None:
     if getattr(probe.law, "scalar_only", False):
         return None
-    worst = 0.0
-    for v, z, mode, applied in _points(probe):
-        worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law, probe.load, v, z, mode, applied)))
+    worst, remedy = 0.0, "write with where, maximum, exp, ... of stickslip.maths, and use nothing but fields"
+    try:
+        for v, z, mode, applied in _points(probe):
+            worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law, probe.load, v, z, mode, applied)))
+    except (TypeError, ValueError, AttributeError) as error:
+        return Claim("symbols agree with numbers", False, math.nan, f"it takes no symbol ({error})", remedy)
     return Claim(
         "symbols agree with numbers", worst <= 1e-9, worst, "difference, relative",
-        "write with where, maximum, exp, ... of stickslip.maths, and use nothing but fields",
+        remedy,
     )  # fmt: skip
