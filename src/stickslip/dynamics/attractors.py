@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.diagrams import periods_of
+from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
+from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.shifted import ShiftedDrive
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 
-__all__ = ["Attractor", "Basins", "basins"]
+__all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
 
 Array = Any
 _SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scales, are one
@@ -93,7 +94,8 @@ def basins(
     *,
     settle: int = 300,
     rtol: float = 1e-7,
-    progress: Callable[[int, int], None] | None = None,
+    workers: int = 1,
+    progress: Report | None = None,
     **starts: Any,
 ) -> Basins:
     """Which of several coexisting motions a robot settles on, over a grid of starts.
@@ -106,11 +108,14 @@ def basins(
         Drive periods to run before looking.
     rtol : float
         Tolerance for dynamic laws.
+    workers : int
+        Threads. The results do not depend on it.
     progress : callable, optional
-        Called with (starts begun, starts).
+        Called with a `Progress`; return False to stop. Starts that are not computed then belong to no attractor, and are in no share.
     **starts
-        ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring) and ``phase=`` (of the drive at the start, in drive
-        periods, 0 to 1): single values or arrays. If none is given: v and z over twice their scales.
+        ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
+        (of the drive at the start, in drive periods, 0 to 1): single values or arrays. If none is given: v, and z where it is one
+        number, over twice their scales.
 
     Returns
     -------
@@ -126,21 +131,22 @@ def basins(
     """
     needs_model("basins", model)
     at = coordinates(model)
-    axes = _axes(at, starts, settle)
+    axes = start_axes("basins", at, starts, settle, workers)
     grid = np.meshgrid(*axes.values(), indexing="ij")
     table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
     states = np.column_stack([table.get(name, np.zeros(grid[0].size)) for name in at.names])
     batch = _shifted(model, table["phase"]) if "phase" in table else spread_over(model, len(states))
-    ends = _ended(batch, states, settle, rtol, progress)
+    ends = settled_points(batch, states, settle, rtol, workers, progress)
     return _gathered(model, axes, *ends, at, rtol, "phase" in table)
 
 
-def _axes(at: Any, starts: dict[str, Any], settle: Any) -> dict[str, Array]:
-    problems, known = Problems("basins"), (*at.names, "phase")
-    if not isinstance(settle, (int, np.integer)) or settle < 1:
-        problems.add(f"settle = {settle!r}; allowed is a whole number from 1; type settle=300")
+def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any) -> dict[str, Array]:
+    """The axes of a grid of starts, checked."""
+    problems, known = Problems(what), (*at.names, "phase")
+    problems.whole("workers", workers, 1, example=2)
+    problems.whole("settle", settle, 1, example=300)
     axes = {}
-    for name, value in (starts or {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names, at.scales, strict=True)}).items():
+    for name, value in (starts or _usual(at)).items():
         if name not in known:
             problems.add(f"{name!r} is no coordinate of the start; {did_you_mean(name, known)}")
             continue
@@ -155,6 +161,12 @@ def _axes(at: Any, starts: dict[str, Any], settle: Any) -> dict[str, Array]:
     return axes
 
 
+def _usual(at: Any) -> dict[str, Array]:
+    """Over twice the scales; inner states and memories only where there is one inner state, so that the grid stays a grid."""
+    inner = at.smooth - at.names.index("v") - 1
+    return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
+
+
 def _shifted(model: Any, phase: Array) -> Any:
     """The robots whose drive is at a phase when they start."""
     if getattr(model.drive, "breaks", ()) or getattr(model.drive, "jumps", ()):
@@ -162,42 +174,64 @@ def _shifted(model: Any, phase: Array) -> Any:
     return model.replace(drive=ShiftedDrive(model.drive, phase))
 
 
-def _ended(batch: Any, states: Array, settle: int, rtol: float, progress: Any) -> tuple[Array, Array, Array]:
-    """Strobe points (cases, points, d), ways (cases, points) and which cases could be solved."""
-    end = strobe_map(batch, states, settle, rtol)
-    if progress is not None:
-        progress(len(states), len(states))
-    kept, ways = strobe_orbit(batch, end.state, _POINTS, rtol)
-    return np.moveaxis(kept, 0, 1), ways.T, end.status <= 1
+def settled_points(
+    batch: Any, states: Array, settle: int, rtol: float, workers: int, progress: Report | None
+) -> tuple[Array, Array, Array]:
+    """Strobe points (cases, points, d), ways (cases, points), and which cases could be solved: 1, not: 0, were not computed: -1."""
+    cases, d = states.shape
+    points, ways, good = np.full((cases, _POINTS, d), np.nan), np.full((cases, _POINTS), np.nan), np.full(cases, UNDONE)
+
+    def ended(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array, Array]:
+        model = picked(batch, part)
+        end = strobe_map(model, states[part], settle, rtol)
+        tell(0.5)
+        kept, made = strobe_orbit(model, end.state, _POINTS, rtol)
+        return np.moveaxis(kept, 0, 1), made.T, end.status <= 1
+
+    for part, found in shared(cases, ended, workers, progress):
+        points[part], ways[part], good[part] = found
+    return points, ways, good
 
 
 def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool) -> Basins:
     import xarray as xr
 
-    period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
-    counts = np.where(period > 0, _POINTS - _POINTS % np.maximum(period, 1), _POINTS)
-    T = float(model.period)
-    V = np.where(np.arange(_POINTS) < counts[:, None], ways, 0.0).sum(axis=1) / (counts * T)
-    number = _numbers(_fingerprints(points, ways, period, V, at, T, by_phase), period, V, at.scales, good)
+    period, V, number = told_apart(float(model.period), points, ways, good, at, rtol, by_phase)
     shape = tuple(len(axis) for axis in axes.values())
     members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
     order = sorted(range(len(members)), key=lambda k: -len(members[k]))
     rank = np.full(len(members) + 1, -1)
     rank[order] = np.arange(len(order))
-    found = [_attractor(model, members[k], len(number), points, period, V, by_phase) for k in order]
+    found = [_attractor(model, members[k], int((good != UNDONE).sum()), points, period, V, by_phase) for k in order]
     columns = {
         "attractor": (tuple(axes), rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
         "mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"}),
-        "period": (tuple(axes), period.reshape(shape), {"units": "1", "long_name": "drive periods until it repeats (0: none found)"}),
+        "period": (
+            tuple(axes),
+            period.reshape(shape),
+            {"units": "1", "long_name": "motion period (0: none, -1: not computed)"},
+        ),
     }
     told = {"v": ("velocity at the start", "m/s"), "phase": ("phase of the drive at the start", "1"), "x": ("position at the start", "m")}
+    told |= {n: ("what the law remembers at the start", "1") for n in at.names[at.smooth :]}
     coords = {
         n: (n, a, dict(zip(("long_name", "units"), told.get(n, ("inner state at the start", "m")), strict=True))) for n, a in axes.items()
     }
     return Basins(model, xr.Dataset(columns, coords), found)
 
 
-def _fingerprints(points: Array, ways: Array, period: Array, V: Array, at: Any, T: float, by_phase: bool) -> Array:
+def told_apart(
+    T: float, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False
+) -> tuple[Array, Array, Array]:
+    """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
+    period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
+    V = steady_velocity(ways, period, T)
+    number = _numbers(_fingerprints(points, V, at, by_phase), period, good > 0)
+    period[good == UNDONE] = UNDONE
+    return period, V, number
+
+
+def _fingerprints(points: Array, V: Array, at: Any, by_phase: bool) -> Array:
     """Numbers that are the same for two starts on one motion, whichever of its periods they are in: sorted, in scales."""
     if by_phase:  # the strobe is at another phase for each start: only what does not depend on it
         return (V / at.scales[at.names.index("v")])[:, None]
@@ -206,7 +240,7 @@ def _fingerprints(points: Array, ways: Array, period: Array, V: Array, at: Any, 
     return np.column_stack([mean, square, V / at.scales[at.names.index("v")]])
 
 
-def _numbers(prints: Array, period: Array, V: Array, scales: Array, good: Array) -> Array:
+def _numbers(prints: Array, period: Array, good: Array) -> Array:
     """A number for each motion; all motions without a period whose means lie near each other are one."""
     number: Array = np.full(len(prints), -1)
     kept: list[tuple[Array, int]] = []

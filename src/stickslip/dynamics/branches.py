@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.dynamics.cycle_paths import CyclePath, vanishing
+from stickslip.dynamics.cycles import LimitCycle, clock
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
@@ -23,11 +25,11 @@ _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 
 class Special(NamedTuple):
-    """A special point of a branch: "fold", "flip", "grazing" or "type-border", the value of the parameter, and the orbit there."""
+    """A special point of a branch: "fold", "flip", "neimark-sacker", "grazing" or "type-border", the parameter's value, and the orbit."""
 
     kind: str
     value: float
-    orbit: PeriodicOrbit
+    orbit: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +42,12 @@ class Branch:
         The robots.
     period : int
         Drive periods after which its motions repeat.
-    orbits : tuple of PeriodicOrbit
+    orbits : tuple of PeriodicOrbit, or of LimitCycle
         The points, in order.
     values : array
         The parameter at each.
     special : list of Special
-        Folds, flips, grazings and borders of motion types, in order; ``orbit.notes`` says more.
+        Folds, flips, Neimark-Sacker points, grazings and borders of motion types, in order; ``orbit.notes`` says more.
     ended : str
         Why it ends where it ends.
 
@@ -59,7 +61,7 @@ class Branch:
 
     family: Family
     period: int
-    orbits: tuple[PeriodicOrbit, ...]
+    orbits: tuple[Any, ...]
     values: Array
     special: list[Special]
     ended: str
@@ -75,7 +77,8 @@ class Branch:
         import xarray as xr
 
         columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
-        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in _COLUMNS}
+        known = [name for name in _COLUMNS if hasattr(self.orbits[0], name)]
+        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
         columns["motion_type"] = ("point", [o.type for o in self.orbits])
         columns["largest_multiplier"] = ("point", [float(abs(o.multipliers).max()) for o in self.orbits], {"units": "1"})
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
@@ -102,6 +105,9 @@ class Branch:
         step, points
             As for `continuation`.
         """
+        if isinstance(self.orbits[0], LimitCycle):
+            why = "it is a branch of limit cycles, which nothing drives; allowed are branches of driven motions"
+            raise InputError("Branch.doubled", [f"{why}; type ss.periodic_orbit(mechanism, period=2, guess=run) beside the flip"])
         flips = [s for s in self.special if s.kind == "flip"]
         flip = flip or (flips[0] if flips else None)
         if flip is None or flip.kind != "flip":
@@ -118,8 +124,9 @@ class Branch:
         )
 
 
-_COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual")
+_COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual", "duration")
 _TOLD = {
+    "duration": {"units": "s", "long_name": "duration of the cycle"},
     "mean_velocity": {"units": "m/s", "long_name": "mean velocity"},
     "residual": {"units": "1", "long_name": "miss of the strobe point"},
 }
@@ -177,8 +184,9 @@ def continuation(
     robots = family("continuation", make, (parameter,), fixed)
     _check(start, stop, step, points)
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
-    path = Path(robots, period, coordinates(first.model), float(start), abs(float(stop) - float(start)), rtol, 1e-12)
-    found = path.at_value(path.scaled(first.state, start), start)
+    same = (robots, period, coordinates(first.model), float(start), abs(float(stop) - float(start)), rtol, 1e-12)
+    path = CyclePath(*same, clock(first.model)) if isinstance(first, LimitCycle) else Path(*same)
+    found = path.at_value(path.scaled(first, start), start, path.remembered(first))
     if not found.good:
         raise SolveError(
             f"the motion at {parameter} = {start:.9g} could not be kept fixed while following it: {found.why}; try another start"
@@ -197,8 +205,7 @@ def _check(start: Any, stop: Any, step: Any, points: Any) -> None:
         problems.add(f"start and stop are both {start!r}; allowed are two different values of the parameter")
     if not step > 0:
         problems.add(f"step = {step!r}; allowed is a positive number; type step=0.02")
-    if not isinstance(points, (int, np.integer)) or points < 2:
-        problems.add(f"points = {points!r}; allowed is a whole number from 2; type points=400")
+    problems.whole("points", points, 2, example=400)
     problems.check()
 
 
@@ -211,7 +218,7 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             ended = item
             break
         last = found[-1]
-        if path.period % 2 == 0 and item.half * last.half < 0:
+        if path.period % 2 == 0 and not isinstance(path, CyclePath) and item.half * last.half < 0:
             end = _returned(path, last, item)
             found += [end] if end is not None else []
             ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
@@ -221,6 +228,12 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
         special += [Special(kind, p.value, replace(p.orbit, notes=notes)) for kind, p, notes in located(path, last, item)]
         found.append(item)
     orbits = tuple(p.orbit for p in found)
+    critical = vanishing(np.array([p.value for p in found]), orbits) if ended.startswith("no step") else None
+    if critical is not None:
+        name = path.family.parameters[0]
+        ended = f"the rest of the cycle vanishes at {name} = {critical:.9g}, and no such cycle exists beyond"
+        note = f"{ended}; the cycle shown is at {name} = {found[-1].value:.9g}"
+        special.append(Special("type-border", critical, replace(orbits[-1], notes=(note,))))
     return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
 
 
@@ -233,13 +246,13 @@ def _returned(path: Path, a: Point, b: Point) -> Point | None:
     kept: dict[float, Point] = {}
 
     def flip(value: float) -> float:
-        found = shorter.at_value(near, value)
+        found = shorter.at_value(near, value, path.remembered(a.orbit))
         if not found.good:
             return float("nan")
         kept[value] = shorter.point(found, a.tangent)
         return kept[value].flip
 
-    middle = float(path.unscaled(near)[1])
+    middle = float(path.value(near))
     for width in (1e-6, 1e-5, 1e-4, 1e-3, 1e-2):
         low, high = middle - width * path.span, middle + width * path.span
         if flip(low) * flip(high) < 0:
@@ -252,7 +265,7 @@ def _returned(path: Path, a: Point, b: Point) -> Point | None:
 def _clipped(path: Path, last: Point, beyond: Point, end: float) -> Point:
     """The point of the branch at the end of the range."""
     part = (end - last.value) / (beyond.value - last.value) if beyond.value != last.value else 1.0
-    found = path.at_value(last.u + part * (beyond.u - last.u), end)
+    found = path.at_value(last.u + part * (beyond.u - last.u), end, path.remembered(last.orbit))
     return path.point(found, last.tangent) if found.good else beyond
 
 
@@ -260,12 +273,12 @@ def _doubled(branch: Branch, flip: Special, low: float, high: float, step: float
     orbit = flip.orbit
     at = coordinates(orbit.model)
     path = Path(branch.family, 2 * branch.period, at, flip.value, max(high - low, 1e-300), orbit.rtol, 1e-12)
-    values, vectors = np.linalg.eig(orbit.monodromy / at.scales[:, None] * at.scales)
+    values, vectors = np.linalg.eig(orbit.monodromy / path.scales[:, None] * path.scales)
     aside = vectors[:, int(np.argmin(abs(values + 1)))].real
     direction = np.append(aside / np.linalg.norm(aside), 0.0)
-    origin = path.scaled(orbit.state, flip.value)
+    origin = path.scaled(orbit, flip.value)
     for distance in (_ASIDE, _ASIDE / 4, _ASIDE / 16, _ASIDE / 64):
-        found = path.corrected(origin + distance * direction, direction)
+        found = path.corrected(origin + distance * direction, direction, path.remembered(orbit))
         if found.good and np.linalg.norm(found.at - origin) < 4 * distance:
             first = path.point(found, direction)
             return _followed(path, first, low, high, min(step, distance), points)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stickslip.dynamics.branches import Branch, Special
+from stickslip.dynamics.cycles import LimitCycle
 from stickslip.dynamics.family import Family
 from stickslip.dynamics.mapping import coordinates, strobe_map
 from stickslip.dynamics.newton import Found, newton
@@ -140,6 +141,10 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     if stop == begin:
         raise InputError("special_curve", [f"stop = {stop!r} is where the curve begins; give another last value of {parameter}"])
     both = Family(branch.family.make, (branch.parameter, parameter), fixed)
+    if isinstance(special.orbit, LimitCycle):
+        raise InputError(
+            "special_curve", ["it is a branch of limit cycles; allowed are those of driven motions; take ss.continuation at each value"]
+        )
     origin, span = np.array([special.value, begin]), np.array([np.ptp(branch.values) or 1.0, abs(stop - begin)])
     if special.kind in ("flip", "fold"):
         problem, u = _multiplier_problem(both, special, origin, span)
@@ -173,21 +178,24 @@ def _default(make: Any, parameter: str) -> dict[str, float]:
 def _multiplier_problem(both: Family, special: Special, origin: Array, span: Array) -> tuple[_Problem, Array]:
     orbit = special.orbit
     at, period, rtol, sign = coordinates(orbit.model), orbit.period, orbit.rtol, 1.0 if special.kind == "flip" else -1.0
-    d = len(at.names)
+    d, scales, memory = at.smooth, at.scales[: at.smooth], orbit.state[at.smooth :]
     shifts = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)]) * _SLOPE
 
     def residuals(U: Array) -> Array:
         y, values = U[:, :d], origin + span * U[:, d:]
         tried = (y[:, None, :] + shifts).reshape(-1, d)
         model = both.robots(*np.repeat(values, 2 * d + 1, axis=0).T)
-        ends = (strobe_map(model, tried * at.scales, period, rtol).state / at.scales).reshape(len(U), 2 * d + 1, d)
+        states = np.hstack([tried * scales, np.broadcast_to(memory, (len(tried), len(memory)))])
+        after = strobe_map(model, states, period, rtol).state
+        same = np.all(after[:, d:] == memory, axis=1)  # a curve ends where what the law remembers on the strobe changes
+        ends = np.where(same[:, None], after[:, :d] / scales, np.nan).reshape(len(U), 2 * d + 1, d)
         J = np.swapaxes(ends[:, 1 : d + 1] - ends[:, d + 1 :], 1, 2) / (2 * _SLOPE)
         return np.column_stack([ends[:, 0] - y, np.linalg.det(J + sign * np.eye(d))])
 
     def made(u: Array) -> PeriodicOrbit:
-        return PeriodicOrbit(both.robot(*(origin + span * u[d:])), period, u[:d] * at.scales, 0.0, rtol)
+        return PeriodicOrbit(both.robot(*(origin + span * u[d:])), period, np.append(u[:d] * scales, memory), 0.0, rtol)
 
-    return _Problem(both, origin, span, residuals, made, lambda u: {}, 3e-8, None), np.append(orbit.state / at.scales, [0.0, 0.0])
+    return _Problem(both, origin, span, residuals, made, lambda u: {}, 3e-8, None), np.append(orbit.state[:d] / scales, [0.0, 0.0])
 
 
 # ---- borders of motion types: arcs whose switch times are unknown ----
@@ -279,11 +287,15 @@ def _followed(problem: _Problem, guess: Array, kind: str, sign: float, step: flo
     found, special, ended = [here], [], f"it was followed for {points} points"
     seen = problem.watched(here)
     while len(found) < points:
-        ahead = _corrected(problem, here + step * tangent, tangent)
-        if not ahead.good or np.linalg.norm(ahead.at - here) > 2 * step:
+        try:
+            ahead, why = _corrected(problem, here + step * tangent, tangent), ""
+        except InputError as error:
+            beyond = problem.values(here + 2 * step * tangent)
+            ahead, why = None, f"it left the admissible region: {problem.family.refusal(error, *beyond)}"
+        if ahead is None or not ahead.good or np.linalg.norm(ahead.at - here) > 2 * step:
             step *= 0.5
             if step < 1e-6:
-                ended = f"no step was small enough: {ahead.why}"
+                ended = why or f"no step was small enough: {ahead.why if ahead else ''}"
                 break
             continue
         now = problem.watched(ahead.at)
@@ -296,12 +308,30 @@ def _followed(problem: _Problem, guess: Array, kind: str, sign: float, step: flo
             break
         here, tangent, seen = ahead.at, tangent_of(ahead.jacobian[:-1], tangent), now
         found.append(here)
-        if sign * here[-1] >= 1.0 or sign * here[-1] < -1e-9 or abs(here[-2]) > 5.0:
-            ended = "it reached the end of the range"
+        first_name, name = problem.family.parameters
+        if sign * here[-1] >= 1.0 or sign * here[-1] < -1e-9:
+            ended = f"it came back to where {name} began" if sign * here[-1] < 0 else "it reached the end of the range"
+            break
+        if abs(here[-2]) > 5.0:
+            ended = f"{first_name} has moved by five times the branch's range"
             break
         step = min(0.1, 1.3 * step) if ahead.iterations <= 4 else step
-    values = np.array([problem.values(u) for u in found])
-    return Curve(kind, problem.family.parameters, problem.family, values, tuple(problem.orbit(u) for u in found), special, ended)  # type: ignore[arg-type]
+    orbits, missing = _orbits(problem, found)
+    values = np.array([problem.values(u) for u in found[: len(orbits)]])
+    return Curve(kind, problem.family.parameters, problem.family, values, orbits, special, ended + missing)  # type: ignore[arg-type]
+
+
+def _orbits(problem: _Problem, found: list[Array]) -> tuple[tuple[PeriodicOrbit, ...], str]:
+    """The motions along a curve, up to the first that Newton's method does not find again: at the edge of what is admissible."""
+    orbits: list[PeriodicOrbit] = []
+    for u in found:
+        try:
+            orbits.append(problem.orbit(u))
+        except (SolveError, InputError):
+            if not orbits:
+                raise
+            return tuple(orbits), f"; the motions of its last {len(found) - len(orbits)} points were not found again, and are left out"
+    return tuple(orbits), ""
 
 
 def _met(problem: _Problem, u: Array) -> Meeting:

@@ -8,14 +8,19 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.family import Family, family
+from stickslip.dynamics.many import Report, shared
 from stickslip.dynamics.mapping import coordinates, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import Problems
+from stickslip.sweeps.progress import Watch
 
-__all__ = ["bifurcation"]
+__all__ = ["UNDONE", "bifurcation", "checked_values", "periods_of", "steady_velocity", "strobe_attrs"]
 
 Array = Any
 DIRECTIONS = ("up", "down")
+UNDONE = -1  # period number of what was not computed
+#: The swing around a motion of a shorter period, late over early: below it the swing dies out, and its period is none.
+SHRINKING = 1 - 1e-3
 _RETURN = 1e-6  # strobe points closer than this, in scales, count as one
 
 
@@ -29,7 +34,8 @@ def bifurcation(
     follow: bool = True,
     start: Any = None,
     rtol: float = 1e-7,
-    progress: Callable[[int, int], None] | None = None,
+    workers: int = 1,
+    progress: Report | None = None,
     **fixed: Any,
 ) -> Any:
     """A bifurcation diagram by brute force: the strobe points after settling, for every value of a parameter.
@@ -51,8 +57,10 @@ def bifurcation(
         Where to begin; rest if not given.
     rtol : float
         Tolerance for dynamic laws.
+    workers : int
+        Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
     progress : callable, optional
-        Called with (values done, values).
+        Called with a `Progress`; return False to stop. What is not computed then is NaN, with the period -1.
     **fixed
         The other arguments of `make`.
 
@@ -60,7 +68,7 @@ def bifurcation(
     -------
     xarray.Dataset
         Over direction ("up", "down"), the parameter and point: the strobe state (v, z, ...), displacement in each period [m]; over
-        direction and parameter: mean_velocity [m/s], period (0: none up to 32), v_max, v_min [m/s] of the last period.
+        direction and parameter: mean_velocity [m/s], period (0: none up to 32, -1: not computed), v_max, v_min [m/s] of the last period.
 
     Examples
     --------
@@ -71,37 +79,64 @@ def bifurcation(
     [[2, 1]]
     """
     robots = family("bifurcation", make, (parameter,), fixed)
-    values = _check(values, settle, points)
+    values = _check(values, settle, points, workers)
     at = coordinates(robots.robots(values))
     first = states_of(start, at)
     if follow:
         found = _hysteresis(robots, values, first, settle, points, rtol, progress)
     else:
-        found = [np.expand_dims(part, 0) for part in _batch(robots, values, np.tile(first, (len(values), 1)), settle, points, rtol)]
-        if progress is not None:
-            progress(len(values), len(values))
+        found = _anew(robots, values, first, settle, points, rtol, workers, progress)
     return _dataset(robots, parameter, values, at, found, DIRECTIONS if follow else ("from start",), settle)
 
 
-def _check(values: Any, settle: Any, points: Any) -> Array:
-    problems = Problems("bifurcation")
+def checked_values(what: str, values: Any) -> Array:
+    """The values of a parameter, rising; `InputError` if they are not."""
+    problems = Problems(what)
+    array = _rising(values, problems)
+    problems.check()
+    return array
+
+
+def _rising(values: Any, problems: Problems) -> Array:
     try:
         array = np.asarray(values, float)
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or not np.all(np.diff(array) > 0):
         problems.add(f"values = {values!r}; allowed are two or more rising finite numbers; type values=np.linspace(0.03, 0.06, 300)")
-    for name, value, least in (("settle", settle, 1), ("points", points, 2)):
-        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < least:
-            problems.add(f"{name} = {value!r}; allowed is a whole number from {least}")
+    return array
+
+
+def _check(values: Any, settle: Any, points: Any, workers: Any) -> Array:
+    problems = Problems("bifurcation")
+    array = _rising(values, problems)
+    problems.whole("settle", settle, 1, example=200)
+    problems.whole("points", points, 2, example=64)
+    problems.whole("workers", workers, 1, example=2)
     problems.check()
     return array
 
 
-def _batch(robots: Family, values: Array, states: Array, settle: int, points: int, rtol: float) -> list[Array]:
+def _anew(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, workers: int, progress: Any) -> list[Array]:
+    """Every value from the same start."""
+    n, d = len(values), len(first)
+    whole = [np.full((1, n, *rest), np.nan) for rest in ((points, d), (points,), (1,), (1,))]
+
+    def part_of(part: slice, tell: Callable[[float], None]) -> list[Array]:
+        return _batch(robots, values[part], np.tile(first, (part.stop - part.start, 1)), settle, points, rtol, tell)
+
+    for part, found in shared(n, part_of, workers, progress):
+        for column, rows in zip(whole, found, strict=True):
+            column[0, part] = rows
+    return whole
+
+
+def _batch(robots: Family, values: Array, states: Array, settle: int, points: int, rtol: float, tell: Any = None) -> list[Array]:
     """States (values, points, d), displacements (values, points), v_max and v_min (values, 1) of cases that run side by side."""
     model = robots.robots(values)
     state = strobe_map(model, states, settle, rtol).state
+    if tell is not None:
+        tell(0.5)
     kept, ways = strobe_orbit(model, state, points, rtol)
     last = strobe_map(model, kept[-1], 1, rtol)
     return [np.moveaxis(kept, 0, 1), ways.T, last.v_max[:, None], last.v_min[:, None]]
@@ -109,25 +144,53 @@ def _batch(robots: Family, values: Array, states: Array, settle: int, points: in
 
 def _hysteresis(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, progress: Any) -> list[Array]:
     """Upwards and downwards side by side, each value from the end of the one before."""
-    n, states = len(values), np.tile(first, (2, 1))
+    n, states, watch = len(values), np.tile(first, (2, 1)), Watch(len(values), progress)
     rows: list[list[Array]] = []
     for k in range(n):
         found = _batch(robots, values[[k, n - 1 - k]], states, settle, points, rtol)
         states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], first)
         rows.append(found)
-        if progress is not None:
-            progress(k + 1, n)
+        watch.finished(k, np.zeros(1, int))
+        if watch.stopped:
+            break
+    rows += [[np.full_like(part, np.nan) for part in rows[-1]]] * (n - len(rows))
     whole = [np.stack([row[i] for row in rows], axis=1) for i in range(4)]
     return [np.stack([part[0], part[1, ::-1]]) for part in whole]
 
 
 def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Array:
-    """Period numbers of strobe points (..., points, d): the smallest after which all come back; 0 if none up to 32."""
+    """Period numbers of strobe points (..., points, d): the smallest after which all come back; 0 if none up to 32.
+
+    Where points alternate around a motion of half that period, a little nearer to it each time, the motion is still settling: 0 too.
+    """
     found = np.zeros(points.shape[:-2], int)
     for p in range(min(32, points.shape[-2] // 2), 0, -1):
-        miss = np.max(abs(points[..., p:, :] - points[..., :-p, :]) / scales, axis=(-1, -2))
-        found = np.where(miss <= tolerance, p, found)
+        found = np.where(_misses(points, scales, p).max(axis=-1) <= tolerance, p, found)
+    for p in np.unique(found[found > 1]):
+        shrinking = np.zeros(found.shape, bool)
+        for q in (q for q in range(1, p) if p % q == 0):
+            miss = _misses(points, scales, q)
+            shrinking |= miss[..., -p:].max(axis=-1) < SHRINKING * miss[..., :p].max(axis=-1)
+        found = np.where((found == p) & shrinking, 0, found)
     return found
+
+
+def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
+    """Mean velocity [m/s] over the whole motion periods that ways [m] in drive periods T [s] hold (..., points); all where there is none.
+
+    Examples
+    --------
+    >>> float(steady_velocity(np.array([1.0, 3.0, 1.0]), np.array(2), 0.5))
+    4.0
+    """
+    points = ways.shape[-1]
+    count = np.where(period > 0, points - points % np.maximum(period, 1), points)
+    return np.where(np.arange(points) < count[..., None], ways, 0.0).sum(axis=-1) / (count * T)
+
+
+def _misses(points: Array, scales: Array, p: int) -> Array:
+    """How far each strobe point is from itself p drive periods later, in scales."""
+    return np.max(abs(points[..., p:, :] - points[..., :-p, :]) / scales, axis=-1)
 
 
 def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list[Array], directions: tuple[str, ...], settle: int) -> Any:
@@ -137,14 +200,12 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     whole, flat = ("direction", parameter, "point"), ("direction", parameter)
     T = np.asarray(robots.robots(values).period, float)
     period = periods_of(points, at.scales)
-    count = points.shape[2]
-    lengths = np.where(period > 0, count - count % np.maximum(period, 1), count)
-    steady = np.where(np.arange(count) < lengths[..., None], ways, 0.0).sum(axis=-1) / (lengths * T)
-    columns: dict[str, Any] = {name: (whole, points[..., i], _UNITS.get(name, {"units": "m"})) for i, name in enumerate(at.names)}
+    period[~np.isfinite(points).all(axis=(-1, -2))] = UNDONE
+    columns: dict[str, Any] = {name: (whole, points[..., i], strobe_attrs(name)) for i, name in enumerate(at.names)}
     columns |= {
         "displacement": (whole, ways, {"units": "m", "long_name": "displacement in a drive period"}),
-        "mean_velocity": (flat, steady, {"units": "m/s", "long_name": "mean velocity"}),
-        "period": (flat, period, {"units": "1", "long_name": "drive periods until it repeats (0: none found)"}),
+        "mean_velocity": (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"}),
+        "period": (flat, period, {"units": "1", "long_name": "drive periods until it repeats (0: none found, -1: not computed)"}),
         "v_max": (flat, v_max[..., 0], {"units": "m/s", "long_name": "largest velocity"}),
         "v_min": (flat, v_min[..., 0], {"units": "m/s", "long_name": "smallest velocity"}),
     }
@@ -152,4 +213,15 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     return xr.Dataset(columns, coords, {"parameter": parameter, "settle": settle})
 
 
-_UNITS = {"v": {"units": "m/s", "long_name": "velocity on the strobe"}, "x": {"units": "m", "long_name": "position on the strobe"}}
+def strobe_attrs(name: str) -> dict[str, str]:
+    """Unit and name of a coordinate of the strobe state.
+
+    Examples
+    --------
+    >>> strobe_attrs("v"), strobe_attrs("z0")["units"], strobe_attrs("memory")["units"]
+    ({'units': 'm/s', 'long_name': 'velocity on the strobe'}, 'm', '1')
+    """
+    if name.startswith("memory"):
+        return {"units": "1", "long_name": f"what the law remembers on the strobe, {name}"}
+    what = {"v": "velocity", "x": "position"}.get(name, f"inner state {name}")
+    return {"units": "m/s" if name == "v" else "m", "long_name": f"{what} on the strobe"}

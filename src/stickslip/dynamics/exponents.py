@@ -9,15 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.generic import Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, flight, needs_model, strobe_map, strobe_states
 from stickslip.dynamics.variational import transfers
 from stickslip.errors import InputError, Problems
+from stickslip.sweeps.progress import Watch
 
 __all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
 
 Array = Any
 _CHUNK = 50  # drive periods that are kept as dense output at a time
+_LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
 
@@ -29,7 +32,7 @@ def lyapunov(
     settle: int = 200,
     start: Any = None,
     rtol: float = 1e-7,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Report | None = None,
 ) -> Lyapunov:
     """All Lyapunov exponents of the motion that a robot settles on, per drive period (natural logarithm).
 
@@ -49,7 +52,7 @@ def lyapunov(
     rtol : float
         Tolerance of the run.
     progress : callable, optional
-        Called with (periods done, periods).
+        Called with a `Progress` of drive periods; return False to stop: the averages until then are returned.
 
     Returns
     -------
@@ -66,16 +69,16 @@ def lyapunov(
     _check(model, periods, settle)
     state = settled(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
-    state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(state.shape[1]))[1], [], 0
-    while parts < periods:
+    state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
+    watch = Watch(periods, progress)
+    while parts < periods and not (watch.stopped and parts >= _LEAST):
         count = min(_CHUNK, periods - parts)
         run = flight(model, state[0], count, rtol)
         state = strobe_states(run)[-1:]
         grown, Q = _growth(run, Q)
         logs.append(grown)
         parts += count
-        if progress is not None:
-            progress(parts, periods)
+        watch.finished(0, np.zeros(count, int))
     return _told(np.concatenate(logs))
 
 
@@ -90,26 +93,24 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 def _check(model: Any, periods: Any, settle: Any) -> None:
     needs_model("lyapunov", model)
     problems = Problems("lyapunov")
-    for name, value, least in (("periods", periods, 20), ("settle", settle, 0)):
-        if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value < least:
-            problems.add(f"{name} = {value!r}; allowed is a whole number from {least}; type for example {name}={max(least, 2000)}")
+    problems.whole("periods", periods, _LEAST, example=2000)
+    problems.whole("settle", settle, 0, example=200)
     problems.check()
 
 
 def _told(logs: Array) -> Lyapunov:
     """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
     dead = np.isneginf(logs).any(axis=0)
-    found = gathered(logs[:, ~dead], 1.0, "drive period") if not dead.all() else None
     if not dead.any():
-        return found  # type: ignore[return-value]
-    lost, note = int(dead.sum()), "it comes to rest, and a body at rest has forgotten its velocity: a multiplier of exactly 0"
-    spectrum = np.full(lost, -np.inf) if found is None else np.append(found.spectrum, np.full(lost, -np.inf))
-    errors = np.zeros(lost) if found is None else np.append(found.errors, np.zeros(lost))
-    record = (
-        np.array([[len(logs), *spectrum]])
-        if found is None
-        else np.column_stack([found.record, np.full((len(found.record), lost), -np.inf)])
-    )
+        return gathered(logs, 1.0, "drive period")
+    lost = np.full(int(dead.sum()), -np.inf)
+    if dead.all():
+        spectrum, errors, record = lost, np.zeros(len(lost)), np.array([[len(logs), *lost]])
+    else:
+        found = gathered(logs[:, ~dead], 1.0, "drive period")
+        spectrum, errors = np.append(found.spectrum, lost), np.append(found.errors, np.zeros(len(lost)))
+        record = np.column_stack([found.record, np.tile(lost, (len(found.record), 1))])
+    note = "at rest, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0"
     return Lyapunov(spectrum, errors, record, "drive period", float(len(logs)), note)
 
 
@@ -153,7 +154,15 @@ def _carried_in_the_plane(matrices: Array, number: Array, logs: Array, Q: Array)
 
 
 def largest_exponents(
-    model: Any, periods: int = 400, *, settle: int = 200, start: Any = None, rtol: float = 1e-10, apart: float = _APART
+    model: Any,
+    periods: int = 400,
+    *,
+    settle: int = 200,
+    start: Any = None,
+    rtol: float = 1e-10,
+    apart: float = _APART,
+    workers: int = 1,
+    progress: Report | None = None,
 ) -> tuple[Array, Array]:
     """The largest exponent of every case of a batch, by two neighbours that are brought together after every drive period.
 
@@ -171,6 +180,10 @@ def largest_exponents(
         Tolerance; well below `apart`.
     apart : float
         Distance of the neighbours, in the scales of the coordinates.
+    workers : int
+        Threads. The results do not depend on it.
+    progress : callable, optional
+        Called with a `Progress`; return False to stop. What is not computed then is NaN.
 
     Returns
     -------
@@ -185,30 +198,43 @@ def largest_exponents(
     """
     from stickslip.batch import labels_of
 
+    problems = Problems("largest_exponents")
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
     cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
     state = np.zeros((cases, len(at.names))) if start is None else np.atleast_2d(np.asarray(start, float))
-    state = strobe_map(model, state, settle, max(rtol, 1e-8)).state if settle else state
-    both, away = _doubled(model), np.tile(apart * at.scales / np.sqrt(len(at.names)), (cases, 1))
+    means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
+
+    def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
+        some = picked(model, part)
+        begun = strobe_map(some, state[part], settle, max(rtol, 1e-8)).state if settle else state[part]
+        tell(settle / (settle + 3.0 * (_ALIGN + periods)))
+        return _apart_by(some, begun, at, periods, rtol, apart, tell)
+
+    for part, found in shared(cases, grown, workers, progress):
+        means[part], errors[part] = found
+    return means, errors
+
+
+def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
+    """The mean growth of the distance of two neighbours per drive period, and its error, for some cases."""
+    cases = len(state)
+    both = picked(model, np.tile(np.arange(cases), 2))
+    d = at.smooth
+    scales = at.scales[:d]
+    away, other = np.tile(apart * scales / np.sqrt(d), (cases, 1)), state[:, d:]
     logs = np.empty((_ALIGN + periods, cases))
     for k in range(_ALIGN + periods):
-        ends = strobe_map(both, np.concatenate([state, state + away]), 1, rtol).state
-        state, gap = ends[:cases], (ends[cases:] - ends[:cases]) / at.scales
+        if k % 16 == 15:
+            tell(k / (_ALIGN + periods))
+        ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, rtol).state
+        state, other, gap = ends[:cases], ends[cases:, d:], (ends[cases:, :d] - ends[:cases, :d]) / scales
         size = np.linalg.norm(gap, axis=1)
         with np.errstate(divide="ignore"):
             logs[k] = np.log(size / apart)
-        away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], 1 / np.sqrt(len(at.names))) * apart * at.scales
+        away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], 1 / np.sqrt(d)) * apart * scales
     logs = logs[_ALIGN:]
     return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))
-
-
-def _doubled(model: Any) -> Any:
-    """The batch twice over, in one dimension."""
-    from stickslip.batch import rows_of
-    from stickslip.fields import leaves, replace_leaf
-
-    names = tuple(name for name, _ in leaves(model))
-    rows = np.tile(rows_of(model, names), (2, 1))
-    return replace_leaf(model, {name: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +272,15 @@ class Verdict:
         return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
 
 
-def verdict(model: Any, periods: int = 1000, *, settle: int = 500, start: Any = None, rtol: float = 1e-8) -> Verdict:
+def verdict(
+    model: Any,
+    periods: int = 1000,
+    *,
+    settle: int = 500,
+    start: Any = None,
+    rtol: float = 1e-8,
+    progress: Report | None = None,
+) -> Verdict:
     """Periodic, quasi-periodic or chaotic: from the exponents and the strobe point together, never from looks.
 
     Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
@@ -255,8 +289,8 @@ def verdict(model: Any, periods: int = 1000, *, settle: int = 500, start: Any = 
 
     Parameters
     ----------
-    model, periods, settle, start, rtol
-        As for `lyapunov`.
+    model, periods, settle, start, rtol, progress
+        As for `lyapunov`. Of a motion that repeats the exponents are averaged over whole motion periods, somewhat more than asked for.
 
     Examples
     --------
@@ -271,7 +305,8 @@ def verdict(model: Any, periods: int = 1000, *, settle: int = 500, start: Any = 
     _check(model, periods, settle)
     state = settled(model, start, settle, rtol)
     back = repetition(model, state[0], rtol)
-    exponents = lyapunov(model, periods, settle=0, start=state[0], rtol=rtol)
+    whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
+    exponents = lyapunov(model, -(-periods // whole) * whole, settle=0, start=state[0], rtol=rtol, progress=progress)
     if back.period is not None:
         try:
             orbit = periodic_orbit(model, back.period, guess=back.state)

@@ -50,6 +50,14 @@ class Family:
         except (TypeError, ValueError):  # a maker that cannot take arrays
             return _point_by_point(self.make, self.fixed, columns)
 
+    def refusal(self, error: InputError, *values: float) -> str:
+        """Why there is no robot at a point, said of that robot alone: the batch that was refused has others beside it."""
+        try:
+            self.robot(*values)
+        except InputError as alone:
+            return alone.problems[0]
+        return error.problems[0]
+
     def describe(self, parameter: str) -> dict[str, str]:
         """Name and unit of a parameter, as a plot shows them."""
         known = AXES.get(parameter.rpartition(".")[2])

@@ -13,12 +13,12 @@ import numpy as np
 from stickslip.dynamics.duals import Dual, Truth, slopes_of, variables
 from stickslip.forces import held_velocity, is_dynamic, law_force, law_rate, normal_load, offered_force
 
-__all__ = ["offer_slopes", "rates"]
+__all__ = ["memory_of", "offer_slopes", "rates"]
 
 Array = Any
 
 
-def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
+def rates(model: Any, mode: Array, t: Array, y: Array, memory: Array = ()) -> tuple[Array, Array]:
     """The rate of each coordinate and the Jacobian.
 
     Parameters
@@ -29,6 +29,8 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
         Instants [s].
     y : array (coordinates, n)
         States.
+    memory : array (n, memories)
+        The law's memories at each instant, if it has any.
 
     Returns
     -------
@@ -50,10 +52,11 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
     if is_dynamic(law):
         contact = _held(model, v, mode)
         inner = z[0] if len(z) == 1 else tuple(z)
-        found = law_rate(law, contact, inner, load)
+        kept = memory_of(memory)
+        found = law_rate(law, contact, inner, load, kept)
         zdot = tuple(found) if isinstance(found, (tuple, list)) else (found,)
         applied = model.total_mass * model.acceleration(t, x, v, 0.0)
-        R = law_force(law, contact, inner, zdot[0] if len(z) == 1 else zdot, load, applied=applied)
+        R = law_force(law, contact, inner, zdot[0] if len(z) == 1 else zdot, load, kept, applied)
         f: list[Any] = [model.acceleration(t, x, v, R), *zdot]
     else:
         slide = model.acceleration(t, x, v, law.sliding(_held(model, v, np.where(mode == 0, 1, mode)), load))
@@ -66,6 +69,11 @@ def rates(model: Any, mode: Array, t: Array, y: Array) -> tuple[Array, Array]:
         for j, slope in enumerate(slopes_of(fi, d)):
             jacobian[:, i, j] = slope
     return value, jacobian
+
+
+def memory_of(memory: Array) -> tuple[Dual, ...]:
+    """Memories as a law with numbers that carry slopes takes them."""
+    return tuple(Dual(column, []) for column in np.asarray(memory, float).T)
 
 
 def _held(model: Any, v: Any, mode: Array) -> Any:

@@ -18,6 +18,7 @@ from stickslip.errors import InputError, Problems
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
 
 Array = Any
+STRETCHES = 20  # of which the scatter of the means gives the error
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ class Lyapunov:
         return f"<Lyapunov: {told} per {self.unit}, over {self.steps:g}{'; ' + self.note if self.note else ''}>"
 
 
-def error_of_mean(samples: Array, stretches: int = 20) -> Array:
+def error_of_mean(samples: Array, stretches: int = STRETCHES) -> Array:
     """Standard error of the mean of correlated samples (n, ...): from the means of long stretches, at least `stretches` of them."""
     length = max(len(samples) // stretches, 1)
     count = len(samples) // length

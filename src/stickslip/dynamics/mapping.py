@@ -16,7 +16,7 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic, memories_of, normal_load, rest_velocity
 from stickslip.forces import states_of as inner_states
 
-__all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "strobe_map", "strobe_orbit"]
+__all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
 Array = Any
 
@@ -27,14 +27,21 @@ class Coordinates:
 
     names: tuple[str, ...]
     scales: Array
+    memories: int = 0  # the last so many coordinates are whole numbers that the law remembers
+
+    @property
+    def smooth(self) -> int:
+        """How many coordinates are no memories."""
+        return len(self.names) - self.memories
 
     def start(self, state: Any) -> dict[str, Any]:
         """A state, or a table of them, as `solve` takes a start."""
         state = np.asarray(state, float)
-        inner = [i for i, name in enumerate(self.names) if name not in ("x", "v")]
-        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names) if name in ("x", "v")}
-        if inner:
-            found["z"] = state[..., inner[0]] if len(inner) == 1 else state[..., inner]
+        first = self.names.index("v") + 1
+        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[:first])}
+        for name, part in (("z", state[..., first : self.smooth]), ("memory", state[..., self.smooth :])):
+            if part.shape[-1]:
+                found[name] = part[..., 0] if part.shape[-1] == 1 else part
         return {name: value[()] for name, value in found.items()}
 
     def distance(self, a: Any, b: Any) -> Any:
@@ -63,16 +70,21 @@ def coordinates(model: Any) -> Coordinates:
     ('v', 'z')
     """
     law = model.friction
-    count = inner_states(law)
-    inner = ("z",) if count == 1 else tuple(f"z{i}" for i in range(count))
+    count, memories = inner_states(law), memories_of(law)
+    inner = (*_numbered("z", count), *_numbered("memory", memories))
     speed = _largest(getattr(model, "free_velocity", model.velocity_scale)) or _largest(model.velocity_scale) or 1.0
     shift = () if getattr(model, "cyclic", False) else ("x",)
-    scales = [speed * _largest(model.period) / (2 * np.pi)] * len(shift) + [speed]
+    time = _largest(model.time_scale if model.period is None else model.period)
+    scales = [speed * time / (2 * np.pi)] * len(shift) + [speed]
     if count:
         scale = getattr(law, "scale", None)
-        typical = speed * _largest(model.period) if scale is None else scale(normal_load(model, 0.0, 0.0))
+        typical = speed * time if scale is None else scale(normal_load(model, 0.0, 0.0))
         scales += [_largest(s) for s in (typical if isinstance(typical, tuple) else (typical,) * count)]
-    return Coordinates((*shift, "v", *inner), np.array(scales))
+    return Coordinates((*shift, "v", *inner), np.array(scales + [1.0] * memories), memories)
+
+
+def _numbered(name: str, count: int) -> tuple[str, ...]:
+    return (name,) if count == 1 else tuple(f"{name}{i}" for i in range(count))
 
 
 def _largest(value: Any) -> float:
@@ -110,11 +122,12 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
-    if memories_of(model.friction):
+    if getattr(model.friction, "random", False):
         raise InputError(
             type(model.friction).__name__,
-            ["the law remembers whole numbers (modes), so that velocity and inner states on the strobe do not say everything; orbits, "
-             "exponents and basins need a law without modes; type ss.solve(robot, periods=...) and look at its strobe points instead"],
+            ["its bonds form again at random places, so no two drive periods are alike and there is no strobe map that orbits, "
+             "exponents or basins could belong to; allowed are laws without chance, such as ss.GMS or ss.LuGre; for this one type "
+             "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
         )  # fmt: skip
     if getattr(model.friction, "scalar_only", False):
         return _one_by_one(model, states, periods, rtol)
@@ -125,10 +138,13 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     return _in_lanes(model, states, periods, rtol)
 
 
-def _in_lanes(model: Any, states: Array, periods: int, rtol: float) -> Ends:
-    """The engine's lanes: their table has x, then v at the contact, the inner states, and x again where the equations know it."""
+def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
+    """The engine's lanes: their table has x, then v at the contact, inner states, x again where the equations know it, memories.
+
+    `span` [s] is how long a period is, for models that have none.
+    """
     from stickslip.batch import rows_of
-    from stickslip.engine import lanes, tableaux
+    from stickslip.engine import lanes, tableaux, trace
     from stickslip.solvers.exact import REPEAT
     from stickslip.solvers.rosenbrock import LOOSE, SAFETY
     from stickslip.solvers.stepping import BUDGET
@@ -136,16 +152,36 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float) -> Ends:
     cyclic, dynamic = bool(getattr(model, "cyclic", False)), is_dynamic(model.friction)
     tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
     kernel = lanes.kernel_of(model, tableau, record=False)
-    rows = rows_of(model, kernel.names)
+    rows = rows_of(model, tuple(name for name in kernel.names if name != trace.SPAN))
     rows = np.array(np.broadcast_to(rows, (len(states), rows.shape[1])), order="C")
+    rows = rows if span is None else np.column_stack([rows, np.broadcast_to(span, len(states))])
     offset = np.broadcast_to(np.asarray(rest_velocity(model), float), len(states))[:, None]
-    x, v, z = (np.zeros((len(states), 1)), states[:, :1], states[:, 1:]) if cyclic else (states[:, :1], states[:, 1:2], states[:, 2:])
-    table = np.ascontiguousarray(np.hstack([x, v - offset, z] if cyclic else [x, v - offset, z, x]))
+    whole = np.hstack([np.zeros((len(states), 1)), states]) if cyclic else states
+    x, v, z, memory = np.split(whole, [1, 2, 2 + inner_states(model.friction)], axis=1)
+    table = np.hstack([x, v - offset, z, *(() if cyclic else (x,)), np.round(memory)])
     job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)
     found = lanes.run(kernel, rows, table, job)
     y = np.where(found.status[:, None] <= 1, found.end[:, 1:], np.nan)
     end = np.hstack([y[:, :1] + offset, y[:, 1:]] if cyclic else [y[:, -1:], y[:, :1] + offset, y[:, 1:-1]])
+    end = np.hstack([end, found.memory])
     return Ends(end, found.end[:, 0] - table[:, 0], found.status, found.v_max + offset[:, 0], found.v_min + offset[:, 0])
+
+
+def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> Ends:
+    """The states of a model without a period after some time, one duration for all or one for each.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> belt = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+    >>> flow_map(belt, [[0.0, 0.1], [0.0, 0.1]], [1.0, 2.0]).state.round(12).tolist()  # it rides along
+    [[0.1, 0.1], [0.2, 0.1]]
+    """
+    if getattr(model.friction, "scalar_only", False):
+        raise InputError(
+            type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
+        )
+    return _in_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float))
 
 
 def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
@@ -187,7 +223,7 @@ def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
     columns = [] if getattr(run.model, "cyclic", False) else [run.strobe_x]
     columns += [run.strobe_v] + ([] if run.strobe_z is None else [run.strobe_z])
-    return np.column_stack(columns)
+    return np.column_stack(columns + ([] if run.strobe_memory is None else [run.strobe_memory]))
 
 
 def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
@@ -202,7 +238,7 @@ def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tup
 
 
 def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6) -> Array:
-    """The derivative of the strobe map by central differences of one batch.
+    """The derivative of the strobe map by central differences of one batch; a law's memories are kept as they are.
 
     Parameters
     ----------
@@ -210,13 +246,13 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
         Half the distance of the two points, in the scales of `coordinates`.
     """
     at = coordinates(model)
-    d = len(at.names)
-    shifts = np.vstack([np.eye(d), -np.eye(d)]) * (step * at.scales)
-    ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state
-    return ((ends[:d] - ends[d:]) / (2 * step * at.scales[:, None])).T
+    d, scales = at.smooth, at.scales[: at.smooth]
+    shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
+    ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state[:, :d]
+    return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T
 
 
-def needs_model(what: str, model: Any) -> None:
+def needs_model(what: str, model: Any, driven: bool = True) -> None:
     """Say what to type where something else than one robot was given."""
     if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
         raise InputError(
@@ -226,5 +262,6 @@ def needs_model(what: str, model: Any) -> None:
         raise InputError(
             what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
         )
-    if getattr(model, "period", None) is None:
-        raise InputError(what, [f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"])
+    if driven and getattr(model, "period", None) is None:
+        why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
+        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism)"])

@@ -1,4 +1,4 @@
-"""Maps over two parameters: after how many drive periods a motion repeats, and its largest exponent, for every point of a grid."""
+"""Maps over one or two parameters: after how many drive periods a motion repeats, and its largest exponent, for every point of a grid."""
 
 from __future__ import annotations
 
@@ -7,17 +7,27 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.diagrams import periods_of
+from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.exponents import largest_exponents
-from stickslip.dynamics.family import family
-from stickslip.dynamics.mapping import coordinates, strobe_map, strobe_orbit
+from stickslip.dynamics.family import Family, family
+from stickslip.dynamics.many import Report, picked, shared
+from stickslip.dynamics.mapping import coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
-from stickslip.errors import InputError
+from stickslip.errors import InputError, Problems
 
 __all__ = ["chaos_map"]
 
-_POINTS = 64
-_CHUNK = 512
+Array = Any
+_FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
+_POINTS = 64  # ... and at the end
+_STEP = 1e-5  # half the distance of differences that give multipliers, in scales
+
+_TOLD = {
+    "period": {"long_name": "drive periods until it repeats (0: none found, -1: not computed)", "units": "1"},
+    "exponent": {"long_name": "largest Lyapunov exponent per drive period", "units": "1"},
+    "error": {"long_name": "standard error of the exponent", "units": "1"},
+    "mean_velocity": {"long_name": "mean velocity", "units": "m/s"},
+}
 
 
 def chaos_map(
@@ -27,30 +37,36 @@ def chaos_map(
     periods: int = 200,
     start: Any = None,
     rtol: float = 1e-8,
-    progress: Callable[[int, int], None] | None = None,
+    workers: int = 1,
+    progress: Report | None = None,
     **arguments: Any,
 ) -> Any:
-    """A map over two parameters of period number, largest Lyapunov exponent and mean velocity.
+    """A map over one or two parameters of period number, largest Lyapunov exponent and mean velocity.
+
+    Where the strobe point comes back the exponent is that of the motion's multipliers, by differences of the strobe map; elsewhere it
+    is measured by two neighbours, as in `largest_exponents`.
 
     Parameters
     ----------
     make : callable or Robot
         What makes a robot from keywords, or a robot whose numbers are named with dots.
     settle, periods : int
-        Drive periods to run before looking, and to average the exponent over.
+        Drive periods to run before looking (most cases are found to repeat sooner), and to average the exponent over.
     start : dict, array or orbit, optional
         Where every case begins; rest if not given.
     rtol : float
         Tolerance for dynamic laws.
+    workers : int
+        Threads. The results do not depend on it.
     progress : callable, optional
-        Called with (cases done, cases).
+        Called with a `Progress`; return False to stop. What is not computed then has the period -1.
     **arguments
-        Arguments of `make`; exactly two of them are lists or arrays.
+        Arguments of `make`; one or two of them are lists or arrays.
 
     Returns
     -------
     xarray.Dataset
-        Over the two parameters: period (0: none up to 32), exponent and its error per drive period, mean_velocity [m/s].
+        Over the parameters: period (0: none up to 32), exponent and its error per drive period, mean_velocity [m/s].
 
     Examples
     --------
@@ -61,39 +77,85 @@ def chaos_map(
     """
     import xarray as xr
 
-    axes = {name: np.asarray(value, float) for name, value in arguments.items() if np.ndim(value) == 1 and not isinstance(value, str)}
-    if len(axes) != 2:
-        raise InputError(
-            "chaos_map", [f"{len(axes)} arguments have several values; allowed are exactly two, such as mu0=[...], amplitude=[...]"]
-        )
-    fixed = {name: value for name, value in arguments.items() if name not in axes}
-    robots = family("chaos_map", make, tuple(axes), fixed)
+    axes = _axes(arguments, settle, periods, workers)
+    robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
     grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
-    parts = []
-    for i in range(0, grid[0].size, _CHUNK):
-        model = robots.robots(*(column[i : i + _CHUNK] for column in grid))
-        parts.append(_looked_at(model, len(grid[0][i : i + _CHUNK]), start, settle, periods, rtol))
-        if progress is not None:
-            progress(min(i + _CHUNK, grid[0].size), grid[0].size)
+    whole = [np.full(grid[0].size, UNDONE), *(np.full(grid[0].size, np.nan) for _ in range(3))]
+
+    def looked_at(part: slice, tell: Callable[[float], None]) -> tuple[Array, ...]:
+        return _looked_at(robots, [column[part] for column in grid], start, settle, periods, rtol, tell)
+
+    for part, found in shared(grid[0].size, looked_at, workers, progress):
+        for column, values in zip(whole, found, strict=True):
+            column[part] = values
     shape = tuple(len(axis) for axis in axes.values())
-    told = {
-        "period": {"long_name": "drive periods until it repeats (0: none found)", "units": "1"},
-        "exponent": {"long_name": "largest Lyapunov exponent per drive period", "units": "1"},
-        "error": {"long_name": "standard error of the exponent", "units": "1"},
-        "mean_velocity": {"long_name": "mean velocity", "units": "m/s"},
-    }
-    whole = [np.concatenate(column).reshape(shape) for column in zip(*parts, strict=True)]
-    columns = {name: (tuple(axes), column, told[name]) for name, column in zip(told, whole, strict=True)}
-    return xr.Dataset(columns, {name: (name, axis, robots.describe(name)) for name, axis in axes.items()})
+    columns = {name: (tuple(axes), column.reshape(shape), _TOLD[name]) for name, column in zip(_TOLD, whole, strict=True)}
+    attrs = {"settle": settle, "periods": periods, "rtol": rtol}
+    return xr.Dataset(columns, {name: (name, axis, robots.describe(name)) for name, axis in axes.items()}, attrs)
 
 
-def _looked_at(model: Any, cases: int, start: Any, settle: int, periods: int, rtol: float) -> tuple[Any, Any, Any, Any]:
-    """Period, exponent, error and mean velocity of a batch."""
-    at = coordinates(model)
-    state = strobe_map(model, np.tile(states_of(start, at), (cases, 1)), settle, rtol).state
-    kept, ways = strobe_orbit(model, state, _POINTS, rtol)
-    period = periods_of(np.moveaxis(kept, 0, 1), at.scales, max(1e-6, 30 * rtol))
-    count = np.where(period > 0, _POINTS - _POINTS % np.maximum(period, 1), _POINTS)
-    way = np.where(np.arange(_POINTS)[:, None] < count, ways, 0.0).sum(axis=0)
-    exponent, error = largest_exponents(model, periods, settle=0, start=kept[-1], rtol=rtol, apart=max(1e-7, 100 * rtol))
-    return period, exponent, error, way / (count * np.broadcast_to(np.asarray(model.period, float), count.shape))
+def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) -> dict[str, Array]:
+    problems = Problems("chaos_map")
+    try:
+        axes = {name: np.asarray(value, float) for name, value in arguments.items() if np.ndim(value) == 1 and not isinstance(value, str)}
+    except (TypeError, ValueError):
+        raise InputError("chaos_map", ["an argument with several values has one that is no number; allowed are lists of numbers"]) from None
+    if len(axes) not in (1, 2):
+        problems.add(f"{len(axes)} arguments have several values; allowed are one or two, such as mu0=[...], amplitude=[...]")
+    for name, axis in axes.items():
+        if not len(axis) or not np.isfinite(axis).all():
+            problems.add(f"{name} = {arguments[name]!r}; allowed are finite numbers, at least one")
+    problems.whole("settle", settle, 1, example=300)
+    problems.whole("periods", periods, 20, example=200)
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
+    return axes
+
+
+def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, periods: int, rtol: float, tell: Any) -> tuple[Array, ...]:
+    """Period, exponent, error and mean velocity of a part of the grid."""
+    cases = len(values[0])
+    model = spread_over(robots.robots(*values), cases)
+    at, first = coordinates(robots.robot(*(column[0] for column in values))), min(settle, _FIRST)
+    state = strobe_map(model, np.tile(states_of(start, at), (cases, 1)), first, rtol).state
+    tell(0.25)
+    period, state, velocity = _repeats(model, state, at.scales, _LOOK, rtol)
+    late = np.flatnonzero(period == 0)
+    exponent, error = np.full(cases, np.nan), np.full(cases, np.nan)
+    tell(0.5)
+    if len(late):
+        some = picked(model, late)
+        settled = strobe_map(some, state[late], settle - first, rtol).state if settle > first else state[late]
+        period[late], state[late], velocity[late] = _repeats(some, settled, at.scales, _POINTS, rtol)
+        tell(0.7)
+    for p in np.unique(period[period > 0]):
+        members = np.flatnonzero(period == p)
+        exponent[members], error[members] = _by_multipliers(picked(model, members), state[members], int(p), at.scales, rtol)
+    wild = np.flatnonzero((period == 0) & np.isfinite(state).all(axis=1))
+    tell(0.8)
+    if len(wild):
+        exponent[wild], error[wild] = largest_exponents(
+            picked(model, wild), periods, settle=0, start=state[wild], rtol=rtol, apart=max(1e-7, 100 * rtol)
+        )
+    return period, exponent, error, velocity
+
+
+def _repeats(model: Any, state: Array, scales: Array, points: int, rtol: float) -> tuple[Array, Array, Array]:
+    """Period numbers, last strobe states and mean velocities of the next strobe points."""
+    kept, ways = strobe_orbit(model, state, points, rtol)
+    period = periods_of(np.moveaxis(kept, 0, 1), scales, max(1e-6, 30 * rtol))
+    return period, kept[-1], steady_velocity(ways.T, period, np.asarray(model.period, float))
+
+
+def _by_multipliers(model: Any, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
+    """The largest exponent per drive period of motions that repeat, by central differences; its error: how far one-sided ones differ."""
+    cases, d = state.shape
+    step = max(_STEP, 1e3 * rtol)
+    shifts = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)]) * step * scales
+    tried = (state[:, None, :] + shifts).reshape(-1, d)
+    ends = (strobe_map(picked(model, np.repeat(np.arange(cases), 2 * d + 1)), tried, period, rtol).state / scales).reshape(cases, -1, d)
+    middle, ahead, behind = ends[:, :1], ends[:, 1 : d + 1], ends[:, d + 1 :]
+    central, forward, backward = (ahead - behind) / (2 * step), (ahead - middle) / step, (middle - behind) / step
+    with np.errstate(divide="ignore", invalid="ignore"):
+        largest = [np.log(abs(np.linalg.eigvals(np.nan_to_num(J))).max(axis=1)) / period for J in (central, forward, backward)]
+        return largest[0], np.nan_to_num(abs(largest[1] - largest[2]) / 2, posinf=np.inf)

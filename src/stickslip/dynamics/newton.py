@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-__all__ = ["Found", "newton"]
+__all__ = ["Found", "newton", "newton_within"]
 
 Array = Any
 Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1
 
 STEP = 1e-6  # half the distance of the points of a central difference
+_PATTERNS = 6  # sets of whole numbers that are tried
 SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went too far, tried together
 
 
@@ -27,6 +28,7 @@ class Found:
     jacobian: Array
     good: bool
     why: str
+    memory: Array = ()  # whole numbers that were held (see `newton_within`)
 
 
 def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array, Array]:
@@ -87,6 +89,39 @@ def newton(
         size = _size(F)
     good = size <= floor
     return Found(u, size, most, J, good, "found, to rounding" if good else f"{most} iterations were not enough")
+
+
+def newton_within(
+    problem: Callable[[Array], Residuals], after: Callable[[Array, Array], Array], guess: Array, memory: Array, **options: Any
+) -> Found:
+    """A root for which whole numbers come back too: Newton's method with them held, and again with what they became.
+
+    Parameters
+    ----------
+    problem : callable
+        The residuals for whole numbers that are held.
+    after : callable
+        What the whole numbers are one period after a point, from it and the ones that were held.
+    guess, memory : array
+        Where it begins.
+    **options
+        As for `newton`.
+
+    Examples
+    --------
+    >>> found = newton_within(lambda m: lambda u: u - m, lambda u, m: np.minimum(m + 1, 2.0), np.array([0.5]), np.array([0.0]))
+    >>> float(found.at[0]), found.memory.tolist()
+    (2.0, [2.0])
+    """
+    for _ in range(_PATTERNS):
+        found = newton(problem(memory), guess, **options)
+        if not len(memory) or not np.isfinite(found.at).all():
+            return replace(found, memory=memory)
+        now = after(found.at, memory)
+        if np.array_equal(now, memory):
+            return replace(found, memory=memory)
+        guess, memory = found.at if found.good else guess, now
+    return replace(found, memory=memory, good=False, why="what the law remembers at the strobe does not come back")
 
 
 def _best_share(residuals: Residuals, u: Array, step: Array, size: float) -> float:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import Motion, motion
+from stickslip.dynamics.closed import ClosedMotion, largest_first
+from stickslip.dynamics.cycles import limit_cycle
 from stickslip.dynamics.mapping import (
     Coordinates,
     coordinates,
@@ -19,9 +21,9 @@ from stickslip.dynamics.mapping import (
     strobe_orbit,
     strobe_states,
 )  # fmt: skip
-from stickslip.dynamics.newton import Found, newton
-from stickslip.dynamics.variational import monodromy, multipliers_of
-from stickslip.errors import InputError, SolveError
+from stickslip.dynamics.newton import Found, newton_within
+from stickslip.dynamics.variational import multipliers_of
+from stickslip.errors import InputError, Problems, SolveError
 from stickslip.forces import is_dynamic
 
 __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
@@ -35,7 +37,7 @@ _SAME = 1e-7  # strobe states closer than this are one
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicOrbit:
+class PeriodicOrbit(ClosedMotion):
     """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.
 
     Parameters
@@ -45,7 +47,7 @@ class PeriodicOrbit:
     period : int
         Drive periods until the motion repeats.
     state : array
-        The state on the strobe t = 0 mod T, in the order of `names`.
+        The state on the strobe t = 0 mod T, in the order of `names`; what the law remembers as whole numbers comes last.
     residual : float
         How far the state is from itself after one motion period, in the scales of its coordinates.
     rtol : float
@@ -66,46 +68,20 @@ class PeriodicOrbit:
     rtol: float = RTOL
     notes: tuple[str, ...] = ()
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What the numbers of the state are."""
-        return coordinates(self.model).names
-
-    @property
-    def start(self) -> dict[str, Any]:
-        """The strobe state as `solve` takes a start."""
-        return coordinates(self.model).start(self.state)
-
     @cached_property
     def run(self) -> Any:
         """One motion period, with its dense output."""
         return flight(self.model, self.state, self.period, max(self.rtol, _RUNS))
-
-    @property
-    def events(self) -> list[Any]:
-        """Every change of mode within the motion period (dynamic laws: reversals of v)."""
-        return self.run.events
-
-    @cached_property
-    def monodromy(self) -> Array:
-        """The derivative of the strobe map over one motion period."""
-        return monodromy(self.run)
 
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
         return multipliers_of(self.monodromy, not is_dynamic(self.model.friction) and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
 
-    @property
-    def stable(self) -> bool:
-        """Whether small disturbances die out: all multipliers within the unit circle."""
-        return bool(np.all(abs(self.multipliers) < 1.0))
-
     @cached_property
     def differences(self) -> Array:
         """The multipliers once more, from differences of the strobe map: the second opinion."""
-        found = np.linalg.eigvals(difference_jacobian(self.model, self.state, self.period, self.rtol))
-        return found[np.argsort(-abs(found), kind="stable")]
+        return largest_first(np.linalg.eigvals(difference_jacobian(self.model, self.state, self.period, self.rtol)))
 
     @cached_property
     def mean_velocity(self) -> float:
@@ -148,15 +124,17 @@ class PeriodicOrbit:
         )
 
 
-def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12) -> PeriodicOrbit:
-    """A periodic motion of a robot, stable or unstable, by Newton's method on the strobe map.
+def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12) -> Any:
+    """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
+
+    Where nothing drives (a block on a belt) it is a limit cycle, and how long it takes is found too.
 
     Parameters
     ----------
-    model : Robot
-        One robot.
+    model : Robot or mechanism
+        One of them.
     period : int
-        Drive periods after which the motion repeats.
+        Drive periods after which the motion repeats; turns of the spring where nothing drives.
     guess : dict, array, Trajectory or PeriodicOrbit, optional
         Where to begin: a start as `solve` takes it, a strobe state, a run (its last strobe state) or an orbit nearby. If not given,
         the robot is run from rest, and the strobe states that come back most nearly are tried, and their means (which lead to an
@@ -168,8 +146,8 @@ def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: floa
 
     Returns
     -------
-    PeriodicOrbit
-        `multipliers`, `stable`, `mean_velocity`, `type`, `state`, `events`, `margin`, `residual`.
+    PeriodicOrbit, or LimitCycle where nothing drives
+        `multipliers`, `stable`, `mean_velocity`, `type`, `state`, `events`, `residual`; with a drive also `margin`, without `duration`.
 
     Raises
     ------
@@ -183,15 +161,20 @@ def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: floa
     >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
     (False, -2.625)
     """
-    needs_model("periodic_orbit", model)
-    if not isinstance(period, (int, np.integer)) or isinstance(period, bool) or period < 1:
-        raise InputError("periodic_orbit", [f"period = {period!r}; allowed is a whole number from 1, in drive periods; type period=1"])
+    autonomous = hasattr(model, "friction") and getattr(model, "period", None) is None
+    needs_model("periodic_orbit", model, driven=not autonomous)
+    problems = Problems("periodic_orbit")
+    problems.whole("period", period, 1, example=1, what=" of drive periods")
+    problems.check()
+    if autonomous:
+        return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
     at, tried = coordinates(model), []
     for state in _guesses(model, int(period), guess, at):
         found = _solve(model, int(period), state, rtol, tolerance)
         tried.append(found)
-        if found.good and not _shorter(model, found.at * at.scales, int(period), rtol):
-            return PeriodicOrbit(model, int(period), found.at * at.scales, found.residual, rtol)
+        state = np.append(found.at * at.scales[: at.smooth], found.memory)
+        if found.good and not _shorter(model, state, int(period), rtol):
+            return PeriodicOrbit(model, int(period), state, found.residual, rtol)
     raise SolveError(_failure(int(period), tried, guess))
 
 
@@ -211,12 +194,18 @@ def _failure(period: int, tried: list[Found], guess: Any) -> str:
 
 
 def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float) -> Found:
-    scales = coordinates(model).scales
+    at = coordinates(model)
+    d, scales = at.smooth, at.scales[: at.smooth]
 
-    def residuals(u: Array) -> Array:
-        return strobe_map(model, u * scales, period, rtol).state / scales - u
+    def ends(u: Array, memory: Array) -> Array:
+        held = np.broadcast_to(memory, (*u.shape[:-1], len(memory)))
+        return strobe_map(model, np.concatenate([u * scales, held], axis=-1), period, rtol).state
 
-    return newton(residuals, np.asarray(state, float) / scales, tolerance)
+    def problem(memory: Array) -> Any:
+        return lambda u: ends(u, memory)[:, :d] / scales - u
+
+    state = np.asarray(state, float)
+    return newton_within(problem, lambda u, memory: ends(u, memory)[0, d:], state[:d] / scales, np.round(state[d:]), tolerance=tolerance)
 
 
 def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
@@ -248,15 +237,20 @@ def states_of(start: Any, at: Coordinates) -> Array:
         state = np.empty(0)
     if state.shape != (len(at.names),):
         raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type dict(v=0.0)"])
+    if not np.isfinite(state).all():
+        raise InputError(
+            "start", [f"{start!r} has numbers that are not finite; allowed are finite {', '.join(at.names)}; type dict(v=0.0)"]
+        )
     return state
 
 
 def _named(start: dict[str, Any], name: str) -> float:
-    """One number of a start; z0, z1, ... are entries of z."""
-    if name in start or not name.startswith("z"):
-        return float(start.get(name, 0.0))
-    z = np.ravel(np.asarray(start.get("z", 0.0), float))
-    return float(z[int(name[1:]) if len(z) > 1 else 0])
+    """One number of a start; z0, z1, ... are entries of z, memory0, ... of memory."""
+    whole = name.rstrip("0123456789")
+    if name in start or name == whole:
+        return float(np.ravel(start.get(name, 0.0))[0])
+    values = np.ravel(np.asarray(start.get(whole, 0.0), float))
+    return float(values[int(name[len(whole) :]) if len(values) > 1 else 0])
 
 
 def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
@@ -264,6 +258,7 @@ def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
     settled = strobe_map(model, np.zeros((1, len(at.names))), _SETTLING, 1e-6).state
     points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]
     means = 0.5 * (points[1:] + points[:-1])
+    means[:, at.smooth :] = points[1:, at.smooth :]
     tried = np.vstack([points, means])
     ends = strobe_map(model, tried, period, 1e-8).state
     miss = at.distance(ends, tried)

@@ -9,28 +9,30 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
 from stickslip.dynamics.family import Family
 from stickslip.dynamics.mapping import Coordinates, strobe_map
-from stickslip.dynamics.newton import Found, newton
+from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.orbits import PeriodicOrbit
 
 __all__ = ["Path", "Point", "tangent_of"]
 
 Array = Any
+_CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A point of a branch: where it is in the scaled space, the branch's direction there, and the orbit."""
+    """A point of a branch: where it is in the scaled space (without what the law remembers), its direction there, and the orbit."""
 
     u: Array
     tangent: Array
     value: float
-    orbit: PeriodicOrbit
+    orbit: Any
 
     @cached_property
     def flip(self) -> float:
@@ -41,6 +43,12 @@ class Point:
     def unity(self) -> float:
         """Product of (1 - multiplier): changes its sign where one passes 1, at a fold."""
         return float(np.prod(1.0 - np.asarray(self.orbit.multipliers, complex)).real)
+
+    @cached_property
+    def turning(self) -> float:
+        """Product of (1 - multiplier multiplier) over pairs: changes its sign where a complex pair passes the unit circle."""
+        found = np.asarray(self.orbit.multipliers, complex)
+        return float(np.prod([1.0 - a * b for a, b in combinations(found, 2)]).real)
 
     @cached_property
     def half(self) -> float:
@@ -67,42 +75,69 @@ class Path:
     rtol: float
     tolerance: float
 
-    def unscaled(self, u: Array) -> tuple[Array, Array]:
-        """States and values of the parameter."""
-        return u[..., :-1] * self.at.scales, self.origin + self.span * u[..., -1]
+    @property
+    def scales(self) -> Array:
+        """Sizes of the coordinates of a point, but the parameter's."""
+        return self.at.scales[: self.at.smooth]
 
-    def scaled(self, state: Array, value: float) -> Array:
-        """A point u."""
-        return np.append(np.asarray(state, float) / self.at.scales, (value - self.origin) / self.span)
+    def value(self, u: Array) -> Any:
+        """The parameter at a point."""
+        return self.origin + self.span * u[..., -1]
 
-    def misses(self, U: Array) -> Array:
+    def scaled(self, orbit: Any, value: float) -> Array:
+        """The point u of an orbit."""
+        return np.append(orbit.state[: self.at.smooth] / self.scales, (value - self.origin) / self.span)
+
+    def remembered(self, orbit: Any) -> Array:
+        """What the law remembers on the strobe of an orbit."""
+        return orbit.state[self.at.smooth :]
+
+    def ends(self, U: Array, memory: Array) -> Array:
+        """The states after the period."""
+        states = np.hstack([U[:, :-1] * self.scales, np.broadcast_to(memory, (len(U), len(memory)))])
+        return strobe_map(self.family.robots(self.value(U)), states, self.period, self.rtol).state
+
+    def misses(self, U: Array, memory: Array) -> Array:
         """How far each state is from itself after the period, in its scales."""
-        states, values = self.unscaled(U)
-        return strobe_map(self.family.robots(values), states, self.period, self.rtol).state / self.at.scales - U[:, :-1]
+        return self.ends(U, memory)[:, : self.at.smooth] / self.scales - U[:, :-1]
 
-    def corrected(self, guess: Array, across: Array, reach: float = 0.1) -> Found:
+    def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1) -> Found:
         """The point of the branch in the plane through `guess` across a direction."""
 
-        def residuals(U: Array) -> Array:
-            return np.column_stack([self.misses(U), (U - guess) @ across])
+        def problem(memory: Array) -> Any:
+            return lambda U: np.column_stack([self.misses(U, memory), (U - guess) @ across])
 
-        return newton(residuals, guess, self.tolerance, most=12, reach=reach)
+        def after(u: Array, memory: Array) -> Array:
+            return self.ends(u[None, :], memory)[0, self.at.smooth :]
 
-    def at_value(self, guess: Array, value: float) -> Found:
+        return newton_within(problem, after, guess, memory, tolerance=self.tolerance, most=12, reach=reach)
+
+    def at_value(self, guess: Array, value: float, memory: Array) -> Found:
         """The point of the branch at a value of the parameter."""
-        return self.corrected(self.scaled(guess[:-1] * self.at.scales, value), _along_parameter(len(guess)))
+        return self.corrected(np.append(guess[:-1], (value - self.origin) / self.span), _along_parameter(len(guess)), memory)
+
+    def orbit(self, found: Found) -> Any:
+        """The motion at a point."""
+        state = np.append(found.at[:-1] * self.scales, found.memory)
+        return PeriodicOrbit(self.family.robot(self.value(found.at)), self.period, state, found.residual, self.rtol)
 
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""
-        state, value = self.unscaled(found.at)
         tangent = tangent_of(found.jacobian[:-1], towards)
-        return Point(
-            found.at, tangent, float(value), PeriodicOrbit(self.family.robot(value), self.period, state, found.residual, self.rtol)
-        )
+        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found))
+
+    def beyond(self, here: Point) -> tuple[Found, Point, float] | None:
+        """The next point where the branch has a corner, such as where a new switch begins: found at a fixed parameter beyond it."""
+        ahead = float(np.sign(here.tangent[-1])) * _along_parameter(len(here.u))
+        for step in (1e-4, 3e-4, 1e-3, 3e-3):
+            found = self.corrected(here.u + step * ahead, ahead, self.remembered(here.orbit))
+            if found.good and np.linalg.norm(found.at - here.u) < _CORNER * step:
+                return found, self.point(found, found.at - here.u), step
+        return None
 
     def between(self, a: Point, s: float) -> Point | None:
         """The point that lies s ahead of `a`, along the tangent there."""
-        found = self.corrected(a.u + s * a.tangent, a.tangent)
+        found = self.corrected(a.u + s * a.tangent, a.tangent, self.remembered(a.orbit))
         return self.point(found, a.tangent) if found.good else None
 
 
@@ -124,14 +159,21 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
     for _ in range(most):
         while True:
             try:
-                found, why = path.corrected(here.u + step * here.tangent, here.tangent, step), None
+                found, why = path.corrected(here.u + step * here.tangent, here.tangent, path.remembered(here.orbit), step), None
             except InputError as error:
-                found, why = None, f"it left the admissible region beyond {name} = {here.value:.9g}: {error.problems[0]}"
+                beyond = float(path.value(here.u + 2 * step * here.tangent))
+                why = f"it left the admissible region beyond {name} = {here.value:.9g}: {path.family.refusal(error, beyond)}"
+                found = None
             if found is not None and found.good and np.linalg.norm(found.at - here.u) < 2 * step:
                 point = path.point(found, here.tangent)
                 if point.tangent @ here.tangent > 0.8 or step <= 1e-4:
                     break
             step *= 0.5
+            if step < 1e-6 and why is None:
+                corner = path.beyond(here)
+                if corner is not None:
+                    found, point, step = corner
+                    break
             if step < 1e-6:
                 yield why or f"no step was small enough at {name} = {here.value:.9g}: {found.why if found else ''}"
                 return

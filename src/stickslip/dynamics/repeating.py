@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.dynamics.diagrams import SHRINKING
 from stickslip.dynamics.mapping import coordinates, strobe_orbit
 
 __all__ = ["LONGEST", "Repetition", "repetition"]
@@ -57,18 +58,30 @@ def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> 
     for p in range(1, min(LONGEST, points // 3) + 1):
         miss = at.distance(kept[p:], kept[:-p])
         late, early = float(miss[-p:].max()), float(miss[-2 * p : -p].max())
-        if late <= tolerance:
+        if late <= tolerance and not _dying(at, kept, p):
             return Repetition(p, kept[-1], late, f"the last {points} strobe points repeat after {p} within {late:.1e} of their scales")
         if best is None or late < best[0]:
             best = (late, p, late / early if early > 0 else 1.0)
     late, p, ratio = best or (np.inf, 1, 1.0)
-    if late < 1e-2 and 0.0 < ratio < 1.0 and _steady(at.distance(kept[p:], kept[:-p])[p - 1 :: p]):
+    if shorter := _dying(at, kept, p):  # it swings around a motion of a shorter period
+        p, miss = shorter, at.distance(kept[shorter:], kept[:-shorter])
+        late, ratio = float(miss[-p:].max()), float(miss[-p:].max() / miss[-2 * p : -p].max())
+    if late < 0.1 and 0.0 < ratio < 1.0 and _steady(at.distance(kept[p:], kept[:-p])[p - 1 :: p]):
         more = p * int(np.ceil(np.log(tolerance / late) / np.log(ratio)))
         about = f"about {more} more periods to settle"
         why = f"it moves towards period {p}, but is still {late:.1e} away: a slow transient (ratio {ratio:.4g}); {about}"
     else:
         why = f"the last {points} strobe points do not repeat within {LONGEST} periods (nearest: {late:.1e} after {p})"
     return Repetition(None, kept[-1], late, why)
+
+
+def _dying(at: Any, kept: Array, p: int) -> int:
+    """The shorter period, a divisor of p, whose miss shrinks along the points; 0 if there is none."""
+    for q in (q for q in range(1, p) if p % q == 0):
+        miss = at.distance(kept[q:], kept[:-q])
+        if miss[-p:].max() < SHRINKING * miss[:p].max():
+            return q
+    return 0
 
 
 def _steady(miss: Array) -> bool:

@@ -8,8 +8,9 @@ import numpy as np
 
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.errors import InputError, did_you_mean
+from stickslip.variables import VARIABLES
 
-__all__ = ["poincare", "spectrum", "strobe"]
+__all__ = ["halved", "poincare", "spectrum", "strobe"]
 
 Array = Any
 
@@ -84,10 +85,10 @@ def poincare(run: Any, on: str = "v", value: float = 0.0, direction: int = 0, se
     level = run.at(t)[on] - value
     rising, falling = (level[:-1] <= 0) & (level[1:] > 0), (level[:-1] >= 0) & (level[1:] < 0)
     where = np.flatnonzero({1: rising, -1: falling, 0: rising | falling}[direction])
-    return _dataset(run, _halved(run, on, value, t[where], t[where + 1], np.where(rising[where], 1.0, -1.0)))
+    return _dataset(run, halved(run, on, value, t[where], t[where + 1], np.where(rising[where], 1.0, -1.0)))
 
 
-def _halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
+def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
     """The instants between low and high at which the column leaves the value, to the last bit."""
     for _ in range(60):
         middle = 0.5 * (low + high)
@@ -150,8 +151,9 @@ def spectrum(run: Any, column: str = "v", harmonics: int = 40, periods: int | No
     lines = np.fft.rfft(signal * taper)[: harmonics * count + 1] / taper.sum()
     order = np.arange(len(lines)) / count
     amplitude = np.where(order > 0, 2.0, 1.0) * abs(lines)
+    unit = VARIABLES[column].unit if column in VARIABLES else "1"
     columns = {
-        "amplitude": ("order", amplitude, {"long_name": f"amplitude of {column}"}),
+        "amplitude": ("order", amplitude, {"long_name": f"amplitude of {column}", "units": unit}),
         "phase": ("order", np.angle(lines * np.exp(-1j * np.pi * order / per)), {"units": "rad"}),
         "frequency": ("order", order / run.period_time, {"units": "Hz"}),
         "harmonic": ("order", np.arange(len(lines)) % count == 0),

@@ -21,12 +21,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.flows import offer_slopes, rates
-from stickslip.forces import is_dynamic
+from stickslip.dynamics.memories import remembered
+from stickslip.forces import is_dynamic, memories_of
 
 __all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
 
 Array = Any
 _S6 = 6**0.5
+_INSIDE = 1.0 - 1e-6  # where the last stage looks: at the very end of a piece that ends on a kink of the law it would see the other side
 #: Radau IIA with three stages: nodes and coefficients.
 NODES = np.array([(4 - _S6) / 10, (4 + _S6) / 10, 1.0])
 STAGES = np.array(
@@ -77,7 +79,10 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
     if not is_dynamic(model.friction):
         stuck = mode[index] == 0
         matrices[stuck, _place_of_v(model), :], areas[stuck] = 0.0, -np.inf
-    for i in np.flatnonzero(np.diff(mode)):
+    changed = np.diff(mode) != 0
+    if memories_of(model.friction):
+        changed |= np.any(np.diff(pieces.memory, axis=0) != 0, axis=1)
+    for i in np.flatnonzero(changed):
         last, S = (int(i) + 1) * parts - 1, saltation(run, int(i) + 1)
         matrices[last] = S @ matrices[last]
         with np.errstate(divide="ignore"):
@@ -98,7 +103,9 @@ def _states(run: Any, t: Array, index: Array) -> Array:
 def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:
     """Radau IIA over every step at once: transfer matrices, and integrals of the trace."""
     mode, stages = np.asarray(run.pieces.mode)[index], len(NODES)
-    J = [rates(run.model, mode, t + c * h, _states(run, t + c * h, index))[1] for c in NODES]
+    memory = run.pieces.memory[index] if memories_of(run.model.friction) else ()
+    times = [t + min(c, _INSIDE) * h for c in NODES]
+    J = [rates(run.model, mode, s, _states(run, s, index), memory)[1] for s in times]
     n, d = len(t), J[0].shape[1]
     if not any(j.any() for j in J):
         return np.broadcast_to(np.eye(d), (n, d, d)).copy(), np.zeros(n)
@@ -150,6 +157,8 @@ def saltation(run: Any, node: int) -> Array:
     t, before, after = float(pieces.t[node]), int(pieces.mode[node - 1]), int(pieces.mode[node])
     at, v = np.array([t]), _place_of_v(model)
     old, new = (_states(run, at, np.array([i])) for i in (node - 1, node))
+    if memories_of(model.friction):
+        return remembered(model, t, old[:, 0], new[:, 0], (before, after), pieces.memory[node - 1 : node + 1])
     S = np.eye(len(old))
     if abs(new[v, 0] - old[v, 0]) > 1e-9 * float(np.max(model.velocity_scale)):
         return S  # an impulse of the drive, at an instant that is known
