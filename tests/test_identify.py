@@ -252,6 +252,22 @@ def test_data_that_cannot_tell_are_said_to():
     assert not found.decided and "cannot tell" in found.verdict
 
 
+def test_the_papers_question_is_not_decided_by_its_four_numbers():
+    """Which law agrees with the experiment? Printed: 1.7, 3.6, 4.0 and 25.4 mm/s; a half digit is 0.05 mm/s. Amplitudes are inferred."""
+    measured, half = np.array([0.0017, 0.0036, 0.0040, 0.0254]), 5e-5
+    places = [(1.7, 5.525e-4), (2.7, 6.032e-4), (4.7, 4.564e-4), (5.7, 1.487e-3)]
+    V = {
+        law: np.array([ss.periodic_mean_velocity(rig(tilt_deg=a, amplitude=A, law=law)) for a, A in places]) for law in ("coulomb", "lugre")
+    }
+    rms = {law: float(np.sqrt(np.mean((v - measured) ** 2))) for law, v in V.items()}
+    assert rms["lugre"] == pytest.approx(1.363e-3, rel=2e-3) and rms["coulomb"] == pytest.approx(1.656e-3, rel=2e-3)
+    apart = abs(V["coulomb"] - V["lugre"]) / half
+    assert apart.min() > 2.5 and apart.max() < 12.5  # the digits are fine enough to tell the laws' own velocities apart
+    assert min(abs(V[law][3] - measured[3]) / half for law in V) > 50  # and both laws are refuted if rounding were the only error
+    gain = 4 * np.log(rms["coulomb"] ** 2 / rms["lugre"] ** 2)
+    assert gain == pytest.approx(1.56, abs=0.05) and gain < 4.0  # the scatter taken from the residuals: not decided
+
+
 def test_held_out_records_have_a_say():
     train, test = records(1e-4), records(1e-4, amplitudes=[6e-4, 1e-3], seed=50)
     fits, outside = {}, {}

@@ -52,17 +52,52 @@ def test_the_error_of_the_mean_velocity_is_that_of_repeats():
     assert np.mean([f.error for f in found]) == pytest.approx(spread, rel=0.4)
 
 
-@pytest.mark.parametrize(("amplitude", "type"), [(3e-4, "II"), (4.2e-4, "I"), (6e-4, "III"), (8e-4, "IV")])
+TYPES = [(3e-4, 1.7, "II"), (4.2e-4, 1.7, "I"), (5.5e-4, 2.7, "III"), (8e-4, 1.7, "IV")]  # P6, between the borders of P9, and near P2
+
+
+@pytest.mark.parametrize(("amplitude", "tilt_deg", "type"), TYPES)
 @pytest.mark.parametrize("level", [1e-6, 1e-4])
-def test_the_motion_type_of_a_record_is_that_of_the_motion(amplitude, type, level):
-    """Types of P6 and between the borders of P9."""
-    rec = rig(level, amplitude=amplitude, seed=2, periods=40, samples=200)
-    truth = ss.motion(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, law="coulomb"), periods=100))
+def test_the_motion_type_of_a_record_is_that_of_the_motion(amplitude, tilt_deg, type, level):
+    rec = rig(level, amplitude=amplitude, tilt_deg=tilt_deg, seed=2, periods=40, samples=200)
+    truth = ss.motion(ss.solve(ss.presets.piezo_rig(tilt_deg=tilt_deg, amplitude=amplitude, law="coulomb"), periods=100))
     found = rec.motion()
-    assert (found.type, found.pattern) == (type, truth.pattern)
-    # break-away begins gently: below the threshold of 1 % of the range the body seems to rest for up to 6 % of a period more
-    assert abs(found.stick_fraction - truth.stick_fraction) < 0.06 * truth.pattern.count("0") + 0.005
+    assert (found.type, found.pattern) == (type, truth.pattern) and found.decided and rec.motion_type == type
+    # both ends of a rest are known to a bin of 1/400 period, and a polynomial of third degree is off by as much again
+    assert abs(found.stick_fraction - truth.stick_fraction) < 0.012 * truth.pattern.count("0") + 0.001
     assert len(rec.stick_intervals()) == truth.pattern.count("0")
+
+
+@pytest.mark.parametrize("level", [1e-4, 1e-3, 3e-3])
+@pytest.mark.parametrize(("amplitude", "tilt_deg", "type"), [*TYPES, (5e-4, 1.7, "I"), (6e-4, 1.7, "III")])
+def test_noise_leaves_the_motion_type_open_instead_of_making_it_wrong(amplitude, tilt_deg, type, level):
+    """At 0.5 mm the shorter rest lasts 0.04 drive periods, at 0.6 mm the only one 0.022; the ranges are 1 to 40 mm/s."""
+    for seed in range(3):
+        found = rig(level, amplitude=amplitude, tilt_deg=tilt_deg, seed=seed, phase=0.1 * seed).motion()
+        shortest = {5e-4: 0.040, 6e-4: 0.022}.get(amplitude, 1.0)
+        allowed = {type} if shortest > found.dwell else {"III", "IV"}  # a rest shorter than that does not count
+        assert allowed & set(found.candidates), found.verdict
+        assert found.noise == pytest.approx(level, rel=0.1)  # 2000 samples know it to 2 %; corners add to a small one
+        assert found.decided or (found.verdict.startswith("undecided between") and "the noise is" in found.verdict)
+        assert found.type == " or ".join(found.candidates)
+
+
+def test_clean_enough_records_decide_and_noisy_ones_do_not():
+    """Type I with rests of 0.13 and 0.20 drive periods, velocities of 5 mm/s; and type IV with 20 mm/s."""
+    assert rig(1e-4, amplitude=4.2e-4, seed=1).motion_type == "I"
+    assert set(rig(3e-3, amplitude=4.2e-4, seed=1).motion().candidates) > {"I", "III"}
+    assert {rig(1e-3, amplitude=8e-4, seed=seed).motion_type for seed in range(4)} == {"IV"}
+
+
+def test_the_interval_of_a_rest_covers_its_length():
+    """0.126 and 0.200 drive periods (exact Coulomb); 95 % of 2 x 20 intervals, each at least 33 with probability 0.995."""
+    truth = ss.motion(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=4.2e-4, law="coulomb"), periods=100))
+    lengths = sorted(length for _, length, sign in truth.intervals if sign == 0)
+    hits = 0
+    for seed in range(20):
+        rests = rig(3e-4, amplitude=4.2e-4, seed=seed).motion().rests
+        assert len(rests) == 2
+        hits += sum(r.least <= true <= r.most for r, true in zip(sorted(rests, key=lambda r: r.length), lengths, strict=True))
+    assert hits >= 33
 
 
 def test_period_two_is_seen():

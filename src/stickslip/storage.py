@@ -26,30 +26,35 @@ from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
 from stickslip.variables import VARIABLES
 
-__all__ = ["FORMAT", "read", "save", "to_mat"]
+__all__ = ["FORMAT", "moved_into_place", "read", "save", "to_mat", "unwritable"]
 
 #: Version of the file format; a reader refuses a newer one.
 FORMAT = 1
 
 
 @contextlib.contextmanager
-def _moved_into_place(path: Path, doing: str) -> Iterator[Path]:
-    """A path beside `path` to write to; it takes the place of `path` when all went well."""
+def moved_into_place(path: Path, failed: Callable[[Path, OSError], Exception]) -> Iterator[Path]:
+    """A path beside `path` to write to; it takes the place of `path` when all went well, and `failed` makes the error where it cannot."""
     beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{path.suffix}")
     try:
         beside.open("xb").close()
         yield beside
         os.replace(beside, path)
     except OSError as error:
-        raise InputError(doing, [_unwritable(path, error)]) from None
+        raise failed(path, error) from None
     finally:
         with contextlib.suppress(OSError):
             beside.unlink()
 
 
-def _unwritable(path: Path, error: OSError) -> str:
-    why = (error.strerror or str(error)) if path.parent.exists() else "that folder does not exist; make it first"
-    return f"cannot write {str(path)!r}: {why}; give a path in a folder that you may write to"
+def unwritable(doing: str) -> Callable[[Path, OSError], InputError]:
+    """What to say, and to type, where a file cannot be written."""
+
+    def failed(path: Path, error: OSError) -> InputError:
+        why = (error.strerror or str(error)) if path.parent.exists() else "that folder does not exist; make it first"
+        return InputError(doing, [f"cannot write {str(path)!r}: {why}; give a path in a folder that you may write to"])
+
+    return failed
 
 
 # ---- netCDF4 ----
@@ -74,7 +79,7 @@ def save(run: Any, path: str | Path) -> Path:
     columns = trajectory_columns(run)
     import h5netcdf
 
-    with _moved_into_place(path, "save") as beside, h5netcdf.File(beside, "w") as file:
+    with moved_into_place(path, unwritable("save")) as beside, h5netcdf.File(beside, "w") as file:
         file.attrs.update(attrs)
         file.dimensions = {"time": len(run.t)}
         for name, column in columns.items():
@@ -197,6 +202,6 @@ def to_mat(run: Any, path: str | Path) -> Path:
     path = Path(path).expanduser()
     columns = trajectory_columns(run)
     units = {name: VARIABLES[name].unit or "1" for name in columns}
-    with _moved_into_place(path, "to_mat") as beside:
+    with moved_into_place(path, unwritable("to_mat")) as beside:
         savemat(beside, {**columns, "units": units, "run": attributes(run)}, oned_as="column", appendmat=False)
     return path

@@ -15,6 +15,7 @@ from stickslip.identifying.problems import _best_phase, _curve
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
 from stickslip.identifying.targets import Target, target
 from stickslip.records import Record
+from stickslip.records.settling import settled
 
 __all__ = ["Comparison", "Row", "compare"]
 
@@ -136,6 +137,7 @@ def compare(
     using: str = "auto",
     frequency: float | None = None,
     noise: float | None = None,
+    settle: int | str = "auto",
     rtol: float = 1e-8,
 ) -> Comparison:
     """A record beside what friction laws give for the same robot: curves on one phase, mean velocities, rms, events and motion types.
@@ -155,6 +157,8 @@ def compare(
         Drive frequency [Hz]; otherwise it is refined from the record.
     noise : float, optional
         Standard deviation of one sample [SI].
+    settle : int or "auto"
+        Drive periods at the start of the record that are left out; "auto" finds those that differ from the later ones, and a note says so.
     rtol : float
         Of the solver.
 
@@ -171,14 +175,15 @@ def compare(
     ('LuGre', 'II', True)
     """
     robots = _robots(record, robot, laws)
-    seen = target(record, using, noise, frequency, "record")
+    record, _, said = settled(record, settle, frequency)
+    seen = target(record, using, noise, frequency, "record", 0)
     curves = {label: steady_curve(model, None, rtol) for label, model in robots.items()}
     shifts = {label: _best_phase(seen, curve) for label, curve in curves.items()}
     rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
     best = min(rows, key=lambda row: row.rms).label
     return Comparison(
         _measured(record, seen, shifts[best]), rows, seen.sigma, seen.kind,
-        (np.mod(seen.phase + shifts[best], 1.0), seen.y), tuple(_notes(record, robot, seen, curves)),
+        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*([said] if said else []), *_notes(record, robot, seen, curves)),
     )  # fmt: skip
 
 

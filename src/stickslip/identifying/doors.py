@@ -50,7 +50,13 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
         fits=[_told(fit) for fit in fits],
         comparison=None
         if comparison is None
-        else {"rows": comparison.to_table(), "notes": comparison.notes, "picture": _drawn(comparison.plot), "text": str(comparison)},
+        else {
+            "rows": comparison.to_table(),
+            "unit": {"velocity": "m/s"}.get(comparison.kind, "m"),
+            "notes": comparison.notes,
+            "picture": _drawn(comparison.plot),
+            "text": str(comparison),
+        },
         ranking=None
         if ranking is None
         else {"rows": ranking.rows, "verdict": ranking.verdict, "effective": ranking.effective, "count": ranking.count},
@@ -62,11 +68,19 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.identifying.words import parameter_rows
+    from stickslip.identifying.words import parameter_rows, rounded, unit_of_kind
 
     free = {f.name: f for f in fit.problem.parameters.free}
     rows = [
-        {"name": n, "value": v, "error": e, "low": a, "high": b, "bounds": (free[n].low, free[n].high), "log": free[n].log}
+        {
+            "name": n,
+            "value": rounded(v, e),
+            "error": e,
+            "low": rounded(a, e),
+            "high": rounded(b, e),
+            "bounds": (free[n].low, free[n].high),
+            "log": free[n].log,
+        }
         for n, v, e, a, b in parameter_rows(fit)
     ]
     pictures = []
@@ -74,7 +88,7 @@ def _told(fit: Any) -> dict[str, Any]:
         if fit.problem.targets[i].kind == "mean" and i > 0:
             continue
         drawn = (_drawn(partial(plot.fitted, fit, i)), _drawn(partial(plot.residuals, fit, i)))
-        pictures.append((*drawn, fit.quality[i]))
+        pictures.append((*drawn, fit.quality[i], unit_of_kind(fit.quality[i].kind)))
     table = fit.correlations.tolist()
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,

@@ -146,7 +146,7 @@ class Fit:
         level : float
         method : {"covariance", "profile", "bootstrap"}
             From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
-            parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers``).
+            parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers=1``; the same numbers for any workers).
 
         Returns
         -------
@@ -159,9 +159,10 @@ class Fit:
             raise InputError(
                 "interval", [f"level = {level!r}, method = {method!r}; allowed are 0 < level < 1 and one of {', '.join(METHODS)}"]
             )
-        from stickslip.identifying import uncertainty
+        from stickslip.identifying.bootstrapping import by_bootstrap
+        from stickslip.identifying.uncertainty import by_covariance, by_profile
 
-        return getattr(uncertainty, f"by_{method}")(self, name, level, **options)
+        return {"covariance": by_covariance, "profile": by_profile, "bootstrap": by_bootstrap}[method](self, name, level, **options)
 
     # ---- what was fitted ----
     def model(self, record: int = 0) -> Any:

@@ -33,6 +33,8 @@ def identify(
     noise: float | None = None,
     frequency: float | None = None,
     load: float | None = None,
+    settle: int | str = "auto",
+    transient: bool = False,
     starts: int = 64,
     seed: int = 0,
     rtol: float = 1e-8,
@@ -64,6 +66,12 @@ def identify(
         Drive frequency of the records [Hz]; otherwise it is refined from each record, and fitted along.
     load : float, optional
         Normal force for force against motion [N]; otherwise the record's channel "load".
+    settle : int or "auto"
+        Drive periods at the start of each record that are not compared with steady motion; "auto" leaves out those that differ from the
+        later ones by more than the noise, and a note says so.
+    transient : bool
+        Fit the start too: each record is simulated from its first sample on, its velocity at the strobe time before that fitted along, its
+        bristles unbent there.
     starts : int
         Places of the multistart.
     seed : int
@@ -90,7 +98,7 @@ def identify(
     """
     records = as_list(records)
     _check(records, using, noise, starts)
-    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments)
+    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient)
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, progress)
@@ -107,12 +115,14 @@ def as_list(records: Any) -> list[Any]:
 def problem_of(
     records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
     frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
+    settle: int | str = "auto", transient: bool = False,
 ) -> SteadyProblem | DrivenProblem:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
     if using == "force" or (using == "auto" and _makes_laws(of)):
         return _driven(records, of, load, noise)
-    return _steady(records, of, using, noise, frequency, rtol)
+    targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+    return SteadyProblem(of, targets, rtol)
 
 
 def _check(records: list[Any], using: str, noise: float | None, starts: int) -> None:
@@ -126,8 +136,7 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
     if noise is not None and not noise > 0:
         problems.add(f"noise = {noise!r}; allowed is a positive standard deviation, or None")
-    if not isinstance(starts, int) or starts < 1:
-        problems.add(f"starts = {starts!r}; allowed is a whole number from 1; type for example starts=64")
+    problems.whole("starts", starts, 1, example=64)
     problems.check()
 
 
@@ -143,11 +152,6 @@ def _makes_laws(of: Parameters) -> bool:
     return False
 
 
-def _steady(records: list[Any], of: Parameters, using: str, noise: float | None, frequency: float | None, rtol: float) -> SteadyProblem:
-    targets = tuple(target(rec, using, noise, frequency, f"record {i}") for i, rec in enumerate(records))
-    return SteadyProblem(of, targets, rtol)
-
-
 def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None) -> DrivenProblem:
     motions = tuple(motion_of(rec, load, f"record {i}") for i, rec in enumerate(records))
     spread = float(np.std(np.concatenate([m.y for m in motions])))
@@ -157,6 +161,7 @@ def _driven(records: list[Any], of: Parameters, load: float | None, noise: float
 
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
+    notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
     if isinstance(problem, DrivenProblem):
         notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if m.flipped]
     return notes

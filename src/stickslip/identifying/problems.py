@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError, SolveError
 from stickslip.identifying.parameters import Parameters
-from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
+from stickslip.identifying.steady_curves import SteadyCurve, steady_curve, transient_curve
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
 
@@ -26,8 +27,9 @@ class SteadyProblem:
     """Fit of steady curves and of mean velocities.
 
     A search moves the places of the free parameters (0 to 1 between their bounds) and, for each curve, the drive's phase in the middle of
-    the record and, where the frequency was found in the data, by how much the phase slips from its first to its last sample. A position
-    has an offset besides, which is linear and is taken out.
+    the record and, where the frequency was found in the data, by how much the phase slips from its first to its last sample. A record
+    that begins with a transient has the velocity at the strobe time before its first sample besides; a position has an offset, which is
+    linear and is taken out.
 
     Parameters
     ----------
@@ -58,9 +60,9 @@ class SteadyProblem:
 
     @property
     def _timing(self) -> tuple[tuple[int, str], ...]:
-        """What is fitted of the drive's phase: (record, "phase" or "slip")."""
-        both = [(i, what) for i in self.curves for what in ("phase", "slip")]
-        return tuple((i, what) for i, what in both if what == "phase" or self.targets[i].slips)
+        """What is fitted for each curve besides the free parameters: (record, "phase", "slip" or "start")."""
+        wanted = {"phase": lambda t: True, "slip": lambda t: t.slips, "start": lambda t: t.transient}
+        return tuple((i, what) for i in self.curves for what, of in wanted.items() if of(self.targets[i]))
 
     def _phase(self, place: Any, i: int) -> Any:
         """Drive phases of the samples of record i."""
@@ -80,11 +82,9 @@ class SteadyProblem:
 
     def with_values(self, y: Any) -> SteadyProblem:
         """The same fit for other measured values."""
-        import dataclasses
-
         edges = np.cumsum([0, *(t.count for t in self.targets)])
         made = tuple(dataclasses.replace(t, y=y[a:b]) for t, a, b in zip(self.targets, edges[:-1], edges[1:], strict=True))
-        return SteadyProblem(self.parameters, made, self.rtol, self.central, _warm=dict(self._warm))
+        return SteadyProblem(self.parameters, made, self.rtol, self.central, _warm=dict(self._warm), _curves=dict(self._curves))
 
     def only(self, fixed: dict[str, float]) -> SteadyProblem:
         """The same fit with some parameters held."""
@@ -103,7 +103,7 @@ class SteadyProblem:
     # ---- predictions ----
     def predicted(self, place: Any) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
-        motions = self._motions(place[: len(self.parameters.free)])
+        motions = self._motions(place)
         if motions is None:
             return None
         parts = []
@@ -114,22 +114,34 @@ class SteadyProblem:
             parts.append(_curve(target, motion, self._phase(place, i)))
         return np.concatenate(parts)
 
+    def _starts(self, place: Any) -> dict[int, float]:
+        """Velocities at the strobe time before the first sample; at rest where the place does not say."""
+        n = len(self.parameters.free)
+        starts = [(k, i) for k, (i, what) in enumerate(self._timing) if what == "start"]
+        return {i: float(place[n + k]) * _speed(self.targets[i]) if len(place) > n else 0.0 for k, i in starts}
+
     def _motions(self, place: Any) -> list[Any] | None:
-        """The steady curve of each record; the last few places are remembered."""
-        key = tuple(np.asarray(place, float).tolist())
+        """The curve of each record; the last few places are remembered."""
+        starts = self._starts(place)
+        place = place[: len(self.parameters.free)]
+        key = (*np.asarray(place, float).tolist(), *starts.values())
         if key not in self._curves:
             if len(self._curves) > 8:
                 self._curves.pop(next(iter(self._curves)))
-            self._curves[key] = self._solved(place)
+            self._curves[key] = self._solved(place, starts)
         return self._curves[key]
 
-    def _solved(self, place: Any) -> list[Any] | None:
+    def _solved(self, place: Any, starts: dict[int, float]) -> list[Any] | None:
         values = self.parameters.values(place)
         found: list[Any] = []
         try:
-            for i in range(len(self.targets)):
+            for i, target in enumerate(self.targets):
                 self.solves += 1
-                motion = steady_curve(self.parameters.model(values, i), self._warm.get(i), self.rtol)
+                model = self.parameters.model(values, i)
+                if target.transient:
+                    found.append(transient_curve(model, starts[i], int(target.phase[-1]) + 3, self.rtol))
+                    continue
+                motion = steady_curve(model, self._warm.get(i), self.rtol)
                 self._warm[i] = motion.end
                 found.append(motion)
         except (InputError, SolveError):
@@ -150,7 +162,8 @@ class SteadyProblem:
         for k in range(n):
             columns.append(self._slope(place, k, here))
         slopes = {i: self._phase_slope(place, i) for i in self.curves}
-        columns += [slopes[i] * (self._course(i) if what == "slip" else 1.0) for i, what in self._timing]
+        for k, (i, what) in enumerate(self._timing):
+            columns.append(self._slope(place, n + k, here) if what == "start" else slopes[i] * (self._course(i) if what == "slip" else 1.0))
         return np.stack(columns, axis=1) / self.sigma[:, None]
 
     def _slope(self, place: Any, k: int, here: Any) -> Any:
@@ -159,7 +172,7 @@ class SteadyProblem:
         for sign in (1.0, -1.0):
             moved = np.array(place, float)
             moved[k] += sign * h
-            found = self.predicted(moved) if 0.0 <= moved[k] <= 1.0 else None
+            found = self.predicted(moved) if k >= len(self.parameters.free) or 0.0 <= moved[k] <= 1.0 else None
             if found is not None:
                 sides.append((sign * h, found))
             if sides and not self.central:
@@ -172,7 +185,7 @@ class SteadyProblem:
 
     def _phase_slope(self, place: Any, i: int, h: float = 1e-6) -> Any:
         """Derivative of the values of record i by its phase; zero for the others."""
-        motions = self._motions(place[: len(self.parameters.free)])
+        motions = self._motions(place)
         parts = [np.zeros(t.count) for t in self.targets]
         if motions is not None:
             phase = self._phase(place, i)
@@ -187,8 +200,23 @@ class SteadyProblem:
     def aligned(self, place: Any) -> Any:
         """The place of the free parameters with the best phase of each curve behind it."""
         motions = self._motions(place)
-        timing = [0.0 if motions is None or what == "slip" else _best_phase(self.targets[i], motions[i]) for i, what in self._timing]
-        return np.concatenate([place, timing])
+        phases = {i: 0.0 if motions is None else self._aligned(place, i, motions[i]) for i in self.curves}
+        return np.concatenate([place, [phases[i] if what == "phase" else 0.0 for i, what in self._timing]])
+
+    def _aligned(self, place: Any, i: int, motion: Any) -> float:
+        """The best phase of one curve; that of a transient from its second half, which is taken as steady."""
+        target = self.targets[i]
+        if not target.transient:
+            return _best_phase(target, motion)
+        late = target.phase > 0.5 * target.phase[-1]
+        tail = dataclasses.replace(target, phase=target.phase[late], y=target.y[late], weight=(target.weight * np.ones(target.count))[late])
+        try:
+            steady = steady_curve(self.parameters.model(self.parameters.values(place), i), None, self.rtol)
+        except (InputError, SolveError):
+            return 0.0
+        phase = _best_phase(tail, steady) % 1.0
+        costs = {p: float(np.sum((_curve(target, motion, target.phase + p) - target.y) ** 2)) for p in (phase, phase - 1.0)}
+        return min(costs, key=lambda p: costs[p]) if phase > 0.9 else phase
 
     def bounds(self) -> tuple[Any, Any]:
         """Bounds of a whole place."""
@@ -235,7 +263,12 @@ def _smoothed(target: Target) -> Any:
     return (np.bincount(index, target.y, bins) / np.maximum(count, 1))[count > 0]
 
 
-def _curve(target: Target, motion: SteadyCurve, phase: Any) -> Any:
+def _speed(target: Target) -> float:
+    """What a start's velocity is counted in."""
+    return float(np.ptp(target.y)) * (1.0 if target.kind == "velocity" else target.frequency) or 1.0
+
+
+def _curve(target: Target, motion: Any, phase: Any) -> Any:
     """What the model gives for one record; the offset of a position is that of least squares."""
     if target.kind == "velocity":
         return motion.v(phase)

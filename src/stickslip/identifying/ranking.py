@@ -177,7 +177,8 @@ def prediction_errors(
     of = fit.problem.parameters
     free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
     using = fit.problem.targets[0].kind
-    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments)
+    transient = any(getattr(t, "transient", False) for t in fit.problem.targets)
+    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient)
     problem = whole.only(fit.values)
     found = polished(problem, problem.aligned(np.empty(0)))
     edges = np.cumsum([0, *(t.count for t in problem.targets)])

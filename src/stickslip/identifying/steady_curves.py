@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.errors import SolveError
 from stickslip.solvers import solve
 
-__all__ = ["SteadyCurve", "steady_curve"]
+__all__ = ["SteadyCurve", "TransientCurve", "steady_curve", "transient_curve"]
 
 _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs together
 _LONGEST = 4  # motion periods up to here are followed
@@ -99,3 +99,32 @@ def _nearer(run: Any, v: Any) -> dict[str, Any]:
     if 0.05 < ratio < 0.98:
         end["v"] += float(last * ratio / (1 - ratio))
     return end
+
+
+@dataclass(frozen=True, eq=False)
+class TransientCurve:
+    """A motion from a given velocity at a strobe time on; its phases count drive periods from there.
+
+    Parameters
+    ----------
+    run : Trajectory
+    """
+
+    run: Any
+
+    def _states(self, phase: Any) -> tuple[Any, Any, Any]:
+        t = np.clip(np.asarray(phase) * self.run.period_time, self.run.pieces.t[0], self.run.pieces.t[-1])
+        return self.run.pieces.evaluate(t, self.run._index(t))
+
+    def v(self, phase: Any) -> Any:
+        """Velocity [m/s]."""
+        return self._states(phase)[1]
+
+    def x(self, phase: Any) -> Any:
+        """Position [m]."""
+        return self._states(phase)[0]
+
+
+def transient_curve(robot: Any, velocity: float, periods: int, rtol: float = 1e-8) -> TransientCurve:
+    """The motion of a robot from a velocity at a strobe time on, its bristles unbent."""
+    return TransientCurve(solve(robot, periods=periods, settle=0, samples=4, rtol=rtol, keep="trajectory", start={"v": velocity}))

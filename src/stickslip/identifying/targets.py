@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records import Record
 from stickslip.records.overview import noise
+from stickslip.records.settling import settled
 from stickslip.records.tones import _finite
 
 __all__ = ["KINDS", "Target", "mean_target", "target"]
@@ -49,6 +51,8 @@ class Target:
     label: str
     weight: Any = 1.0  # samples that were averaged into each value
     slips: bool = False  # whether the frequency is fitted further
+    transient: bool = False  # whether the first sample is where the motion starts, in a state that is fitted
+    said: str | None = None  # what was done about a start that is not steady
 
     @property
     def course(self) -> Any:
@@ -61,17 +65,25 @@ class Target:
         return len(self.y)
 
 
-def target(rec: Any, kind: str, sigma: float | None, frequency: float | None, label: str) -> Target:
-    """The target of a record; ``kind="auto"`` takes the velocity, else the position."""
+def target(
+    rec: Any, kind: str, sigma: float | None, frequency: float | None, label: str, settle: int | str = "auto", transient: bool = False
+) -> Target:
+    """The target of a record; ``kind="auto"`` takes the velocity, else the position.
+
+    A start that is not steady is left out (`settle`), or is fitted too (`transient`).
+    """
     if not isinstance(rec, Record):
         return mean_target(rec, sigma, label)
     if kind == "auto":
         kind = "velocity" if "velocity" in rec or "position" not in rec else "position"
+    said = None
+    if not transient:
+        rec, _, said = settled(rec, settle, frequency)
     if kind == "mean":
         from stickslip.records.measures import mean_velocity
 
         found = mean_velocity(rec, frequency)
-        return mean_target(found.value, sigma if sigma is not None else found.error, label)
+        return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
     t, y = _finite(rec[kind])
     f = rec.drive_frequency().value if frequency is None else float(frequency)
     level = noise(y) if sigma is None else float(sigma)
@@ -79,9 +91,9 @@ def target(rec: Any, kind: str, sigma: float | None, frequency: float | None, la
         level = 1e-6 * float(np.ptp(y)) or 1.0
     phase, weight = (t - t[0]) * f, np.ones(len(t))
     slips = frequency is None and len(t) <= _MOST and phase[-1] > 2
-    if len(t) > _MOST and kind == "velocity":
+    if len(t) > _MOST and kind == "velocity" and not transient:
         phase, y, weight = _averaged(phase, y)
-    return Target(kind, phase, y, level, f, sigma is not None, label, weight, slips)
+    return Target(kind, phase, y, level, f, sigma is not None, label, weight, slips, transient, said)
 
 
 def _averaged(phase: Any, y: Any) -> tuple[Any, Any, Any]:

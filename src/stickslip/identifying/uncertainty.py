@@ -11,7 +11,7 @@ from stickslip.identifying.search import polished
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
-__all__ = ["by_bootstrap", "by_covariance", "by_profile", "covariance_of", "effective", "quality", "remarks"]
+__all__ = ["by_covariance", "by_profile", "covariance_of", "effective", "quality", "remarks"]
 
 
 def covariance_of(jacobian: Any, scale: float, count: int) -> Any:
@@ -94,39 +94,6 @@ def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
     problem = fit.problem.only({name: float(free.outer(np.clip(held, 0.0, 1.0)))})
     found = polished(problem, np.delete(start, k), rough=True)
     return found.cost - fit.cost, np.insert(found.place, k, held)
-
-
-def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: int = 0) -> tuple[float, float]:
-    """Quantiles of fits to resampled data: the fitted curve plus blocks of residuals in random order."""
-    table = bootstrap(fit, repeats, seed)
-    k = fit.names.index(name)
-    low, high = np.quantile(table[:, k], [0.5 - 0.5 * level, 0.5 + 0.5 * level])
-    return float(low), float(high)
-
-
-def bootstrap(fit: Fit, repeats: int, seed: int) -> Any:
-    """Values of the free parameters in `repeats` fits to resampled data: array (repeats, parameters)."""
-    rng, curves = np.random.default_rng(seed), fit.predicted
-    rest = fit._split(fit.residuals * fit.problem.sigma)
-    rows = []
-    for _ in range(repeats):
-        y = np.concatenate(
-            [c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in zip(curves, rest, fit.problem.targets, strict=True)]
-        )
-        found = polished(fit.problem.with_values(y), fit.place, rough=True)
-        rows.append([float(f.outer(p)) for f, p in zip(fit.problem.parameters.free, found.place, strict=False)])
-    return np.array(rows)
-
-
-def _resampled(rest: Any, rng: Any, sigma: float) -> Any:
-    """Residuals in blocks as long as they are correlated; a single number gets noise of the given size."""
-    n = len(rest)
-    if n == 1:
-        return rng.normal(scale=sigma, size=1)
-    block = int(np.clip(n / max(effective(rest), 1.0), 1, max(n // 8, 1)))
-    starts = rng.integers(0, n, int(np.ceil(n / block)))
-    index = (starts[:, None] + np.arange(block)) % n
-    return (rest - rest.mean())[index.ravel()[:n]]
 
 
 def neighbours(rest: Any) -> float:

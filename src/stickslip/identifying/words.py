@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["parameter_rows", "told"]
+__all__ = ["parameter_rows", "rounded", "told", "unit_of_kind"]
 
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
@@ -14,15 +14,42 @@ def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, floa
     return [(name, value, fit.errors[name], *fit.interval(name, level)) for name, value in fit.values.items()]
 
 
+def rounded(value: float, error: float) -> str:
+    """A value with as many digits as its standard error leaves: two of the error.
+
+    Examples
+    --------
+    >>> rounded(0.1797921, 0.00112), rounded(7961.23, 7.2), rounded(0.05, float("inf"))
+    ('0.1798', '7961.2', '0.05')
+    """
+    if not (np.isfinite(value) and np.isfinite(error) and error > 0):
+        return f"{value:.6g}"
+    places = 1 - int(np.floor(np.log10(error)))
+    text = f"{value:.{places}f}" if 0 <= places <= 6 else f"{value:.{max(int(np.floor(np.log10(max(abs(value), error)))) + places, 0)}e}"
+    return f"{round(value, places):.0f}" if places < 0 and abs(value) < 1e6 else text
+
+
+def unit_of_kind(kind: str) -> str:
+    """The SI unit of what is compared."""
+    return {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N"}.get(kind, "")
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
 def told(fit: Any) -> str:
     """The fit as text."""
-    rows = [f"{fit.law} fitted to {len(fit.problem.targets)} records, {fit.count} values; {len(fit.names)} parameters free"]
+    records, parameters = _counted(len(fit.problem.targets), "record"), _counted(len(fit.names), "parameter")
+    rows = [f"{fit.law} fitted to {records}, {fit.count} values; {parameters} free"]
     width = max(len(name) for name in fit.names)
     for name, value, error, low, high in parameter_rows(fit):
-        rows.append(f"  {name:<{width}} = {value:.6g} ± {error:.2g}   95 % {low:.6g} to {high:.6g}")
+        rows.append(f"  {name:<{width}} = {rounded(value, error)} ± {error:.2g}   95 % {rounded(low, error)} to {rounded(high, error)}")
     for q in fit.quality:
-        noise = f", noise {q.noise:.3g}" if np.isfinite(q.noise) else ""
+        noise = f", noise {q.noise:.3g} {unit_of_kind(q.kind)}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""
-        rows.append(f"  {q.label}, {q.kind}: rms {q.rms:.3g}{noise}{explained}, neighbours correlated {q.correlation:.2f}")
+        rows.append(
+            f"  {q.label}, {q.kind}: rms {q.rms:.3g} {unit_of_kind(q.kind)}{noise}{explained}, neighbours correlated {q.correlation:.2f}"
+        )
     rows.append(f"  search: {fit.starts} places tried, {fit.agree} of those polished ended here")
     return "\n".join([*rows, *(f"note: {sentence}" for sentence in fit.warnings)])

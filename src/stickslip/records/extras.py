@@ -50,23 +50,37 @@ def parse_tdms(data: bytes) -> Raw:
         raise
     except Exception as error:  # a damaged file meets the library at any place
         raise _broken("TDMS", error) from None
+    _check_segments(data, raw.notes)
     raw.table = all(column.axis is None for column in raw.columns)
     if not raw.columns:
         raise InputError("read", ["the TDMS file holds no channel of numbers"])
     return raw
 
 
+def _check_segments(data: bytes, notes: list[str]) -> None:
+    """Each segment says where the next one begins; where bytes were added within one, its numbers are shifted."""
+    place = 0
+    while data[place : place + 4] == b"TDSm" and place + 28 <= len(data):
+        place += 28 + int.from_bytes(data[place + 12 : place + 20], "little")
+    if place != len(data):
+        notes.append(f"the segments of the file end at byte {min(place, 2**63)} and it has {len(data)}: bytes were added or lost")
+
+
 @contextlib.contextmanager
 def _heard(name: str, notes: list[str]) -> Iterator[None]:
     """What a library writes to its log becomes notes, instead of lines on the terminal."""
-    logger, handler = logging.getLogger(name), logging.Handler(logging.WARNING)
+    handler = logging.Handler(logging.WARNING)
     handler.emit = lambda record: notes.append(f"{name}: {record.getMessage()[:160]}")  # type: ignore[method-assign]
-    before = logger.handlers, logger.propagate
-    logger.handlers, logger.propagate = [handler], False
+    all_names = [name, *(n for n in logging.root.manager.loggerDict if n.startswith(f"{name}."))]
+    loggers = [logging.getLogger(n) for n in all_names]
+    before = [(logger.handlers, logger.propagate) for logger in loggers]
+    for logger in loggers:
+        logger.handlers, logger.propagate = [handler], False
     try:
         yield
     finally:
-        logger.handlers, logger.propagate = before
+        for logger, (handlers, propagate) in zip(loggers, before, strict=True):
+            logger.handlers, logger.propagate = handlers, propagate
 
 
 def _waveform_axis(channel: Any, count: int) -> Column | None:

@@ -26,6 +26,7 @@ def parse_hdf5(data: bytes) -> Raw:
             if "_NCProperties" in file.attrs:
                 raw.format = "netCDF4"
             raw.info |= {str(name): _plain(value) for name, value in file.attrs.items() if not str(name).startswith("_")}
+            _check_length(data, raw.notes)
             _group(file, raw, "", 0)
     except InputError:
         raise
@@ -36,6 +37,15 @@ def parse_hdf5(data: bytes) -> Raw:
     if not raw.columns:
         raise InputError("read", ["the HDF5 file holds no vector of numbers; save the time and the channels as vectors"])
     return raw
+
+
+def _check_length(data: bytes, notes: list[str]) -> None:
+    """The file says how long it is; where bytes were added within it, everything behind them is shifted."""
+    start = 512 if data[512:520] == b"\x89HDF\r\n\x1a\n" else 0
+    place = start + (40 if data[start + 8] < 2 else 28)
+    says = int.from_bytes(data[place : place + 8], "little")
+    if len(data) not in (says, says + start):
+        notes.append(f"the file has {len(data)} bytes and says {says}: bytes were added or lost, and numbers may be shifted")
 
 
 def _broken(why: str) -> InputError:
@@ -54,7 +64,9 @@ def _group(group: Any, raw: Raw, prefix: str, depth: int) -> None:
         if name.startswith("#") or name == "pieces" or depth > 8:  # MATLAB's own store; the dense output of our runs
             continue
         item = group.get(name)
-        if isinstance(item, h5py.Group):
+        if item is None:
+            raw.notes.append(f"{prefix}{name} cannot be opened and is left out: the file is damaged")
+        elif isinstance(item, h5py.Group):
             _group(item, raw, f"{prefix}{name}.", depth + 1)
         elif isinstance(item, h5py.Dataset):
             _dataset(item, raw, prefix + name)
@@ -96,13 +108,25 @@ def _scaled(item: Any) -> Any:
     return value
 
 
+class _Watched(io.BytesIO):
+    """Bytes that remember how far they were read."""
+
+    furthest = 0
+
+    def read(self, size: int | None = -1) -> bytes:
+        """As usual."""
+        found = super().read(size)
+        self.furthest = max(self.furthest, self.tell())
+        return found
+
+
 def parse_netcdf3(data: bytes) -> Raw:
     """The vectors of a classic netCDF file."""
     from scipy.io import netcdf_file
 
-    raw = Raw("netCDF3", table=True)
+    raw, watched = Raw("netCDF3", table=True), _Watched(data)
     try:
-        with netcdf_file(io.BytesIO(data), "r", mmap=False) as file:
+        with netcdf_file(watched, "r", mmap=False) as file:
             for name, variable in file.variables.items():
                 unit = getattr(variable, "units", None)
                 values = np.array(variable[:], float) if variable.shape else np.array(float(variable.getValue()))
@@ -119,4 +143,7 @@ def parse_netcdf3(data: bytes) -> Raw:
         raise _broken(f"{type(error).__name__}: {str(error)[:120]}") from None
     if not raw.columns:
         raise InputError("read", ["the netCDF file holds no vector of numbers"])
+    if len(data) - watched.furthest > 3:  # variables are padded to four bytes
+        more = len(data) - watched.furthest
+        raw.notes.append(f"the file has {more} bytes behind its last variable: bytes were added, and numbers may be shifted")
     return raw

@@ -12,6 +12,9 @@ __all__ = ["version4", "version5"]
 _KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8", 16: "u1", 17: "u2", 18: "u4"}
 _MATRIX, _COMPRESSED = 14, 15
 _STRUCT, _CHAR, _NUMERIC = 2, 4, range(6, 16)
+#: Class of an array -> types in which its numbers may be stored: its own, or a shorter whole number.
+_SHORT = (1, 2, 3, 4, 5, 6)
+_STORED = {_CHAR: (1, 2, 3, 4, 16, 17, 18), 6: (*_SHORT, 9), 7: (*_SHORT, 7)} | {k: (*_SHORT, 12, 13) for k in range(8, 16)}
 _MOST = 2**31  # bytes that a compressed variable may grow to
 _OLD = {0: "f8", 1: "f4", 2: "i4", 3: "i2", 4: "u2", 5: "u1"}
 
@@ -35,15 +38,20 @@ def version5(data: bytes, notes: list[str]) -> dict[str, Any]:
             notes.append(f"{name} is left out: it is no array of numbers")
         else:
             found[name] = value
+    if data[place:].strip(b"\0"):
+        raise ValueError(f"{len(data) - place} bytes are left over at its end")
     return found
 
 
 def _inflated(body: bytes) -> bytes:
     machine = zlib.decompressobj()
     try:
-        return machine.decompress(body, _MOST)
+        found = machine.decompress(body, _MOST)
     except zlib.error as error:
         raise ValueError(f"a compressed variable is damaged, {error}") from None
+    if not machine.eof or machine.unused_data:  # only at its end does a stream check its own sum
+        raise ValueError("a compressed variable does not end where it should")
+    return found
 
 
 def _element(data: bytes, place: int, order: str, notes: list[str]) -> tuple[int, bytes, int]:
@@ -78,20 +86,20 @@ def _matrix(body: bytes, order: str, notes: list[str], depth: int) -> tuple[str,
     if any(n < 0 for n in shape):
         raise ValueError(f"{name!r} has shape {shape}")
     if kind in _NUMERIC or kind == _CHAR:
-        value, place = _numbers(body, place, order, shape, notes)
+        value, place = _numbers(body, place, order, shape, _STORED[kind])
         if kind == _CHAR:
             return name, "".join(chr(int(c)) for c in value.ravel(order="F")[:4000])
         if word & 0x0800:
-            imaginary, place = _numbers(body, place, order, shape, notes)
+            imaginary, place = _numbers(body, place, order, shape, _STORED[kind])
             value = value + 1j * imaginary
         return name, value
     return (name, _struct(body, place, order, notes, depth)) if kind == _STRUCT and shape == (1, 1) else (name, None)
 
 
-def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], notes: list[str]) -> tuple[Any, int]:
-    kind, raw, place = _element(body, place, order, notes)
-    if kind not in _KINDS:
-        raise ValueError(f"numbers of type {kind}")
+def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], stored: tuple[int, ...]) -> tuple[Any, int]:
+    kind, raw, place = _element(body, place, order, [])
+    if kind not in stored:
+        raise ValueError(f"numbers of type {kind} in an array that cannot be stored so")
     kept = np.dtype(f"{order}{_KINDS[kind]}")
     count = 1
     for n in shape:
@@ -127,7 +135,13 @@ def version4(data: bytes) -> dict[str, Any]:
         order = "<" if 0 <= int(np.frombuffer(data[place : place + 4], "<i4")[0]) < 5000 else ">"
         kind, rows, cols, imaginary, length = (int(x) for x in np.frombuffer(data[place : place + 20], f"{order}i4"))
         number = _OLD.get(kind // 10 % 10)
-        if number is None or kind % 10 > 1 or min(rows, cols, length) < 0 or imaginary not in (0, 1):
+        if (
+            number is None
+            or kind not in (kind % 100, 1000 + kind % 100)
+            or kind % 10 > 1
+            or min(rows, cols, length) < 0
+            or imaginary not in (0, 1)
+        ):
             raise ValueError(f"a header of type {kind}, {rows} x {cols}")
         kept = np.dtype(order + number)
         start = place + 20 + length

@@ -1,4 +1,4 @@
-"""Measures on a record without any model: mean cycle, mean velocity, period number, motion type."""
+"""Measures on a record without any model: mean cycle, mean velocity, period number, friction of strokes."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.overview import noise
 from stickslip.records.tones import _finite
-from stickslip.segments import intervals_of, type_of
 
-__all__ = ["Cycle", "MeasuredMotion", "Value", "cycle", "loop_friction", "mean_velocity", "motion", "period_number"]
+__all__ = ["Cycle", "Value", "cycle", "loop_friction", "mean_velocity", "period_number"]
 
 #: The longest period that is looked for, in drive periods.
 LONGEST = 4
@@ -40,6 +39,8 @@ class Cycle:
         [Hz]
     periods : float
         Drive periods in the record.
+    noise : float
+        Standard deviation of one sample [m/s].
     """
 
     phase: Any
@@ -47,33 +48,7 @@ class Cycle:
     error: Any
     frequency: float
     periods: float
-
-
-@dataclass(frozen=True)
-class MeasuredMotion:
-    """The motion that a record shows, in the words of `stickslip.motion`, with the threshold that was needed.
-
-    Parameters
-    ----------
-    type, pattern : str
-    period : int or None
-    direction : int
-    stick_fraction, forward_fraction, backward_fraction : float
-    intervals : tuple of (start, length, sign)
-        In drive periods.
-    threshold : float
-        Slower than this counts as rest [m/s].
-    """
-
-    type: str
-    pattern: str
-    period: int | None
-    direction: int
-    stick_fraction: float
-    forward_fraction: float
-    backward_fraction: float
-    intervals: tuple[tuple[float, float, int], ...]
-    threshold: float
+    noise: float
 
 
 def _velocity(rec: Any) -> tuple[Any, Any]:
@@ -112,9 +87,15 @@ def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, per
     count = np.bincount(index, minlength=bins)
     safe = np.maximum(count, 1)
     mean = np.bincount(index, v, bins) / safe
-    level = noise(v)
     mean = np.where(count > 0, mean, np.interp(np.arange(bins), np.flatnonzero(count), mean[count > 0]))
-    return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, float(periods))
+    level = np.fmin(noise(v), _scatter(v - np.interp(place * bins - 0.5, np.arange(bins), mean, period=bins), count))
+    return Cycle((np.arange(bins) + 0.5) / bins * period, mean, level / np.sqrt(safe), f, float(periods), float(level))
+
+
+def _scatter(rest: Any, count: Any) -> float:
+    """Standard deviation of samples about the mean cycle; it holds no bends of the curve, which differences between samples do."""
+    free = len(rest) - int((count > 0).sum())
+    return float(np.sqrt(rest @ rest / free)) if free > 0.25 * len(rest) else np.nan
 
 
 def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
@@ -211,72 +192,3 @@ def _left(place: Any, v: Any, p: int) -> float:
     shifted = place + p
     inside = shifted <= place[-1]
     return float(np.mean((np.interp(shifted[inside], place, v) - v[inside]) ** 2) / 2)
-
-
-def motion(rec: Any, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> MeasuredMotion:
-    """Motion type and intervals of the mean cycle.
-
-    Parameters
-    ----------
-    rec : Record
-    frequency : float, optional
-        Of the drive [Hz]; found in the record otherwise.
-    threshold : float, optional
-        Slower than this counts as rest [m/s]; otherwise four standard errors of the mean cycle, at least 1 % of its range.
-    dwell : float
-        Shorter rests do not count [drive periods].
-
-    Returns
-    -------
-    MeasuredMotion
-    """
-    f = _frequency(rec, frequency)
-    number = period_number(rec, f)
-    c = cycle(rec, f, period=number or 1)
-    limit = float(max(4 * np.median(c.error), 0.01 * np.ptp(c.v))) if threshold is None else float(threshold)
-    signs = np.where(abs(c.v) <= limit, 0, np.sign(c.v)).astype(int)
-    signs = _without_crossings(signs, c.v, limit, dwell * len(signs) / (number or 1))
-    time, code = _runs(signs, number or 1)
-    rows = (np.array([len(time)]), time[None, :], 2 * code[None, :])
-    told = type_of(*rows, [number or 0], [np.inf], [float(c.v.mean())], dwell, moving=[False])
-    merged = intervals_of(*rows, dwell)
-    spans = tuple((float(a), float(b), int(s)) for a, b, s in zip(merged.start[0], merged.length[0], merged.sign[0], strict=True) if b > 0)
-    words = {name: float(told[name][0]) for name in ("stick_fraction", "forward_fraction", "backward_fraction")}
-    return MeasuredMotion(
-        str(told["motion_type"][0]), str(told["pattern"][0]), number, int(told["direction"][0]), intervals=spans, threshold=limit, **words
-    )
-
-
-def _without_crossings(signs: Any, v: Any, limit: float, least: float) -> Any:
-    """A slow stretch between motion of opposite signs is a rest only if it lasts longer than passing straight through would."""
-    signs, n = signs.copy(), len(signs)
-    starts = [i for i in range(n) if signs[i] == 0 and signs[i - 1] != 0]
-    for start in starts:
-        length = next((k for k in range(n) if signs[(start + k) % n] != 0), n)
-        inside = (start + np.arange(length)) % n
-        end = start + length
-        into, out = abs(v[start - 5] - v[start - 1]) / 4, abs(v[(end + 4) % n] - v[end % n]) / 4  # slopes just outside
-        passing = limit / max(into, 1e-300) + 1.5 * limit / max(out, 1e-300)  # break-away begins gently
-        opposite = signs[start - 1] == -signs[(start + length) % n]
-        if length < least or (opposite and length < passing):
-            signs[inside] = np.where(v[inside] >= 0, 1, -1) if opposite else signs[start - 1]
-    return _without_flicker(signs, max(int(least), 1))
-
-
-def _without_flicker(signs: Any, least: int) -> Any:
-    """Runs shorter than `least` bins, which noise makes where v passes zero, are given to the run before them."""
-    turn = next((i for i in range(len(signs)) if signs[i] != signs[i - 1]), 0)
-    signs = np.roll(signs, -turn)
-    begins = np.flatnonzero(np.diff(signs, prepend=signs[0] - 5))
-    lengths = np.diff(np.append(begins, len(signs)))
-    for begin, length in zip(begins, lengths, strict=True):
-        if length < least:
-            signs[begin : begin + length] = signs[begin - 1]
-    return np.roll(signs, turn)
-
-
-def _runs(signs: Any, periods: int) -> tuple[Any, Any]:
-    """Durations in drive periods, and signs, of the runs of equal signs."""
-    begins = np.flatnonzero(np.diff(signs, prepend=signs[0] - 5))
-    lengths = np.diff(np.append(begins, len(signs)))
-    return lengths * (periods / len(signs)), signs[begins]

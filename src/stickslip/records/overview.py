@@ -55,7 +55,7 @@ class Overview:
     synthetic: bool
 
     def __str__(self) -> str:
-        rows = ["SYNTHETIC: made by a virtual rig, not measured"] if self.synthetic else []
+        rows = ["SYNTHETIC: computed, not measured"] if self.synthetic else []
         rows.append(f"{self.format}, {len(self.lines)} channels")
         for c in self.lines:
             more = [f"noise {c.noise:.3g}" if np.isfinite(c.noise) else "", f"{c.gaps} gaps" if c.gaps else ""]

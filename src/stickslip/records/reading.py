@@ -14,6 +14,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.records.channel import ROLES, Channel
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
+from stickslip.records.saving import SYNTHETIC
 from stickslip.records.units import heading, quantity_of, unit_of
 
 __all__ = ["read"]
@@ -21,6 +22,7 @@ __all__ = ["read"]
 _TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
 _MOST_BYTES = 4e9
+_LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
 
 
 def read(
@@ -93,7 +95,11 @@ def _record(
     problems.check()
     channels = _channels(raw, rate, roles)
     source = {"path": str(path), "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
-    return Record({c.name: c for c in channels}, tuple(raw.notes), source)
+    ours = set(_OURS) <= {c.name for c in channels}
+    notes = ["the columns are those of a run of stickslip: computed, not measured"] if ours else []
+    if said := SYNTHETIC in raw.info.get("preamble", ""):
+        notes.append("the file says that it is a synthetic record: computed, not measured")
+    return Record({c.name: c for c in channels}, (*notes, *raw.notes), source, synthetic=ours or said)
 
 
 def _bytes(path: Path) -> bytes:
@@ -188,13 +194,12 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
     axes = _table_axes(raw) if raw.table else {}
     used = {id(axis) for axis in axes.values()}
-    found = []
+    named, found = _roles([c for c in raw.columns if id(c) not in used], roles), []
     for c in raw.columns:
         if id(c) in used:
             continue
         axis = c.axis or axes.get(len(c.values)) or _counted(c, rate, raw.notes)
-        role = {"convected velocity": "velocity"}.get(roles.get(c.name, ""), roles.get(c.name)) or _role(c)
-        found.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, role))
+        found.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, named.get(c.name)))
     if not found and raw.columns:
         c = raw.columns[0]
         found = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
@@ -241,23 +246,38 @@ def _rises(values: Any) -> bool:
 
 
 _ROLE_WORDS = (
-    (r"absolute.*", "absolute velocity", "velocity"),
-    (r"convected.*|body velocity", "velocity", "velocity"),
-    (r"normal.*|load|.*normal force.*", "load", "force"),
-    (r"drive.*|relative velocity|xi_rate", "drive", None),
-    (r"friction.*|force|kraft", "force", "force"),
-    (r"v|velocity|vel|geschwindigkeit", "velocity", "velocity"),
-    (r"x|position|pos|displacement|weg", "position", "position"),
+    (r"absolute.*", "absolute velocity", ("velocity",)),
+    (r"convected.*|body velocity", "velocity", ("velocity",)),
+    (r"normal.*|load|.*normal force.*", "load", ("force",)),
+    (r"drive.*|relative velocity|xi_rate", "drive", ("velocity", "position", "acceleration", "voltage")),
+    (r"friction.*|force|kraft", "force", ("force",)),
+    (r"v|velocity|vel|geschwindigkeit", "velocity", ("velocity",)),
+    (r"x|position|pos|displacement|weg", "position", ("position",)),
 )
+#: The columns of a run that we wrote, and what they are for; a table that has all of these is one.
+_OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi": None, "xi_rate": "drive", "friction_force": "force"}
 
 
-def _role(c: Column) -> str | None:
-    """What a channel is for, where its name and its unit leave no doubt."""
+def _roles(columns: list[Column], typed: dict[str, str]) -> dict[str, str | None]:
+    """What channels are for: as typed, else where name and unit leave no doubt. A name says more than a unit, and what is typed most."""
+    alias = {"convected velocity": "velocity"}
+    if set(_OURS) <= {c.name for c in columns}:
+        found = {c.name: (_OURS.get(c.name), True) for c in columns}
+    else:
+        found = {c.name: _role_and_why(c) for c in columns}
+    named = {role for role, by_name in found.values() if by_name}
+    roles = {name: None if role in named and not by_name else role for name, (role, by_name) in found.items()}
+    given = {name: alias.get(role, role) for name, role in typed.items()}
+    return {name: None if role in given.values() else role for name, role in roles.items()} | given
+
+
+def _role_and_why(c: Column) -> tuple[str | None, bool]:
+    """What a channel is for, and whether its name says so."""
     quantity = quantity_of(c.unit)
     for pattern, role, wanted in _ROLE_WORDS:
-        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or wanted is None or quantity == wanted):
-            return role
-    return quantity if quantity in ("velocity", "position", "force", "acceleration", "pressure", "voltage") else None
+        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or quantity in wanted):
+            return role, True
+    return (quantity if quantity in ("velocity", "position", "force", "acceleration", "pressure", "voltage") else None), False
 
 
 def _remark(channels: list[Channel], notes: list[str]) -> None:
@@ -302,3 +322,7 @@ def _remark_values(c: Channel, notes: list[str]) -> None:
         )
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
+    size = abs(c.values[~missing & ~infinite])
+    strange = int(np.sum((size > _LARGEST) | ((size > 0) & (size < _LEAST))))
+    if strange:
+        notes.append(f"{c.name}: {strange} values have sizes that no sensor gives: the file may be damaged, or its byte order wrong")

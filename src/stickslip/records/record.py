@@ -6,6 +6,7 @@ import dataclasses
 import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -53,16 +54,16 @@ class Record:
     def of(cls, t: Any, columns: dict[str, Any], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
         from stickslip.records.raw import Column
-        from stickslip.records.reading import _role
+        from stickslip.records.reading import _roles
         from stickslip.records.units import heading
 
         channels = {}
+        named = _roles([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
         for text, values in columns.items():
             name, unit = heading(text)
             if np.shape(values) != np.shape(t):
                 raise InputError("Record", [f"{name} has shape {np.shape(values)} and t has {np.shape(t)}; give arrays of one length"])
-            role = (roles or {}).get(name) or _role(Column(name, unit, np.asarray(values)))
-            channels[name] = Channel(name, np.array(values, float), unit, np.array(t, float), "time", "s", role)
+            channels[name] = Channel(name, np.array(values, float), unit, np.array(t, float), "time", "s", named.get(name))
         return cls(channels, (), {"format": "arrays"}, synthetic)
 
     def __getitem__(self, key: str) -> Channel:
@@ -75,7 +76,10 @@ class Record:
             return found[0]
         if found:
             names = ", ".join(repr(c.name) for c in found)
-            raise InputError("record", [f"{len(found)} channels have the role {key!r}: {names}; give the name of one"])
+            typed = f'roles={{"{found[0].name}": "{key}"}} (--role {found[0].name}={key})'
+            raise InputError(
+                "record", [f"{len(found)} channels may be the {key}: {names}; give the name of one, or type {typed} when reading"]
+            )
         raise InputError("record", [self._missing(key)])
 
     def _missing(self, key: str) -> str:
@@ -125,6 +129,34 @@ class Record:
             raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
         return self.derived("relative velocity [m/s]", inner.si - body.si, like=body.name, role="drive")
 
+    def save(self, path: str | Path) -> Path:
+        """Write the channels to a CSV file that `ss.read` takes back with no options: units in the headings, every digit.
+
+        A synthetic record says so in its first line, and is one when it is read. What a channel is for is found again from its
+        name and unit.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends in ``.csv``. An existing file is replaced, at the end and at once.
+
+        Raises
+        ------
+        InputError
+            The channels are not sampled at the same times, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), noise=1e-4, seed=1)
+        >>> again = ss.read(rec.save("rig.csv"))
+        >>> again.synthetic, bool((again["velocity"].values == rec["velocity"].values).all())
+        (True, True)
+        """
+        from stickslip.records.saving import save
+
+        return save(self, path)
+
     # ---- measures ----
     @property
     def summary(self) -> Any:
@@ -146,10 +178,15 @@ class Record:
         return mean_velocity(self, frequency).value
 
     def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
-        """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.measures.motion`."""
-        from stickslip.records.measures import motion
+        """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.motions.motion`."""
+        from stickslip.records.motions import motion
 
         return motion(self, frequency, threshold, dwell)
+
+    @property
+    def motion_type(self) -> str:
+        """The motion type; where the noise leaves it open, those between which it is open, such as "I or IV"."""
+        return str(self.motion().type)
 
     def stick_intervals(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
         """Intervals at rest, as (start, length) in drive periods."""

@@ -3,64 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.raw import Column, Raw
 from stickslip.records.units import heading, unit_of
 
 __all__ = ["decoded", "parse", "table"]
-
-_NUMBER = {mark: re.compile(rf"[+-]?(?:\d+(?:{re.escape(mark)}\d*)?|{re.escape(mark)}\d+)(?:[eEdD][+-]?\d+)?") for mark in (".", ",")}
-_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eEdD][+-]?\d+)?|[+-]?\d+")
-_MISSING = {"", "nan", "-nan", "+nan", "na", "n/a", "#n/a", "-", "--", "null", "none", "nan(ind)", "-nan(ind)"}
-_INFINITE = {"inf": np.inf, "+inf": np.inf, "-inf": -np.inf, "infinity": np.inf, "-infinity": -np.inf}
-SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": " "}
-#: A file with more than this part of damaged rows is refused.
-_MOST_BAD = 0.1
-_SAMPLED = 400
-_PREAMBLE = 1000  # lines that may stand before the numbers
-
-
-@dataclass(frozen=True)
-class Dialect:
-    """How a text file writes its numbers."""
-
-    separator: str
-    decimal: str
-    width: int
-
-    def cells(self, line: str) -> list[str]:
-        """The cells of a line."""
-        if self.separator == " ":
-            return line.split()
-        cells = [cell.strip().strip('"').strip() for cell in line.split(self.separator)]
-        return cells[:-1] if len(cells) == self.width + 1 and cells[-1] == "" else cells
-
-    def number(self, cell: str) -> float | None:
-        """What a cell holds; NaN where it says that nothing was measured, None where it is no number."""
-        if (_NUMBER["."] if self.decimal == "." else _COMMA).fullmatch(cell):
-            return float(cell.replace(",", ".").translate(_EXPONENT))
-        word = cell.lower()
-        return np.nan if word in _MISSING else _INFINITE.get(word)
-
-    def numbers(self, line: str) -> list[float | None]:
-        """All cells of a line as numbers."""
-        return [self.number(cell) for cell in self.cells(line)]
-
-    @property
-    def words(self) -> str:
-        """The dialect in words."""
-        name = next(name for name, mark in SEPARATORS.items() if mark == self.separator)
-        return f"separator {name}, decimal {'point' if self.decimal == '.' else 'comma'}"
-
-
-_EXPONENT = str.maketrans("dD", "ee")
 
 
 def decoded(data: bytes) -> str:
@@ -94,96 +47,33 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
         Overrule what is found out.
     """
     text = decoded(data)
-    lines = text.splitlines()
+    lines = re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
     raw = Raw("text", table=True)
-    dialect, first = _found(lines, separator, decimal)
+    dialect, first = sniffed(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
     values = _body(lines[first:], first, dialect, raw.notes)
     raw.info["dialect"] = dialect.words
     if not text.endswith(("\n", "\r")) and text.strip():
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
-    _doubts(lines[first : first + _SAMPLED], dialect, raw.notes)
     raw.columns = [Column(*(names[i] if names else ("", None)), values[:, i]) for i in range(dialect.width)]
     return raw
-
-
-# ---- which dialect? ----
-def _found(lines: list[str], separator: str | None, decimal: str | None) -> tuple[Dialect, int]:
-    """The dialect in which most lines are rows of numbers, and the first row."""
-    tried = []
-    for mark in [separator] if separator else SEPARATORS.values():
-        for point in [decimal] if decimal else (".", ","):
-            if mark == point:
-                continue
-            tried.append(_tried(lines, mark, point))
-    best = max(tried, key=lambda found: found[0], default=(0.0, None, 0))
-    if best[1] is None or best[0] < 1 - _MOST_BAD:
-        raise InputError("read", [f"no table of numbers was found in the text: {_why_not(lines, best)}"])
-    return best[1], best[2]
-
-
-def _why_not(lines: list[str], best: tuple[float, Dialect | None, int]) -> str:
-    if not any(line.strip() for line in lines):
-        return "the file is empty"
-    if best[1] is None:
-        example = next((line.strip()[:60] for line in lines if line.strip()), "")
-        return f'it begins with {example!r}; type ss.read(path, separator=";", decimal=",") with what the file uses'
-    return (
-        f"with {best[1].words} only {100 * best[0]:.0f} % of the lines have {best[1].width} numbers "
-        "(mixed decimal marks, or a damaged file?); "
-        'type ss.read(path, separator=";", decimal=",") with what the file uses'
-    )
-
-
-def _tried(lines: list[str], mark: str, point: str) -> tuple[float, Dialect | None, int]:
-    """How much of the text is a table in one dialect: (part of the lines, dialect, first row)."""
-    loose = Dialect(mark, point, -1)
-    chosen = range(0, len(lines), max(len(lines) // _SAMPLED, 1))
-    widths = Counter(len(row) for row in (_row(loose, lines[i]) for i in chosen) if row)
-    if not widths:
-        head = [_row(loose, line) for line in lines[:_PREAMBLE]]
-        widths = Counter(len(row) for row in head if row)
-        if not widths:
-            return 0.0, None, 0
-    width = max(widths, key=lambda w: (widths[w], w))
-    dialect = Dialect(mark, point, width)
-    first = next((i for i, line in enumerate(lines[:_PREAMBLE]) if len(_row(dialect, line) or ()) == width), None)
-    if first is None:
-        return 0.0, None, 0
-    sample = [i for i in range(first, len(lines), max((len(lines) - first) // _SAMPLED, 1)) if lines[i].strip()]
-    good = sum(len(_row(dialect, lines[i]) or ()) == width for i in sample)
-    before = sum(
-        bool(line.strip()) and bool(_PLAIN.fullmatch(line)) for line in lines[:first]
-    )  # rows of numbers that this dialect cannot read
-    return good / (len(sample) + before), dialect, first
-
-
-def _row(dialect: Dialect, line: str) -> list[float | None] | None:
-    """A line as numbers, if it is nothing else, and holds at least one that was measured."""
-    if not line.strip():
-        return None
-    row = dialect.numbers(line)
-    return row if all(x is not None for x in row) and any(np.isfinite(x) for x in row) else None  # type: ignore[arg-type]
 
 
 # ---- headings ----
 def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, str | None]] | None:
     """Names and units from the lines before the numbers; what else stands there is kept as text."""
-    rows = [(i, [cell.strip() for cell in dialect.cells(line.lstrip("#%;! ") if dialect.separator != ";" else line.lstrip("#%! "))])
-            for i, line in enumerate(lines) if line.strip()]  # fmt: skip
-    fitting = [(i, row) for i, row in rows if len(row) == dialect.width]
-    if dialect.separator == " " and rows and not fitting:
-        fitting = [(i, _wide(lines[i])) for i, _ in rows if len(_wide(lines[i])) == dialect.width]
+    rows = [heading_cells(line, dialect) for line in lines if line.strip()]
+    fitting = [row for row in rows if len(row) == dialect.width]
     rest = [line.strip() for line in lines if line.strip()]
     if not fitting:
         if rest:
             raw.info["preamble"] = "\n".join(rest)[:4000]
         return None
-    last = fitting[-1][1]
+    last = fitting[-1]
     units = [unit_of(cell.strip("[]()")) for cell in last]
     known = [u is not None for u, cell in zip(units, last, strict=True) if cell]
     if len(fitting) > 1 and known and all(known) and not any(u is not None and u.text == "1" for u in units):
-        names = fitting[-2][1]
+        names = fitting[-2]
         used = 2
         found = [(name, unit.text.strip("[]()") if unit else None) for name, unit in zip(names, units, strict=True)]
     else:
@@ -191,11 +81,6 @@ def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, s
     if len(rest) > used:
         raw.info["preamble"] = "\n".join(rest[:-used])[:4000]
     return found
-
-
-def _wide(line: str) -> list[str]:
-    """Headings of a table of blanks: cells are apart by two blanks or a tab."""
-    return [cell.strip() for cell in re.split(r"\t|\s{2,}", line.strip(" #%;!"))]
 
 
 # ---- numbers ----
@@ -211,7 +96,8 @@ def _fast(lines: list[str], dialect: Dialect) -> Any:
     """All rows at once, if every one of them is as expected and made of digits only."""
     text = "\n".join(lines)
     if (
-        not _PLAIN.fullmatch(text)
+        len(dialect.separator) != 1
+        or not _PLAIN.fullmatch(text)
         or (dialect.decimal == "," and "." in text)
         or (dialect.decimal == "." and dialect.separator != "," and "," in text)
     ):
@@ -238,7 +124,7 @@ def _slow(lines: list[str], first: int, dialect: Dialect, notes: list[str]) -> A
         strange += [(number, cell) for cell, x in zip(cells, values, strict=True) if x is None]
         rows.append([np.nan if x is None else x for x in values])
     bad = len(wrong) + len({n for n, _ in strange})
-    if bad > _MOST_BAD * (len(rows) + len(wrong)) and bad > 1:
+    if bad > MOST_BAD * (len(rows) + len(wrong)) and bad > 1:
         raise InputError("read", [f"{bad} of {len(rows) + len(wrong)} lines are damaged, {_shown(wrong or strange)}; {_MIXED}"])
     if wrong:
         notes.append(f"{len(wrong)} lines are left out, {_shown(wrong)}")
@@ -257,12 +143,6 @@ def _shown(found: list[tuple[int, str]]) -> str:
 def _filled(lines: list[str], first: int) -> Iterator[tuple[int, str]]:
     """The lines that hold something, with their number in the file."""
     return ((first + i + 1, line) for i, line in enumerate(lines) if line.strip())
-
-
-def _doubts(lines: list[str], dialect: Dialect, notes: list[str]) -> None:
-    """Say where a comma might have meant the other thing."""
-    if dialect.separator == "," and dialect.width % 2 == 0 and lines and not any("." in line for line in lines):
-        notes.append('every number is a whole number and the separator is the comma; if the commas are decimal marks, type decimal=","')
 
 
 def table(rows: list[list[Any]], notes: list[str]) -> list[Column]:

@@ -164,9 +164,21 @@ def _binary(data: bytes, first: bytes, place: int, head: _Head, number: int, not
         notes.append(f"function {number} says {size} bytes, but {head.count} values take {wanted}")
     block = data[place : place + min(size, wanted)]
     order_name = byte_order or {1: "little", 2: "big"}[order]
-    even = head.even
-    values = _as_numbers(block, head.size, order_name, number, byte_order is None) if even else _pairs(block, head, order_name)
+    values = _as_numbers(block, head.size, order_name, number, byte_order is None) if head.even else _pairs(block, head, order_name)
+    _check_end(data, place + size, number, notes)
     return _counted(values, head, number, notes), place + size
+
+
+_END = re.compile(rb"[ \t\r\n\0]*-1[ \t]*(?:\r?\n|$)")
+
+
+def _check_end(data: bytes, end: int, number: int, notes: list[str]) -> None:
+    """Behind binary numbers the closing line -1 stands; where it does not, bytes were lost or added and the numbers are shifted."""
+    if _END.match(data, end):
+        return
+    if data[end:].strip():
+        raise _broken(number, "no closing line -1 stands behind its numbers, so bytes were lost or added within it")
+    notes.append(f"function {number} has no closing line -1: bytes were lost, and its numbers may be shifted")
 
 
 def _as_numbers(block: bytes, size: int, order: str, number: int, checked: bool) -> Any:

@@ -1,0 +1,115 @@
+"""The bootstrap: fits to resampled data, all replicates together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.errors import Problems
+from stickslip.identifying.driven import DrivenProblem
+from stickslip.identifying.search import polished
+from stickslip.identifying.uncertainty import effective
+
+if TYPE_CHECKING:
+    from stickslip.identifying.fit import Fit
+
+__all__ = ["bootstrap", "by_bootstrap"]
+
+_STEPS = 8  # common steps of all replicates
+_SMALL = 0.01  # a replicate is done when its step is below this part of the standard errors
+
+
+def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: int = 0, workers: int = 1) -> tuple[float, float]:
+    """Quantiles of fits to resampled data: the fitted curve plus blocks of residuals in random order."""
+    table = bootstrap(fit, repeats, seed, workers)
+    k = fit.names.index(name)
+    low, high = np.quantile(table[:, k], [0.5 - 0.5 * level, 0.5 + 0.5 * level])
+    return float(low), float(high)
+
+
+def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
+    """Values of the free parameters in fits to resampled data, bit for bit the same for any number of workers.
+
+    All replicates start at the fit and step by Gauss and Newton with its derivatives, so that one step costs one curve for each; where
+    that does not settle, trust-region steps with derivatives of its own finish the replicate. Forces against motion are one batch per
+    step; steady curves are shared among threads.
+
+    Parameters
+    ----------
+    fit : Fit
+    repeats : int
+    seed : int
+    workers : int
+        Threads.
+
+    Returns
+    -------
+    array (repeats, parameters)
+    """
+    problems = Problems("bootstrap")
+    problems.whole("repeats", repeats, 2, example=200)
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
+    resampled = [fit.problem.with_values(_resampled_values(fit, np.random.default_rng([seed, r]))) for r in range(repeats)]
+    with ThreadPoolExecutor(workers) as pool:
+        places, settled = _stepped(fit, resampled, pool)
+        rest = [r for r in range(repeats) if not settled[r]]
+        for r, place in zip(rest, pool.map(lambda r: polished(resampled[r], fit.place, rough=True).place, rest), strict=True):
+            places[r] = place
+    free = fit.problem.parameters.free
+    return np.stack([np.array([float(f.outer(p)) for f, p in zip(free, place, strict=False)]) for place in places])
+
+
+def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[Any, Any]:
+    """Places of all replicates after common steps, and which of them have settled."""
+    low, high = fit.problem.bounds()
+    size = np.sqrt(np.sum(fit.jacobian**2, axis=0))
+    told = size > 1e-12 * size.max()
+    inverse = np.zeros(fit.jacobian.shape[::-1])
+    inverse[told] = np.linalg.pinv(fit.jacobian[:, told] / size[told], rcond=1e-10) / size[told, None]
+    small = _SMALL * fit.scale * np.sqrt(np.sum(inverse**2, axis=1))
+    places = np.tile(fit.place, (len(problems), 1))
+    open_ones, settled = np.arange(len(problems)), np.zeros(len(problems), bool)
+    costs = np.full(len(problems), np.inf)
+    for _ in range(_STEPS):
+        rests = _residuals(problems, places, open_ones, pool.map)
+        cost = np.sum(rests**2, axis=1)
+        falls = cost <= costs[open_ones] * (1 + 1e-9)
+        costs[open_ones] = cost
+        moved = np.clip(places[open_ones] - rests @ inverse.T, low, high)
+        done = falls & (abs(moved - places[open_ones]) <= small).all(axis=1)
+        places[open_ones] = np.where(falls[:, None], moved, places[open_ones])
+        settled[open_ones[done]] = True
+        open_ones = open_ones[falls & ~done]
+        if len(open_ones) == 0:
+            break
+    return places, settled
+
+
+def _residuals(problems: list[Any], places: Any, which: Any, mapped: Callable[..., Any]) -> Any:
+    """Residuals of some replicates: array (replicates, values)."""
+    if isinstance(problems[0], DrivenProblem):
+        found = problems[0].batch(places[which]).T
+        measured = np.stack([problems[r].y for r in which])
+        return np.nan_to_num((found - measured) / problems[0].sigma, nan=1e4)
+    return np.stack(list(mapped(lambda r: problems[r].residuals(places[r]), which)))
+
+
+def _resampled_values(fit: Fit, rng: Any) -> Any:
+    rest = fit._split(fit.residuals * fit.problem.sigma)
+    parts = zip(fit.predicted, rest, fit.problem.targets, strict=True)
+    return np.concatenate([c + _resampled(r, rng, t.sigma if len(r) == 1 else 0.0) for c, r, t in parts])
+
+
+def _resampled(rest: Any, rng: Any, sigma: float) -> Any:
+    """Residuals in blocks as long as they are correlated; a single number gets noise of the given size."""
+    n = len(rest)
+    if n == 1:
+        return rng.normal(scale=sigma, size=1)
+    block = int(np.clip(n / max(effective(rest), 1.0), 1, max(n // 8, 1)))
+    starts = rng.integers(0, n, int(np.ceil(n / block)))
+    index = (starts[:, None] + np.arange(block)) % n
+    return (rest - rest.mean())[index.ravel()[:n]]

@@ -1,0 +1,51 @@
+"""A record as a CSV file that `read` takes back with no options."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import Problems
+from stickslip.storage import moved_into_place, unwritable
+
+__all__ = ["SYNTHETIC", "save"]
+
+#: First line of a file whose numbers no sensor has seen; `read` looks for it.
+SYNTHETIC = "# stickslip: synthetic record, computed and not measured"
+
+
+def save(rec: Any, path: str | Path) -> Path:
+    """Write a record: one line for each sample, units in the headings, every digit."""
+    path, channels, problems = Path(path).expanduser(), list(rec.channels.values()), Problems("record")
+    if path.suffix.lower() != ".csv":
+        problems.add(f"{str(path)!r} ends in {path.suffix or 'nothing'!r}; allowed is .csv; type for example rec.save('run.csv')")
+    if not channels:
+        problems.add("it has no channels; there is nothing to write")
+    others = [c.name for c in channels if not _beside(c, channels[0])]
+    if others:
+        problems.add(
+            f"{', '.join(others)} and {channels[0].name} are not sampled at the same times, so they do not fit into one table; save them "
+            "apart: rec.replace(channels={name: rec[name]}).save(...)"
+        )
+    problems.check()
+    file, first = io.StringIO(), channels[0]
+    if rec.synthetic:
+        file.write(SYNTHETIC + "\n")
+    table = csv.writer(file, lineterminator="\n")
+    table.writerow([_heading(first.axis_name or "axis", first.axis_unit), *(_heading(c.name, c.unit) for c in channels)])
+    np.savetxt(file, np.column_stack([first.t, *(c.values for c in channels)]), delimiter=",", fmt="%.17g")
+    with moved_into_place(path, unwritable("record")) as beside:
+        beside.write_text(file.getvalue(), encoding="utf-8", newline="")
+    return path
+
+
+def _beside(a: Any, b: Any) -> bool:
+    return (a.axis_name, a.axis_unit) == (b.axis_name, b.axis_unit) and np.array_equal(a.t, b.t)
+
+
+def _heading(name: str, unit: str | None) -> str:
+    return name if unit is None else f"{name} [{unit}]"

@@ -1,0 +1,82 @@
+"""Where in a record the steady motion begins."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.records.measures import _velocity
+
+__all__ = ["settled", "settling_periods"]
+
+_FEWEST = 6  # drive periods in a record that can be judged
+_TWICE = 2.5  # mean square in a period over the usual one
+_SURE = 4.0  # standard errors of the mean over a period
+_FAINT = 1e-3  # part of the range below which a difference is none
+
+
+def settling_periods(rec: Any, frequency: float) -> int:
+    """How many drive periods at the start of a record differ from the mean cycle of its second half by more than its noise.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from stickslip.records import Record
+    >>> t = np.arange(4000) / 200
+    >>> settling_periods(Record.of(t, {"v [m/s]": np.sin(2 * np.pi * t) + 2 * np.exp(-2 * t)}), 1.0)
+    6
+    """
+    t, v = _velocity(rec)
+    place = (t - t[0]) * frequency
+    periods = int(place[-1] + 1e-6 + frequency * (t[-1] - t[0]) / max(len(t) - 1, 1))
+    if periods < _FEWEST:
+        return 0
+    half = place >= periods // 2
+    bins = int(np.clip(half.sum() / 8, 16, 400))
+    index = np.minimum((np.mod(place, 1.0) * bins).astype(int), bins - 1)
+    count = np.bincount(index[half], minlength=bins)
+    if (count == 0).any():
+        mean = np.interp(np.arange(bins), np.flatnonzero(count), np.bincount(index[half], v[half], bins)[count > 0] / count[count > 0])
+    else:
+        mean = np.bincount(index[half], v[half], bins) / count
+    rest = v - np.interp(np.mod(place, 1.0) * bins - 0.5, np.arange(bins), mean, period=bins)
+    each = np.minimum(place.astype(int), periods - 1)
+    number = np.maximum(np.bincount(each, minlength=periods), 1)
+    size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number
+    usual = float(np.median(size[periods // 2 :])) + (_FAINT * float(np.ptp(v))) ** 2
+    calm = np.flatnonzero((size <= _TWICE * usual) & (drift**2 <= _SURE**2 * usual / number))
+    first = int(calm[0]) if len(calm) else periods
+    return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
+
+
+def settled(rec: Any, settle: int | str = "auto", frequency: float | None = None) -> tuple[Any, int, str | None]:
+    """The record from where its motion is steady, how many drive periods were left out, and a sentence on that.
+
+    Parameters
+    ----------
+    rec : Record
+    settle : int or "auto"
+        Drive periods to leave out; "auto" finds those that differ from the later ones.
+    frequency : float, optional
+        Of the drive [Hz].
+    """
+    if settle != "auto" and not (isinstance(settle, int) and not isinstance(settle, bool) and settle >= 0):
+        raise InputError("settle", [f'settle = {settle!r}; allowed is "auto" or a number of drive periods; type for example settle=10'])
+    if settle == 0:
+        return rec, 0, None
+    f = rec.drive_frequency().value if frequency is None else float(frequency)
+    count = settling_periods(rec, f) if settle == "auto" else int(settle)
+    if count == 0:
+        return rec, 0, None
+    start = float(_velocity(rec)[0][0])
+    kept = rec.between(start + (count - 1e-6) / f, np.inf)
+    what = "differ from the later ones" if settle == "auto" else "were to be left out"
+    late = settle == "auto" and count >= int((_velocity(rec)[0][-1] - start) * f) // 2 - 1
+    more = "; the record may not have settled at all" if late else ""
+    return (
+        kept,
+        count,
+        f"the first {count} drive periods {what} and are not compared with steady motion{more}; settle=0 takes them as steady",
+    )
