@@ -108,3 +108,11 @@ def test_init_with_every_drive_can_be_read_back(call):
         code, out, _ = call("init", "--drive", name)
         assert code == 0 and type(ss.Robot.from_toml(out).drive) is kind
     assert "did you mean 'harmonic'?" in call("init", "--drive", "harmonc")[2]
+
+
+def test_the_bench_takes_the_law_of_a_file_with_its_numbers(call):
+    code, out, _ = call("bench", "study.toml", "--only", "drift", "--json", study=RIG + COULOMB)
+    told = json.loads(out)
+    assert code == 0 and told["law"] == "Coulomb" and told["parameters"]["mu_minus"] == 0.2
+    code, _, err = call("bench", "study.toml", "mu_pls=1", study=RIG + COULOMB)
+    assert code == 2 and "is no number of Coulomb; did you mean 'mu_plus'?" in err

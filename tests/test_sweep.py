@@ -279,7 +279,7 @@ def test_results_do_not_depend_on_tiles_and_threads():
         xr.testing.assert_identical(sweep(RIG, **axes, **more).drop_attrs(), one.drop_attrs())
 
 
-def test_progress_counts_and_may_stop():
+def test_progress_counts_and_may_stop(every_report):
     told = []
 
     def watch(now):

@@ -100,8 +100,9 @@ def _read(path: Any) -> dict[str, list[Any]]:
         with open(path, newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if line]
     except (OSError, UnicodeDecodeError) as error:
+        why = getattr(error, "strerror", None) or error
         raise InputError(
-            "table", [f"{str(path)!r} cannot be read: {error}; give the path of a CSV file with a line of names first"]
+            "table", [f"{str(path)!r} cannot be read: {why}; give the path of a CSV file with a line of names first"]
         ) from None
     if len(lines) < 2 or any(len(line) != len(lines[0]) for line in lines):
         raise InputError("table", [f"{str(path)!r} is no table: allowed is a line of names, then lines with as many values"])
@@ -166,9 +167,8 @@ def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tupl
 
 def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[str, Any]) -> Design:
     problems = Problems(kind)
-    for name, value in (("count", count), ("seed", seed)):
-        if not isinstance(value, int) or isinstance(value, bool) or value < (1 if name == "count" else 0):
-            problems.add(f"{name} = {value!r}; allowed is a whole number; type for example {name}={1024 if name == 'count' else 1}")
+    problems.whole("count", count, 1, example=1024)
+    problems.whole("seed", seed, 0, example=1)
     if not bounds:
         problems.add("no ranges are given; type for example amplitude=(1e-4, 8e-4)")
     ranges = {name: _bounds(name, value, problems) for name, value in bounds.items()}

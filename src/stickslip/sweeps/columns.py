@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
-__all__ = ["BAD", "BETWEEN", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "flags", "words"]
+__all__ = ["BAD", "BETWEEN", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "filled", "flags", "words"]
 
 Array = Any
 BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
@@ -33,12 +33,18 @@ COLUMNS: dict[str, str] = {
 
 def empty(count: int) -> dict[str, Array]:
     """Columns of cases that have no result yet."""
-    made: dict[str, Array] = {}
-    for name, kind in COLUMNS.items():
-        made[name] = np.full(count, np.nan) if kind == "f8" else np.zeros(count, kind)
-    made["motion_type"][:] = TYPES[0]
-    made["status"][:] = UNDONE
-    return made
+    return {name: _unknown(name, count) for name in COLUMNS}
+
+
+def filled(columns: dict[str, Array], count: int) -> dict[str, Array]:
+    """All columns, in order and in their types, of cases of which some columns are known."""
+    return {name: columns[name].astype(kind, copy=False) if name in columns else _unknown(name, count) for name, kind in COLUMNS.items()}
+
+
+def _unknown(name: str, count: int) -> Array:
+    """A column of cases that have no result yet."""
+    nothing = {"motion_type": TYPES[0], "status": UNDONE}.get(name, np.nan if COLUMNS[name] == "f8" else None)
+    return np.zeros(count, COLUMNS[name]) if nothing is None else np.full(count, nothing, COLUMNS[name])
 
 
 def coded(name: str, values: Array) -> Array:

@@ -23,7 +23,7 @@ Array = Any
 
 
 def solve_to_end(robot: Any, options: dict[str, Any], start: dict[str, Any], workers: int) -> tuple[Summary, dict[str, Array]]:
-    """A summary, and v and z of each case at its end. Discrete memories of a law begin anew in each case."""
+    """A summary, and v, z and the law's memory of each case at its end."""
     asked = solver_arguments(options)
     todo = request(robot, start=start, workers=workers, keep="summary", samples=400, progress=None, options={}, **asked)
     if is_dynamic(robot.friction) and todo.method in ("auto", "rodas4", "rodas5p") and not getattr(robot.friction, "scalar_only", False):
@@ -35,8 +35,9 @@ def solve_to_end(robot: Any, options: dict[str, Any], start: dict[str, Any], wor
 
 
 def _stepped(todo: Request, tableau: Any, rtol: float) -> tuple[Summary, dict[str, Array]]:
-    summary, v, z = stepping.run_to_end(todo, tableau, rtol)
-    return summary, {"v": v, **({"z": z[:, 0] if z.shape[1] == 1 else z} if z.shape[1] else {})}
+    summary, v, *more = stepping.run_to_end(todo, tableau, rtol)
+    inner = {name: part[:, 0] if part.shape[1] == 1 else part for name, part in zip(("z", "memory"), more, strict=True) if part.shape[1]}
+    return summary, {"v": v, **inner}
 
 
 def _exact(todo: Request, start: dict[str, Any]) -> tuple[Summary, dict[str, Array]]:

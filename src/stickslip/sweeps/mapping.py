@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, Problems
 from stickslip.robot import Robot
 from stickslip.sweeps.columns import BETWEEN, COLUMNS, FAILED, empty
 from stickslip.sweeps.datasets import dataset, provenance_of
@@ -62,8 +62,9 @@ def map(make: Callable[..., Robot] | Robot, refine: bool = False, coarse: int = 
         raise InputError(
             "map", [f"{', '.join(refused)} cannot go with refine=True, which works in memory; leave it out, or type refine=False"]
         )
-    if not isinstance(coarse, int) or coarse < 2:
-        raise InputError("map", [f"coarse = {coarse!r}; allowed is a whole number from 2; type for example coarse=33"])
+    problems = Problems("map")
+    problems.whole("coarse", coarse, 2, example=33)
+    problems.check()
     own = {name: arguments.pop(name, default) for name, default in (("workers", 1), ("progress", None), ("start", None), ("retries", 3))}
     options = {name: arguments.pop(name, default) for name, default in SOLVER.items()}
     plan = planned(make, (), arguments, own["start"], None, None, **options)

@@ -120,8 +120,8 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
         problems.add(sentence)
     if along is not None and (along not in space.sizes or along not in space.columns):
         problems.add(f"continue_along = {along!r} is no axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
-    if tile is not None and (not isinstance(tile, (int, np.integer)) or tile < 1):
-        problems.add(f"tile = {tile!r}; allowed is a whole number of cases from 1; type for example tile=4096")
+    if tile is not None:
+        problems.whole("tile", tile, 1, example=4096, what=" of cases")
     starts = _starts(start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)

@@ -15,6 +15,8 @@ from stickslip.sweeps.columns import STATUSES
 
 __all__ = ["Bar", "Lines", "Progress", "Watch"]
 
+PAUSE = 0.1  # between two reports [s]
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -91,7 +93,7 @@ class Watch:
     def begun(self, tile: int, cases: int) -> None:
         """Cases of a tile that are at work."""
         self._begun[tile] = cases
-        self._tell(0.1)
+        self._tell(PAUSE)
 
     def finished(self, tile: int, status: Any) -> None:
         """A tile is ready."""
@@ -100,7 +102,7 @@ class Watch:
         for code, n in zip(*np.unique(status, return_counts=True), strict=True):
             text = STATUSES.get(int(code), f"status {code}")
             self._statuses[text] = self._statuses.get(text, 0) + int(n)
-        self._tell(0.1 if self._finished < self.cases else 0.0)
+        self._tell(PAUSE if self._finished < self.cases else 0.0)
 
     def now(self) -> Progress:
         """The state of things."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.designs import Design
-from stickslip.errors import InputError
+from stickslip.errors import InputError, Problems
 from stickslip.robot import Robot
 from stickslip.sweeps.columns import FAILED
 from stickslip.sweeps.datasets import dataset, provenance_of
@@ -109,10 +109,11 @@ def sweep(
         "dwell": dwell,
     }
     plan = planned(make, designs, axes, start, continue_along, tile, **options)
-    if not isinstance(workers, int) or workers < 1:
-        raise InputError("sweep", [f"workers = {workers!r}; allowed is a whole number from 1; type for example workers=2"])
+    problems = Problems("sweep")
+    problems.whole("workers", workers, 1, example=2)
     if out is None and (resume or shard):
-        raise InputError("sweep", ["resume and shard are for a study folder; give one with out=, such as out='study'"])
+        problems.add("resume and shard are for a study folder; give one with out=, such as out='study'")
+    problems.check()
     watch = Watch(plan.cases, progress)
     if out is None:
         return _in_memory(plan, tile, workers, client, retries, watch)
@@ -130,13 +131,21 @@ def sweep(
 
 
 def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
-    if tile is None and plan.along is None and client is None and workers > 1:
-        size = max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
-        plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, size)
-    elif tile is None and plan.along is None and plan.tile > 16:
-        plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, 16384)
+    if tile is None and plan.along is None and plan.tile > 16 and (client is None or workers == 1):
+        plan = Plan(plan.make, plan.space, plan.options, plan.start, plan.along, _tile_in_memory(plan, workers))
     columns, notes = run_plan(plan, workers, client, retries, watch)
     return dataset(plan, columns, {"provenance": provenance_of(plan)}, notes)
+
+
+def _tile_in_memory(plan: Plan, workers: int) -> int:
+    """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
+    from stickslip.friction import Coulomb
+    from stickslip.solvers.arcs import handles
+
+    robot = None if plan.sample is None else plan.sample[0]
+    if plan.options["method"] in ("auto", "exact") and isinstance(getattr(robot, "friction", None), Coulomb) and handles(robot) is None:
+        return 32768 if plan.cases >= 8 * 32768 else 16384
+    return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
 
 
 def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) -> tuple[dict[str, Array], dict[str, int]]:

@@ -15,7 +15,7 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import orbits
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
-from stickslip.sweeps.columns import BAD, COLUMNS, FAILED, empty
+from stickslip.sweeps.columns import BAD, COLUMNS, FAILED, empty, filled
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
 
@@ -45,17 +45,21 @@ def solved_points(
 ) -> tuple[dict[str, Array], dict[str, int]]:
     """The columns at some points of the space."""
     groups, refused = groups_of(plan.make, plan.space, points, start)
-    result, notes = empty(len(points)), _counted(refused.values())
-    result["status"][list(refused)] = BAD
-    before = 0
-    for group in groups:
-        done = before
+    notes, before = _counted(refused.values()), 0
 
-        def begun(count: int, whole: int, done: int = done) -> None:
+    def found(group: Group) -> dict[str, Array]:
+        def begun(count: int, whole: int) -> None:
             if tell is not None:
-                tell(done + count)
+                tell(before + count)
 
-        for name, values in _columns(group, plan.options, workers, begun, notes).items():
+        return _columns(group, plan.options, workers, begun, notes)
+
+    if len(groups) == 1 and not refused:  # all points, in their order
+        return filled(found(groups[0]), len(points)), notes
+    result = empty(len(points))
+    result["status"][list(refused)] = BAD
+    for group in groups:
+        for name, values in found(group).items():
             result[name][group.at] = values
         before += len(group.at)
     return result, notes

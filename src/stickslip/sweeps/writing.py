@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
-import secrets
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.storage import moved_into_place
 from stickslip.sweeps.columns import COLUMNS, STATUSES, coded, described, empty, flags
 from stickslip.sweeps.folder import unwritable
 from stickslip.sweeps.opening import open_study
@@ -52,23 +50,9 @@ def export(study: Any, path: str | Path) -> Path:
     if write is None:
         raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])
     grid = study if hasattr(study, "data_vars") else open_study(study)
-    with _moved_into_place(target) as beside:
+    with moved_into_place(target, unwritable) as beside:
         write(grid, beside)
     return target
-
-
-@contextlib.contextmanager
-def _moved_into_place(path: Path) -> Iterator[Path]:
-    beside = path.with_name(f".{path.stem}.{secrets.token_hex(6)}{path.suffix}")
-    try:
-        beside.open("xb").close()
-        yield beside
-        os.replace(beside, path)
-    except OSError as error:
-        raise unwritable(path, error) from None
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink()
 
 
 def blocks_of(first: int, last: int, shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
