@@ -3,9 +3,12 @@
 import contextlib
 import json
 import math
+import subprocess
+import sys
 import threading
 import time
 import tomllib
+from html.parser import HTMLParser
 from urllib.parse import quote
 
 import numpy as np
@@ -14,14 +17,16 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import stickslip as ss
 from explorers import PATIENCE, Explorer, answer, axis, curves, plane
-from stickslip.explorer.answers import PATIENCE as MOST_SECONDS
-from stickslip.explorer.answers import Stopped, _watch
+from stickslip.explorer import kernels as kernels_module
+from stickslip.explorer.around import PATIENCE as MOST_SECONDS
+from stickslip.explorer.around import Stopped, watch
 from stickslip.explorer.asked import DEFAULT, State, message, state
 from stickslip.explorer.code import python
-from stickslip.explorer.dropped import velocity_of
-from stickslip.explorer.effort import affordable
+from stickslip.explorer.dropped import drive_of, velocity_of
+from stickslip.explorer.effort import affordable, effort
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.frames import read
+from stickslip.explorer.kernels import Kernels, told
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
@@ -121,6 +126,14 @@ def test_a_message_that_makes_no_sense_is_refused_with_a_sentence(text):
 
 
 @pytest.mark.parametrize(
+    "shape",
+    [None, [], [[1.0]], [[1.0], []], [[], []], [[0.0] * 33, [1.0] * 33], [[1.0], [11.0]], [[1.0], ["1"]], [[1.0], [True]], "shape"],
+)
+def test_a_shape_is_two_short_lists_of_small_numbers(shape):
+    assert len(problems_of(lambda: state({"drive": "recorded", "shape": shape}))) == 1
+
+
+@pytest.mark.parametrize(
     "axes",
     [[], [axis("amplitude", 0, 1e-3, 9)], [axis("amplitude", 0, 1e-3, 9)] * 2, [axis("amplitude", 1e-3, 0, 9), axis("mu0", 0.1, 0.2, 9)],
      [axis("amplitude", 0, 1e-3, 5000), axis("mu0", 0.1, 0.2, 9)], [axis("stroke", 1e-3, 1e-2, 9), axis("mu0", 0.1, 0.2, 9)],
@@ -189,6 +202,31 @@ def test_a_strip_shows_period_two_where_the_paper_does(explorer):
     assert spread == [2, 1]  # Fig. 23: period two at 0.04; one strobe point at 0.18
 
 
+@pytest.mark.parametrize("law", ["lugre", "coulomb", pytest.param("gms", marks=pytest.mark.slow)])
+def test_a_strip_is_what_a_run_for_each_value_gives(explorer, law):
+    with explorer.page() as socket:
+        socket.send(plane("strip", axis("mu0", 0.01, 0.4, 6), values={"amplitude": 6e-4}, law=law))
+        header, arrays = answer(socket, "strip")
+    strobes = arrays["strobes"].reshape(6, header["kept"])
+    assert np.isnan(strobes[0]).all() and np.isnan(arrays["means"][0])  # mu0 = 0.01 is below tan 1.7 deg: no such robot
+    for mu, points, mean in zip(arrays["values"][1:], strobes[1:], arrays["means"][1:], strict=True):
+        values = {**VALUES, "amplitude": 6e-4, "mu0": float(mu)}
+        run = ss.solve(State(law=law, values=values).robot(), periods=64, rtol=1e-4)
+        size = 6e-4 * VALUES["omega"] * 9.48 / (9.48 + 62.59)  # of v where nothing holds the body
+        assert points == pytest.approx(run.strobe_v[-16:], abs=3e-3 * size)  # rtol 1e-4 on both sides, over 64 periods
+        way = (run.strobe_x[-1] - run.strobe_x[-17]) / (run.strobe_times[-1] - run.strobe_times[-17])
+        assert mean == pytest.approx(way, abs=3e-3 * size) or law == "gms"  # its mean is that of the second half
+
+
+def test_effort_of_a_batch_is_that_of_its_cases():
+    for law in ("lugre", "viscous"):
+        mass = np.array([0.03, 0.06, 0.2])
+        many = effort(State(law=law, also=()).robot(body_mass=mass))
+        one = [effort(State(law=law, also=()).robot(body_mass=float(m))) for m in mass]
+        np.testing.assert_allclose(np.broadcast_to(many[0], 3), [a for a, _ in one], rtol=1e-14)
+        np.testing.assert_allclose(np.broadcast_to(many[1], 3), [b for _, b in one], rtol=1e-14)
+
+
 def test_numbers_that_no_robot_can_have_are_answered_with_a_sentence(explorer):
     with explorer.page() as socket:
         socket.send(curves(values={"tilt_deg": 30.0}))
@@ -246,8 +284,8 @@ def test_a_newer_map_takes_the_place_of_an_older_one(explorer):
 
 def test_work_that_nobody_waits_for_stops():
     with pytest.raises(Stopped):
-        _watch(lambda: True)(1, 10)
-    assert _watch(lambda: False)(1, 10) is None
+        watch(lambda: True)(1, 10)
+    assert watch(lambda: False)(1, 10) is None
     assert MOST_SECONDS < 60
 
 
@@ -331,6 +369,56 @@ def test_a_record_is_handed_back_in_si_units(tmp_path):
         assert len(header["notes"]) == notes
 
 
+FREQUENCY = 32.7
+TIMES = np.arange(3000) * 1e-4
+DRIVE = 0.1 * np.cos(2 * np.pi * FREQUENCY * TIMES) + 0.03 * np.sin(4 * np.pi * FREQUENCY * TIMES)
+
+
+def rows(head, *columns):
+    return (head + "\n" + "".join(",".join(f"{x:.10g}" for x in row) + "\n" for row in zip(TIMES, *columns, strict=True))).encode()
+
+
+@pytest.mark.parametrize(
+    ("data", "notes"),
+    [(rows("t [s],drive [m/s]", DRIVE), 0), (rows("t [s],absolute velocity [m/s],v [m/s]", DRIVE + 0.5, 0 * DRIVE + 0.5), 0),
+     (rows("t [s],v [m/s]", DRIVE), 1), (rows("t [s],drive [m/s]", DRIVE + 0.05), 1)],
+)  # fmt: skip
+def test_the_drive_of_a_record_is_the_motion_that_was_measured(data, notes):
+    header, _ = read(drive_of("record.csv", data))
+    found = (
+        State(drive="recorded", shape=tuple(map(tuple, header["shape"]))).robot(amplitude=header["amplitude"], omega=header["omega"]).drive
+    )
+    assert header["omega"] == pytest.approx(2 * np.pi * FREQUENCY, rel=1e-6)
+    # its harmonics, integrated by hand: (0.1 / w) sin wt - (0.03 / 2w) cos 2wt; the record begins at t = 0 and ends with a whole period
+    w = 2 * np.pi * FREQUENCY
+    assert found.coefficients[1][0] == pytest.approx(0.1 / w, rel=1e-4) and found.coefficients[0][1] == pytest.approx(-0.015 / w, rel=1e-3)
+    assert np.abs(np.delete(np.array(found.coefficients).ravel(), [1, 5])).max() < 1e-3 * 0.1 / w
+    assert header["amplitude"] == pytest.approx(found.stroke / 2)
+    assert len(header["notes"]) == notes + 1  # and how much the harmonics leave over
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"no numbers\n", b"", b"t [s],F [N]\n0,1\n1,2\n2,3\n", rows("t [s],drive [m/s]", 0 * DRIVE), rows("t [s],drive [m/s]", 1e4 * DRIVE)],
+)
+def test_what_cannot_drive_a_robot_is_refused_with_a_sentence(data):
+    assert problems_of(lambda: drive_of("record.csv", data))
+
+
+def test_a_record_with_a_drive_alone_is_taken():
+    header, arrays = read(velocity_of("record.csv", rows("t [s],drive [m/s]", DRIVE)))
+    assert arrays == {} and "but a drive" in header["notes"][0]
+
+
+def test_a_recorded_shape_is_kept_by_the_python_the_study_file_and_the_kernels():
+    found = State(drive="recorded", law="coulomb", also=(), shape=((0.0, -0.15), (1.0, 0.0)))
+    names = {}
+    exec(python(found).partition("run =")[0], names)
+    assert names["robot"] == found.robot() != State(drive="recorded", law="coulomb", also=()).robot()
+    assert ss.Robot.from_toml(export("study.toml", found).decode()) == found.robot()
+    assert state(json.loads(json.dumps(told(found, "coulomb")))).robot() == found.robot()
+
+
 @pytest.mark.parametrize(
     ("name", "data"),
     [("a.csv", b"no numbers\n"), ("a", b"1,2\n3,4\n"), ("../a.py/..", b""), ("a.mat", b"\x00" * 200), ("a.csv", b""),
@@ -362,21 +450,37 @@ def test_a_record_that_is_too_large_or_not_ours_is_refused(explorer):
 # the page as it is served -----------------------------------------------------------------------------------------
 
 
+class Elements(HTMLParser):
+    """The elements of a page, as (tag, attributes)."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.found.append((tag, dict(attributes)))
+
+
 def test_the_page_has_its_sliders_and_figures_before_any_script_runs(explorer):
     status, headers, body = explorer.ask()
-    text = body.decode()
     assert status == 200 and headers["content-type"].startswith("text/html")
-    for p in PARAMETERS.values():
-        assert f'<input type="range" id="p-{p.name}" name="{p.name}"' in text and f'<label for="p-{p.name}">' in text
-    assert 'data-quantity="mean_velocity"' in text and 'data-quantity="motion_type"' in text
+    found = Elements(body.decode()).found
+    sliders = {a["name"]: a for tag, a in found if tag == "input" and a.get("type") == "range"}
+    labelled = {a["for"] for tag, a in found if tag == "label" and "for" in a}
+    assert set(sliders) == set(PARAMETERS)
+    assert all(a["id"] in labelled and float(a["min"]) <= float(a["value"]) <= float(a["max"]) for a in sliders.values())
+    quantities = {a["data-quantity"] for _, a in found if "data-quantity" in a}
+    assert {"mean_velocity", "motion_type", "margin", "stick_fraction", "period", "power"} <= quantities
 
 
 def test_nothing_in_the_page_comes_from_elsewhere(explorer):
     import re
 
-    text = explorer.ask()[2].decode()
-    wanted = re.findall(r'(?:src|href)="([^"#]+)"', text)
-    assert wanted and not [address for address in wanted if "//" in address]
+    found = Elements(explorer.ask()[2].decode()).found
+    wanted = [a["src"] for _, a in found if "src" in a] + [a["href"] for tag, a in found if tag == "link"]
+    assert len(wanted) >= 5 and not [address for address in wanted if "//" in address or ":" in address]
+    assert not [a["href"] for tag, a in found if tag == "a" and not a["href"].startswith("#")]
     for address in wanted:
         assert explorer.ask("/" + address)[0] == 200, address
     for name in ("main.js", "page.css"):
@@ -472,6 +576,57 @@ def test_a_port_is_a_whole_number(port, capsys):
 
     assert main(["explore", "--no-browser", f"--port={port}"]) == 2
     assert "allowed is a whole number from 0 to 65535" in capsys.readouterr().err
+
+
+# kernels ----------------------------------------------------------------------------------------------------------
+
+
+def until(condition):
+    deadline = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def helpers(monkeypatch):
+    """Stand-ins for the processes that compile, the one for later never done if asked so; and which kernels are loaded here."""
+    seen = {"started": [], "loaded": [], "slow": False}
+
+    def helper(later):
+        seen["started"].append(later)
+        text = "import time; time.sleep(600)" if later and seen["slow"] else "import sys; [print('ready', flush=True) for _ in sys.stdin]"
+        return subprocess.Popen([sys.executable, "-c", text], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    monkeypatch.setattr(kernels_module, "QUIET", 0.05)
+    monkeypatch.setattr(kernels_module, "_helper", helper)
+    monkeypatch.setattr(kernels_module, "warm", lambda found, law, many: seen["loaded"].append((found.drive, law, many)))
+    return seen
+
+
+def test_kernels_of_presets_are_compiled_in_spare_time_and_loaded_when_wished_for(helpers):
+    other, kernels = state(PRESETS["two-phase"]["state"]), Kernels()
+    kernels.begin([other])
+    until(lambda: len(kernels._compiled) == 2 and not kernels._processes.get(True))
+    assert {drive for drive, _, _ in helpers["loaded"]} == {"harmonic"} and len(helpers["loaded"]) == 4
+    compiled = len(helpers["started"])
+    assert not kernels.ready(other, "coulomb", other.robot(), False)
+    until(lambda: kernels.ready(other, "coulomb", other.robot(), False))
+    assert helpers["loaded"][-1] == ("twophase", "coulomb", False) and len(helpers["started"]) == compiled
+    kernels.end()
+
+
+def test_a_wish_does_not_wait_for_what_is_compiled_in_spare_time(helpers):
+    helpers["slow"] = True
+    later, wish, kernels = state(PRESETS["two-phase"]["state"]), state(PRESETS["bang-bang"]["state"]), Kernels()
+    kernels.begin([later])
+    until(lambda: kernels._processes.get(True))
+    stuck = kernels._processes[True]
+    kernels.ready(wish, "coulomb", wish.robot(), False)
+    until(lambda: kernels.ready(wish, "coulomb", wish.robot(), False))
+    assert stuck.poll() is not None
+    kernels.end()
+    assert not kernels._processes
 
 
 # many pages -------------------------------------------------------------------------------------------------------

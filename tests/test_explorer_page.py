@@ -1,19 +1,25 @@
 """The explorer's page in a real browser, under its own security policy, with every other host out of reach."""
 
 import contextlib
+import io
 import json
+import math
 import re
 import tomllib
 from pathlib import Path
 from urllib.parse import quote, urlsplit
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
+from matplotlib import image
 
 import stickslip as ss
 from explorers import PATIENCE, Explorer, chromium
 from stickslip.explorer.asked import State, state
 from stickslip.explorer.exports import EXPORTS
 from stickslip.explorer.models import CONTACTS, DRIVES, TRACKS, active
+from stickslip.explorer.opened import hash_of, state_of
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
 
@@ -265,6 +271,8 @@ def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):
     page.page.wait_for_url(re.compile(r"map=mean_velocity%2Camplitude%2Ctilt_deg%2C0\.00"))
     low, high = map(float, re.search(r"amplitude%2Ctilt_deg%2C([\d.e-]+)%2C([\d.e-]+)%2C", page.page.url).groups())
     assert 0 < low < high < 1.6e-3
+    shown = f"amplitude of the inner mass from {float(f'{1e3 * low:.3g}'):g} mm to {float(f'{1e3 * high:.3g}'):g} mm"
+    page.page.locator(f"#map[aria-label*='{shown}']").wait_for()  # it was computed again, within the rectangle
     with page.change():
         page.page.locator("#map-whole").click()
     page.page.wait_for_url(re.compile(r"map=mean_velocity%2Camplitude%2Ctilt_deg(&|$)"))
@@ -355,6 +363,59 @@ def test_a_dropped_record_is_drawn_with_its_mean(page, tmp_path):
     page.page.locator("#said", has_text="no table of numbers").wait_for()
 
 
+def test_a_dropped_record_drives_the_robot(page, tmp_path):
+    page.open()
+    page.page.locator("#record").set_input_files(recorded(tmp_path / "measured.csv"))
+    page.page.locator("#record-drive").click()
+    page.page.wait_for_url(re.compile("drive=recorded.*&shape="))
+    assert page.page.locator("#drive").input_value() == "recorded"
+    assert float(page.page.locator("input[name=omega]").input_value()) == pytest.approx(2 * math.pi * 32.7, rel=1e-6)
+    shape = [float(c) for c in re.search(r"shape=([^&]*)", page.page.url)[1].split("%2C")]
+    amplitude = float(page.page.locator("input[name=amplitude]").input_value())
+    # its first sine is the integral of the velocity's cosine
+    assert amplitude * shape[len(shape) // 2] == pytest.approx(
+        0.1 / (2 * math.pi * 32.7), rel=1e-3
+    )  # its first sine: the velocity's cosine
+    page.page.reload()
+    page.page.locator("#drive").wait_for()
+    assert page.page.locator("#drive").input_value() == "recorded"
+    with page.change():  # and back to what every kernel is there for
+        page.page.locator("#reset-all").click()
+
+
+@pytest.mark.slow
+def test_a_robot_driven_by_a_record_moves_as_the_solver_says(page, tmp_path):
+    page.open()
+    path = recorded(tmp_path / "measured.csv")
+    page.page.locator("#record").set_input_files(path)
+    with page.change():
+        page.page.locator("#record-drive").click()
+    read = ss.read(path)["drive"]
+    drive = ss.Recorded.from_samples(read.time, velocity=read.si, period=1 / 32.7, order=2)
+    run = ss.solve(State(law="coulomb").robot().replace(drive=drive), periods=200)
+    assert page.velocity() == pytest.approx(ss.mean_velocity(run), rel=1e-3)  # its frequency is found in the samples
+
+
+def recorded(path):
+    """A file with a drive of two harmonics, and a velocity of the body that drifts."""
+    turns = [2 * math.pi * 32.7 * i * 1e-4 for i in range(3058)]  # ten periods
+    rows = (f"{i / 10:.1f},{3 + 20 * math.sin(a):.6f},{0.1 * math.cos(a) + 0.03 * math.sin(2 * a):.9f}\n" for i, a in enumerate(turns))
+    path.write_text("t [ms],v [mm/s],drive [m/s]\n" + "".join(rows))
+    return path
+
+
+def test_the_motion_is_said_in_a_sentence(page):
+    page.open()
+    words = page.page.locator("#words")
+    assert (
+        words.inner_text()
+        == "In each drive period the body slides forwards, rests, slides backwards, rests. On the whole it moves downhill."
+    )
+    with page.change():
+        page.slide("amplitude", 1e-5)
+    assert words.inner_text() == "The drive is too weak: friction holds the body all the time."
+
+
 # state, links, files ----------------------------------------------------------------------------------------------
 
 
@@ -381,6 +442,15 @@ def test_a_link_brings_everything_back(page, browser, explorer):
     other.context.close()
 
 
+def test_a_robot_given_to_the_command_is_on_the_page(page):
+    robot = ss.presets.piezo_rig(law="coulomb", tilt_deg=2.7, amplitude=6.1e-4)
+    page.open(hash_of(state_of(robot)).removeprefix("#"))
+    assert page.velocity() == pytest.approx(ss.mean_velocity(ss.solve(robot, periods=200)), rel=2e-4)
+    shown = {name: float(page.page.locator(f"input[name={name}]").input_value()) for name in ("tilt_deg", "amplitude", "mu0")}
+    assert shown == pytest.approx({"tilt_deg": 2.7, "amplitude": 6.1e-4, "mu0": 0.18}, rel=1e-2)
+    assert page.page.locator("#law").input_value() == "coulomb" and page.page.locator("#track").input_value() == "folded"
+
+
 @pytest.mark.parametrize(
     "hash",
     ["law=__proto__&drive=constructor&amplitude=NaN&mu0=-1&map=toString,a,b,c&vary=x&also=,,a", "law=%00&omega=1e99", "%%%", "&&&=&="],
@@ -397,16 +467,40 @@ def test_every_export_arrives_as_a_file(page, name):
         page.page.locator("#export").select_option(name)
     content = Path(download.value.path()).read_bytes()
     assert download.value.suggested_filename == name and len(content) > 100
-    if name == "study.toml":
-        assert ss.Robot.from_toml(content.decode()) == state({"law": "coulomb", "values": {"mu0": 0.15}}).robot()
+    opened(page, name, content)
+
+
+def opened(page, name, content):
+    """Open an export as whoever gets it does."""
+    robot = state({"law": "coulomb", "values": {"mu0": 0.15}}).robot()
+    if name == "figure.png":
+        assert image.imread(io.BytesIO(content), "png").shape[2] == 4
+    elif name == "figure.svg":
+        assert ElementTree.fromstring(content).tag == "{http://www.w3.org/2000/svg}svg"
+    elif name == "run.csv":
+        table = np.genfromtxt(io.BytesIO(content), delimiter=",", skip_header=1)
+        t, v = table[:, 0], table[:, 2]
+        assert page.velocity() == pytest.approx(np.trapezoid(v, t) / np.ptp(t), rel=1e-3)  # trapezoids over 400 instants a period
+    elif name == "study.toml":
+        assert ss.Robot.from_toml(content.decode()) == robot
         assert tomllib.loads(content.decode())["solve"]["periods"] == 200
+    elif name == "robot.py":
+        names = {}
+        exec(content.decode(), names)
+        assert names["robot"] == robot
+    else:
+        report = page.context.new_page()
+        report.on("pageerror", lambda error: page.errors.append(str(error)))
+        report.set_content(content.decode())
+        assert f"{1e3 * page.velocity():.3g}" in report.locator("body").inner_text()
+        assert report.locator("img").evaluate("async el => { await el.decode(); return el.naturalWidth; }") > 100
 
 
 def test_the_python_on_the_page_gives_what_is_on_the_page(page):
     page.open(QUICK + "&mu0=0.14")
     page.page.locator("#code summary").click()
     names = {}
-    exec(page.page.locator("#python").inner_text().partition("ss.plot")[0], names)
+    exec(page.page.locator("#python").inner_text(), names)
     assert page.velocity() == pytest.approx(ss.mean_velocity(names["run"]), rel=1e-3)
 
 
@@ -480,6 +574,22 @@ def test_nothing_sticks_out_sideways(browser, explorer, width):
     cut = page.page.locator(".merits output").evaluate_all(wider)
     assert cut == 0
     page.context.close()
+
+
+def test_the_curves_stay_in_sight_on_a_phone(browser, explorer):
+    page = Page(browser, explorer, viewport={"width": 380, "height": 800}).open()
+    page.page.locator("input[name=inner_mass]").focus()
+    page.page.wait_for_timeout(200)
+    curves, slider = (page.page.locator(s).bounding_box() for s in ("#velocity-panel", "input[name=inner_mass]"))
+    assert curves["y"] >= 0 and curves["y"] + curves["height"] <= slider["y"] and slider["y"] + slider["height"] <= 800
+    page.context.close()
+
+
+def test_the_skip_link_leads_to_the_results(page):
+    page.open()
+    page.page.keyboard.press("Tab")
+    page.page.keyboard.press("Enter")
+    assert page.page.evaluate("document.activeElement.id") == "results"
 
 
 def test_colours_follow_the_system_and_the_choice(browser, explorer):

@@ -8,16 +8,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import Problems, did_you_mean
-from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active, robot
+from stickslip.errors import Problems, did_you_mean, is_whole
+from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRACKS, Shape, active, robot
 from stickslip.explorer.parameters import PARAMETERS
 
-__all__ = ["CHANNELS", "DEFAULT", "Message", "Plane", "State", "message", "state"]
+__all__ = ["CHANNELS", "DEFAULT", "MOST_HARMONICS", "Message", "Plane", "State", "message", "state"]
 
 #: What can be asked for. Each has room for one request of a page: a newer one takes the place of an older one.
 CHANNELS = ("curves", "map", "strip")
 #: How many laws may be compared with the first, and how many cells a map may have each way.
 MOST_LAWS, MOST_CELLS = 4, 96
+#: Most harmonics of a recorded drive.
+MOST_HARMONICS = 32
 _CHOICES: dict[str, Mapping[str, Any]] = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
 
 
@@ -33,6 +35,8 @@ class State:
         Laws that are compared.
     values : dict
         Every parameter [SI; tilt_deg in degrees].
+    shape : pair of tuples
+        Cosines and sines of the recorded drive, in parts of the amplitude.
     """
 
     drive: str = "harmonic"
@@ -41,6 +45,7 @@ class State:
     law: str = "lugre"
     also: tuple[str, ...] = ("coulomb",)
     values: Mapping[str, Any] = field(default_factory=lambda: {name: p.default for name, p in PARAMETERS.items()})
+    shape: Shape = SAW
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -49,7 +54,7 @@ class State:
 
     def robot(self, law: str | None = None, **changes: Any) -> Any:
         """The robot, with another law or other values if asked."""
-        return robot(self.drive, self.track, self.contact, law or self.law, {**self.values, **changes})
+        return robot(self.drive, self.track, self.contact, law or self.law, {**self.values, "shape": self.shape, **changes})
 
     @property
     def active(self) -> list[str]:
@@ -112,7 +117,7 @@ def message(text: str | bytes) -> Message:
     channel, number = given.get("channel"), given.get("id")
     if channel not in CHANNELS:
         problems.add(f"channel = {_short(channel)}; allowed is one of {', '.join(CHANNELS)}")
-    if not _is_whole(number) or not 0 <= number < 2**53:
+    if not is_whole(number) or not 0 <= number < 2**53:
         problems.add(f"id = {_short(number)}; allowed is a whole number")
     problems.check()
     found = state(given.get("state", {}))
@@ -127,13 +132,14 @@ def state(given: Any) -> State:
         problems.add(f"{_short(given)} is no table")
         problems.check()
     for name in given:
-        if name not in ("drive", "track", "contact", "law", "also", "values"):
+        if name not in ("drive", "track", "contact", "law", "also", "values", "shape"):
             problems.add(f"{_short(name)} is not known")
     choices = {name: _choice(name, given.get(name, getattr(DEFAULT, name)), problems) for name in _CHOICES}
     also = _also(given.get("also", list(DEFAULT.also)), problems)
     values = _values(given.get("values", {}), problems)
+    shape = _shape(given["shape"], problems) if "shape" in given else SAW
     problems.check()
-    return State(**choices, also=tuple(law for law in also if law != choices["law"]), values=values)
+    return State(**choices, also=tuple(law for law in also if law != choices["law"]), values=values, shape=shape)
 
 
 def _choice(name: str, value: Any, problems: Problems) -> str:
@@ -164,10 +170,22 @@ def _values(given: Any, problems: Problems) -> dict[str, float]:
     return values
 
 
+def _shape(given: Any, problems: Problems) -> Shape:
+    """Cosines and sines of a recorded drive."""
+    two = isinstance(given, list) and len(given) == 2 and all(isinstance(side, list) for side in given)
+    if not two or len(given[0]) != len(given[1]) or not 1 <= len(given[0]) <= MOST_HARMONICS:
+        problems.add(f"shape = {_short(given)}; allowed are two lists, cosines and sines, of as many numbers, 1 to {MOST_HARMONICS}")
+        return SAW
+    if not all(_is_finite(c) and abs(c) <= 10 for side in given for c in side):
+        problems.add(f"shape = {_short(given)}; allowed are numbers from -10 to 10, in parts of the amplitude")
+        return SAW
+    return tuple(map(float, given[0])), tuple(map(float, given[1]))
+
+
 def _number(name: str, value: Any, where: str, problems: Problems) -> bool:
     """Whether a value is a number within the bounds of its parameter; if not this is noted."""
     p = PARAMETERS[name]
-    number = isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300 and math.isfinite(value)
+    number = _is_finite(value)
     if not number or not p.least <= value <= p.most:
         shown = p.shown(value) if number else _short(value)
         problems.add(f"{where} = {shown}; allowed is {p.allowed()}; type for example {p.shown(p.default)}")
@@ -187,7 +205,7 @@ def _plane(given: Any, found: State, count: int) -> Plane:
             problems.add(f"{_short(name)} does not matter here; {did_you_mean(str(name)[:40], found.active)}")
         elif all(_number(name, axis.get(end), f"{name} {end}", problems) for end in ("from", "to")) and not axis["from"] < axis["to"]:
             problems.add(f"{name} reaches from {axis['from']:.6g} to {axis['to']:.6g}; allowed is a rising span")
-        if not _is_whole(axis.get("cells")) or not 2 <= axis["cells"] <= MOST_CELLS * (3 - count):
+        if not is_whole(axis.get("cells")) or not 2 <= axis["cells"] <= MOST_CELLS * (3 - count):
             problems.add(f"cells = {_short(axis.get('cells'))}; allowed is a whole number from 2 to {MOST_CELLS * (3 - count)}")
     if len(set(map(str, names))) < count:
         problems.add("both axes are the same; choose two parameters")
@@ -196,8 +214,8 @@ def _plane(given: Any, found: State, count: int) -> Plane:
     return Plane(tuple(names), spans, tuple(axis["cells"] for axis in given))
 
 
-def _is_whole(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
+def _is_finite(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300 and math.isfinite(value)
 
 
 def _short(value: Any) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 
-__all__ = ["affordable", "effort"]
+__all__ = ["affordable", "effort", "too_much"]
 
 #: Swings of the bristles in one drive period, at most; and at most in a whole run, which may hold fewer periods for it.
 MOST, MOST_IN_ALL = 1000.0, 40_000.0
@@ -17,25 +18,32 @@ MOST_DECAYS = 5000.0
 _DAMPINGS = ("viscous", "viscous_plus", "viscous_minus")
 
 
-def effort(robot: Any) -> tuple[float, float]:
-    """Swings of mass and bristles, and times of decay of a damped law, in one drive period.
+def effort(robot: Any) -> tuple[Any, Any]:
+    """Swings of mass and bristles, and times of decay of a damped law, in one drive period; arrays for a batch.
 
     Examples
     --------
     >>> import stickslip as ss
     >>> swings, decays = effort(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4))
-    >>> round(swings, 1), decays
+    >>> round(float(swings), 1), decays
     (11.5, 0.0)
     """
-    law, mass, period = robot.friction, float(robot.total_mass), float(robot.period)
-    swings = math.sqrt(float(getattr(law, "sigma0", 0.0)) / mass) * period / (2 * math.pi)
-    decays = 0.0 if is_dynamic(law) else max(float(getattr(law, name, 0.0)) for name in _DAMPINGS) / mass * period
-    return swings, decays
+    import numpy as np
+
+    law, mass, period = robot.friction, robot.total_mass, robot.period
+    swings = np.sqrt(getattr(law, "sigma0", 0.0) / mass) * period / (2 * math.pi)
+    damping = 0.0 if is_dynamic(law) else functools.reduce(np.maximum, (getattr(law, name, 0.0) for name in _DAMPINGS))
+    return swings, damping / mass * period
+
+
+def too_much(swings: Any, decays: Any) -> Any:
+    """Whether even a few periods of such a robot would take too long."""
+    return (swings > MOST) | (decays > MOST_DECAYS)
 
 
 def affordable(robot: Any, periods: int) -> int:
     """As many periods as asked for, or as many fewer as the bristles' swings allow; `InputError` where even few would take too long."""
-    swings, decays = effort(robot)
+    swings, decays = map(float, effort(robot))
     if swings > MOST:
         how = "ask for a higher frequency, a larger mass or softer bristles"
         raise InputError("run", [f"the bristles swing {swings:.4g} times in a drive period; allowed here are {MOST:g}; {how}"])

@@ -4,25 +4,37 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.explorer.asked import DEFAULT, State, state
+from stickslip.explorer.models import DRIVES, FRICTION
 from stickslip.fields import leaves
 
-__all__ = ["Kernels", "main", "warm"]
+__all__ = ["Kernels", "compiling", "main", "warm"]
 
+#: Seconds in which nobody asked for anything: there is time to spare.
+QUIET = 8.0
 Key = tuple[Any, ...]
+Helper = subprocess.Popen[str]
 
 
 def key_of(robot: Any, many: bool) -> Key:
     """What a robot's kernel depends on: its classes, the names of its numbers, and the fields that are no numbers."""
     numbers = {name for name, _ in leaves(robot)}
     return (many, *((name, None if name in numbers else str(value)) for name, value in leaves(robot, kinds=True)))
+
+
+def compiling(found: State, law: str) -> str:
+    """What a page says of a kernel that is not ready."""
+    what = f"{FRICTION[law].label} × {DRIVES[found.drive].label}"
+    return f"preparing {what}: compiled once, which takes some seconds, and kept for later"
 
 
 def warm(found: State, law: str, many: bool) -> None:
@@ -37,7 +49,9 @@ def warm(found: State, law: str, many: bool) -> None:
 
 
 class Kernels:
-    """The kernels that are ready, and a thread that prepares the others, the newest wish first.
+    """The kernels that are ready, and a thread that prepares the others.
+
+    The newest wish comes first. With time to spare the kernels of the presets are compiled, as nobody likes to wait for them.
 
     Parameters
     ----------
@@ -49,9 +63,13 @@ class Kernels:
         self._beside = beside
         self._ready: set[Key] = set()
         self._wanted: dict[Key, tuple[State, str]] = {}
+        self._later: dict[Key, tuple[State, str]] = {}
+        self._compiled: set[Key] = set()
+        self._doing: Key | None = None
+        self._asked = time.monotonic()
         self._changed = threading.Condition()
         self._listeners: list[Callable[[], None]] = []
-        self._process: subprocess.Popen[str] | None = None
+        self._processes: dict[bool, Helper] = {}
         self._ended = False
         self._thread = threading.Thread(target=self._work, name="kernels", daemon=True)
         self._thread.start()
@@ -60,10 +78,13 @@ class Kernels:
         """Whether this kind of robot can be solved at once; if not, its kernel is being prepared from now on."""
         key = key_of(robot, many)
         with self._changed:
+            self._asked = time.monotonic()
             if key in self._ready:
                 return True
             self._wanted.pop(key, None)
             self._wanted[key] = (found, law)
+            if self._doing != key:
+                self._drop(later=True)
             self._changed.notify_all()
         return False
 
@@ -71,8 +92,12 @@ class Kernels:
         """Call this, from another thread, whenever a kernel has become ready."""
         self._listeners.append(tell)
 
-    def begin(self) -> None:
-        """Prepare what the page shows at first."""
+    def begin(self, later: Iterable[State] = ()) -> None:
+        """Prepare what the page shows at first, and when nothing else is to be done what it may show next."""
+        with self._changed:
+            if self._beside:
+                wishes = [(many, s, law) for s in later for law in s.laws for many in (False, True)]
+                self._later = {key_of(s.robot(law), many): (s, law) for many, s, law in sorted(wishes, key=lambda wish: wish[0])}
         for law in reversed(DEFAULT.laws):
             for many in (True, False):
                 self.ready(DEFAULT, law, DEFAULT.robot(law), many)
@@ -82,21 +107,29 @@ class Kernels:
         with self._changed:
             self._ended = True
             self._changed.notify_all()
-        if self._process is not None:
-            self._process.terminate()
-            self._process.wait()
+            self._drop(later=True)
+            self._drop(later=False)
+
+    def _drop(self, later: bool) -> None:
+        """End one of the processes beside this one."""
+        if (process := self._processes.pop(later, None)) is not None:
+            process.kill()
+            process.wait()
+            for pipe in (process.stdin, process.stdout):
+                assert pipe is not None
+                with contextlib.suppress(OSError):
+                    pipe.close()
 
     def _work(self) -> None:
-        while True:
-            with self._changed:
-                while not (self._wanted or self._ended):
-                    self._changed.wait()
-                if self._ended:
-                    return
-                key = min(reversed(self._wanted), key=lambda key: key[0])  # single runs first, of these the newest
-                found, law = self._wanted[key]
-            if self._beside:
-                self._compile(found, law, key[0])
+        while (chosen := self._next()) is not None:
+            key, (found, law), later = chosen
+            if self._beside and key not in self._compiled and not self._compile(found, law, key[0], later):
+                continue  # given up for a wish of somebody
+            if later:  # on the disk; loading it here would hold up the curves
+                with self._changed:
+                    self._compiled.add(key)
+                    self._later.pop(key, None)
+                continue
             if self._ended:
                 return
             with contextlib.suppress(Exception):  # whoever solves such a robot next is told why
@@ -107,31 +140,68 @@ class Kernels:
             for tell in self._listeners:
                 tell()
 
-    def _compile(self, found: State, law: str, many: bool) -> None:
-        """Let the process beside this one compile, and wait for it; where there is none, the kernel is compiled here."""
-        table = {"drive": found.drive, "track": found.track, "contact": found.contact, "law": law, "also": [], "values": dict(found.values)}
+    def _next(self) -> tuple[Key, tuple[State, str], bool] | None:
+        """What to prepare, and whether nobody has asked for it yet; nothing at the end."""
+        with self._changed:
+            while True:
+                if self._ended:
+                    return None
+                if self._wanted:  # single runs first, of these the newest
+                    key = min(reversed(self._wanted), key=lambda key: key[0])
+                    return key, self._wanted[key], False
+                for key in [key for key in self._later if key in self._ready]:
+                    del self._later[key]
+                if self._later and (left := self._asked + QUIET - time.monotonic()) > 0:
+                    self._changed.wait(left)
+                    continue
+                if self._later:
+                    key = self._doing = next(iter(self._later))
+                    return key, self._later[key], True
+                self._drop(later=True)  # all is done
+                self._changed.wait()
+
+    def _compile(self, found: State, law: str, many: bool, later: bool) -> bool:
+        """Let a process beside this one compile, and wait for it; where there is none, the kernel is compiled here. False if given up."""
         try:
             with self._changed:
-                if self._ended:
-                    return
-                if self._process is None or self._process.poll() is not None:
-                    self._process = _helper()
-            talk = self._process
-            assert talk.stdin is not None and talk.stdout is not None
-            talk.stdin.write(json.dumps({"state": table, "many": many}) + "\n")
-            talk.stdin.flush()
-            talk.stdout.readline()
-        except OSError:
-            self._process = None
+                if self._ended or (later and self._wanted):
+                    return False
+                process = self._processes.get(later)
+                if process is None or process.poll() is not None:
+                    process = self._processes[later] = _helper(later)
+            assert process.stdin is not None and process.stdout is not None
+            process.stdin.write(json.dumps({"state": told(found, law), "many": many}) + "\n")
+            process.stdin.flush()
+            if process.stdout.readline():
+                return True
+        except (OSError, ValueError):  # it was ended, or there is no second process to be had
+            pass
+        return not later
 
 
-def _helper() -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "stickslip.explorer.kernels"]
+def told(found: State, law: str) -> dict[str, Any]:
+    """A state with one law as the table that `state` reads."""
+    return {
+        "drive": found.drive,
+        "track": found.track,
+        "contact": found.contact,
+        "law": law,
+        "also": [],
+        "values": dict(found.values),
+        "shape": found.shape,
+    }
+
+
+def _helper(later: bool) -> Helper:
+    """A process that compiles; one for later gets only what time there is to spare."""
+    command = [sys.executable, "-m", "stickslip.explorer.kernels", *(["later"] if later else [])]
     return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, encoding="utf-8")
 
 
 def main() -> None:
     """The process that compiles: reads states from its input, one a line, and answers each when its kernel is ready."""
+    if "later" in sys.argv and hasattr(os, "nice"):
+        os.nice(10)
     for line in sys.stdin:
         wish = json.loads(line)
         found = state(wish["state"])

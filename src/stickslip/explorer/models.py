@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -26,9 +27,13 @@ from stickslip.maths import cos, exp, maximum, sin
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, VaryingFriction
 
-__all__ = ["CONTACTS", "DRIVES", "FRICTION", "TRACKS", "Part", "active", "robot"]
+__all__ = ["CONTACTS", "DRIVES", "FRICTION", "SAW", "TRACKS", "Part", "Shape", "active", "fields_of", "robot"]
 
 Values = Mapping[str, Any]
+#: Cosines and sines of a recorded drive, in parts of its amplitude.
+Shape = tuple[tuple[float, ...], tuple[float, ...]]
+#: The shape where there is no record: a saw of five harmonics.
+SAW: Shape = ((0.0,) * 5, tuple(1.0 / i**2 for i in range(1, 6)))
 
 
 @dataclass(frozen=True)
@@ -59,9 +64,9 @@ def _two_phase(p: Values) -> Any:
     return TwoPhase(stroke=p["stroke"], u1=p["u1"], u2=p["u2"])
 
 
-def _saw(p: Values) -> Any:
-    sines = tuple(p["amplitude"] / i**2 for i in range(1, 6))
-    return Recorded(period=2 * math.pi / p["omega"], cosines=(0.0,) * 5, sines=sines)
+def _recorded(p: Values) -> Any:
+    cosines, sines = (tuple(p["amplitude"] * c for c in side) for side in p.get("shape", SAW))
+    return Recorded(period=2 * math.pi / p["omega"], cosines=cosines, sines=sines)
 
 
 def _beam(p: Values) -> Any:
@@ -89,7 +94,7 @@ DRIVES: dict[str, Part] = {
         ("ramp_u1", "ramp_u2", "ramp", "ramp_period"),
         lambda p: Trapezoid(u1=p["ramp_u1"], u2=p["ramp_u2"], ramp=p["ramp"], period=p["ramp_period"]),
     ),
-    "recorded": Part("recorded: a saw of five harmonics", ("amplitude", "omega"), _saw),
+    "recorded": Part("recorded (a saw, or your record)", ("amplitude", "omega"), _recorded),
     "verticalvibration": Part(
         "harmonic, with vertical vibration",
         ("amplitude", "omega", "lift", "lift_phase"),
@@ -100,7 +105,7 @@ DRIVES: dict[str, Part] = {
 
 # ---- tracks ----
 TRACKS: dict[str, Part] = {
-    "folded": Part("incline, folded into friction (Eq. 4.1)", ("tilt_deg",), lambda p: Level()),
+    "folded": Part("incline, folded in (Eq. 4.1)", ("tilt_deg",), lambda p: Level()),
     "gravity": Part("incline, with gravity", ("tilt_deg",), lambda p: Incline(tilt=_tilt(p))),
     "level": Part("level", (), lambda p: Level()),
     "varying": Part(
@@ -135,7 +140,7 @@ _TABLE = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 _EVERYWHERE = ("body_mass", "inner_mass", "gravity")
 
 
-def _fields(name: str) -> dict[str, str]:
+def fields_of(name: str) -> dict[str, str]:
     """Numbers of a law that are no friction coefficients: field -> parameter of the page."""
     found = [f.name for f in dataclasses.fields(LAWS[name]) if is_number_field(f) and f.name not in _COEFFICIENTS]
     return {f: _RENAMED.get(name, {}).get(f, f) for f in found if f != "z_ba_minus"}
@@ -143,7 +148,7 @@ def _fields(name: str) -> dict[str, str]:
 
 def _law(name: str) -> Part:
     cls: Any = LAWS[name]
-    numbers = _fields(name)
+    numbers = fields_of(name)
     own = {f.name for f in dataclasses.fields(cls)}
 
     def make(p: Values, contact: dict[str, Any]) -> Any:
@@ -203,10 +208,25 @@ def robot(drive: str, track: str, contact: str, law: str, values: Values) -> Rob
         body_mass=values["body_mass"],
         inner_mass=values["inner_mass"],
         gravity=values["gravity"],
-        drive=DRIVES[drive].make(values),
+        drive=_drive(drive, values),
         friction=FRICTION[law].make(values, _contact(contact, track, values)),
         track=TRACKS[track].make(values),
     )
+
+
+def _drive(name: str, values: Values) -> Any:
+    """The drive; a single one is remembered, as every law of a page has the same and a beam's takes milliseconds."""
+    needs = [*DRIVES[name].parameters, *("inner_mass", "shape")]
+    given = {key: values[key] for key in needs if key in values}
+    try:
+        return _remembered(name, tuple(given.items()))
+    except TypeError:  # arrays
+        return DRIVES[name].make(given)
+
+
+@functools.lru_cache(maxsize=256)
+def _remembered(name: str, given: tuple[tuple[str, Any], ...]) -> Any:
+    return DRIVES[name].make(dict(given))
 
 
 def active(drive: str, track: str, contact: str, laws: tuple[str, ...]) -> list[str]:

@@ -100,7 +100,7 @@ _ALL = (
     Parameter("sigma0", "σ₀", "bristle stiffness", 4e5, 2e4, 1e6, "kN/m", 1e-3, 1e2, 1e8),
     Parameter("sigma1", "σ₁", "bristle damping", 100.0, 0.0, 400.0, "N s/m", 1.0, 0.0, 1e5),
     Parameter("sigma2", "σ₂", "viscous friction of the bristles", 0.04, 0.0, 2.0, "N s/m", 1.0, 0.0, 1e4),
-    Parameter("v_s", "v_s", "Stribeck velocity", 2e-3, 2e-4, 2e-2, "mm/s", _KILO, 1e-6, 10.0),
+    Parameter("v_s", "vₛ", "Stribeck velocity", 2e-3, 2e-4, 2e-2, "mm/s", _KILO, 1e-6, 10.0),
     Parameter("exponent", "δ", "exponent of the Stribeck curve", 2.0, 0.5, 4.0, "", 1.0, 0.2, 8.0),
     Parameter("dahl_exponent", "n", "exponent of Dahl's law", 1.0, 0.5, 3.0, "", 1.0, 0.2, 8.0),
     Parameter("z_ba", "z_ba", "deflection below which nothing slips", 2e-7, 2e-8, 2e-6, "µm", _MEGA, 1e-9, 1e-3),

@@ -21,8 +21,8 @@ from starlette.websockets import WebSocket
 
 from stickslip.errors import InputError, StickslipError
 from stickslip.explorer.answers import sentence
-from stickslip.explorer.asked import DEFAULT, State, state
-from stickslip.explorer.dropped import MOST_BYTES, velocity_of
+from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State, state
+from stickslip.explorer.dropped import MOST_BYTES, drive_of, velocity_of
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.frames import written
 from stickslip.explorer.guard import Guard, is_loopback
@@ -78,6 +78,7 @@ def _told() -> dict[str, Any]:
         },
         "always": active("harmonic", "level", "isotropic", ()),
         "presets": PRESETS,
+        "harmonics": MOST_HARMONICS,
         "first": {"drive": DEFAULT.drive, "track": DEFAULT.track, "contact": DEFAULT.contact, "law": DEFAULT.law, "also": DEFAULT.also},
     }
 
@@ -116,7 +117,8 @@ async def _export(request: Request) -> Response:
 
 
 async def _record(request: Request) -> Response:
-    """The velocity of a measured record, read by `stickslip.read`."""
+    """The velocity of a measured record, read by `stickslip.read`; or its drive."""
+    reader = drive_of if request.url.path.startswith("/drive/") else velocity_of
     data = bytearray()
     async for part in request.stream():
         data += part
@@ -124,7 +126,7 @@ async def _record(request: Request) -> Response:
             return PlainTextResponse(f"the file is larger than {MOST_BYTES // 1_000_000} MB\n", 413)
     try:
         async with request.app.state.exporting:
-            answer = await asyncio.get_running_loop().run_in_executor(None, velocity_of, request.path_params["name"], bytes(data))
+            answer = await asyncio.get_running_loop().run_in_executor(None, reader, request.path_params["name"], bytes(data))
     except InputError as error:
         answer = written({"kind": "problems", "problems": [sentence(p) for p in error.problems]})
     return Response(answer, media_type="application/octet-stream")
@@ -165,7 +167,7 @@ def application(host: str = "127.0.0.1", token: str | None = None, workers: int 
         kernels = Kernels(beside)
         app.state.workshop = Workshop(kernels, workers)
         app.state.exporting = asyncio.Semaphore(2)
-        kernels.begin()
+        kernels.begin(state(preset["state"]) for preset in PRESETS.values())
         yield
         app.state.workshop.close()
 
@@ -174,6 +176,7 @@ def application(host: str = "127.0.0.1", token: str | None = None, workers: int 
         Route("/assets/{name}", _asset),
         Route("/export/{name}", _export),
         Route("/record/{name}", _record, methods=["POST"]),
+        Route("/drive/{name}", _record, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
     ]
     return Guard(Starlette(routes=routes, lifespan=life), host, token)

@@ -16,7 +16,7 @@ export function unpacked(buffer) {
 
 export class Link {
   constructor(onAnswer, onState) {
-    Object.assign(this, { onAnswer, onState, id: 0, wait: 250, asked: {}, busy: {}, next: {} });
+    Object.assign(this, { onAnswer, onState, id: 0, wait: 250, asked: {}, queue: [], busy: null });
     this.open();
   }
 
@@ -27,8 +27,8 @@ export class Link {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.wait = 250;
-      this.busy = {};
-      this.next = {};
+      this.busy = null;
+      this.queue = [];
       this.onState("open");
       for (const [channel, body] of Object.entries(this.asked)) this.send(channel, body);
     };
@@ -40,26 +40,32 @@ export class Link {
     };
   }
 
-  // Ask. Curves are asked for one at a time, so that a fast hand does not run ahead of the answers; maps and strips replace each other.
+  // Ask. Curves are asked for one at a time, so that a fast hand does not run ahead of the answers. Maps, strips, and the long run of a
+  // slider that rested are replaced by what is asked next; a long run waits for the short one before it.
   ask(channel, body) {
     this.asked[channel] = body;
-    const busy = this.busy[channel];
-    if (channel === "curves" && busy && performance.now() - busy < PATIENCE) this.next[channel] = body;
-    else this.send(channel, body);
+    if (channel !== "curves") return this.send(channel, body);
+    this.queue = body.fine ? [...this.queue.filter((other) => !other.fine), body] : [body];
+    this.next();
+  }
+
+  next() {
+    const waits = this.busy && performance.now() - this.busy.since < PATIENCE && (!this.busy.fine || this.queue[0]?.fine);
+    if (!waits && this.queue.length) this.send("curves", this.queue.shift());
   }
 
   send(channel, body) {
     if (this.socket.readyState !== WebSocket.OPEN) return;
-    this.busy[channel] = performance.now();
-    this.socket.send(JSON.stringify({ ...body, channel, id: ++this.id }));
+    const id = ++this.id;
+    if (channel === "curves") this.busy = { id, fine: body.fine, since: performance.now() };
+    this.socket.send(JSON.stringify({ ...body, channel, id }));
   }
 
   take(answer) {
-    const channel = answer.header.channel ?? "curves";
-    this.busy[channel] = 0;
-    const next = this.next[channel];
-    delete this.next[channel];
-    if (next) this.send(channel, next);
+    if (this.busy?.id === answer.header.id) {
+      this.busy = null;
+      this.next();
+    }
     this.onAnswer(answer);
   }
 }

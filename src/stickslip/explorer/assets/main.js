@@ -8,11 +8,11 @@ import * as robot from "./robot.js";
 import { active, defaults, fromHash, parameters, settled, table, toHash, withPreset } from "./state.js";
 import * as strip from "./strip.js";
 import * as velocity from "./velocity.js";
-import { digits, quantity } from "./words.js";
+import { digits, quantity, spoken } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const RESTS = 140; // [ms] without a change: the slider rests
-let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {};
+let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {}, heard = "";
 
 const link = new Link(take, (how) => {
   $("link").dataset.state = how;
@@ -21,6 +21,7 @@ const link = new Link(take, (how) => {
 
 // ---- asking ----
 function changed(name = null) {
+  heard = "";
   if (name !== null && name !== state.vary && active(state).includes(name)) state.vary = name;
   settled(state);
   link.ask("curves", { state: table(state), fine: false }); // first of all: the rest is done while the answer is computed
@@ -58,10 +59,12 @@ function take({ header, arrays }) {
   if (header.channel === "strip") return strip.show({ header, arrays });
   if (header.kind === "problems") return say(header.problems.join("; "));
   const waiting = header.laws.find((law) => law.waits);
-  say(waiting ? waiting.waits : "", "wait");
+  if (waiting) say(waiting.waits, "busy");
+  else say(header.fine ? heard : "", "wait");
   last = { header, curves: header.laws.filter((law) => !law.waits).map((law) => curve(header, law, arrays)), waiting: header.laws.filter((law) => law.waits) };
   draw();
   if (header.figures) figures(header.figures, header.fine);
+  $("results").toggleAttribute("data-stale", !header.figures);
   if (header.python) $("python").textContent = header.python;
   document.documentElement.dataset.drawn = `${header.id}${header.fine && !waiting ? " fine" : ""}`;
 }
@@ -74,9 +77,9 @@ function curve(header, law, arrays) {
 function draw() {
   if (!last) return;
   const { header, curves } = last, waiting = last.waiting.map((law) => ({ ...velocity.look(header.laws.indexOf(law)), waits: `${law.label}: preparing …` }));
-  const extra = dropped && curves.length ? measured(header, curves[0]) : [];
+  const extra = dropped?.v && curves.length ? measured(header, curves[0]) : [];
   velocity.draw([...curves, ...extra], waiting, header.shown * header.period);
-  if (curves.length) portraits.draw(curves, header.once * header.samples + 1);
+  if (curves.length) portraits.draw(curves, header.samples, header.once);
   if (curves[0]?.name === state.law) robot.show(curves[0], state.track === "level" ? 0 : state.values.tilt_deg);
 }
 
@@ -95,6 +98,7 @@ function figures(f, fine) {
   put("mean_velocity", `${digits(1e3 * f.mean_velocity)} mm/s`);
   put("motion_type", f.motion_type);
   $("pattern").textContent = $("pattern").title = f.pattern.replaceAll("-", "−");
+  $("words").textContent = spoken(f.pattern, f.period_number, f.mean_velocity, state.track === "level" ? 0 : state.values.tilt_deg);
   put("margin", Number.isFinite(f.margin) ? digits(f.margin, 3) : "none");
   put("stick_fraction", `${digits(100 * f.stick_fraction, 3)} %`);
   put("period", f.period_number ? String(f.period_number) : fine ? `none in ${f.periods}` : "not yet");
@@ -147,7 +151,7 @@ function options() {
   for (const [id, chosen] of [["map-x", state.map.x], ["map-y", state.map.y], ["vary", state.vary]]) {
     const list = $(id), wanted = names.join();
     if (list.dataset.names !== wanted) {
-      list.replaceChildren(...names.map((name) => new Option(`${parameters[name].label} ${parameters[name].symbol}`, name)));
+      list.replaceChildren(...names.map((name) => new Option(`${parameters[name].symbol} · ${parameters[name].label}`, name)));
       list.dataset.names = wanted;
     }
     list.value = chosen;
@@ -164,7 +168,7 @@ async function load(file) {
   if (!file) return;
   try {
     dropped = await record.opened(file);
-    $("record-off").hidden = false;
+    $("record-off").hidden = $("record-drive").hidden = false;
     say(dropped.notes.join("; "), "wait");
     draw();
   } catch (error) {
@@ -172,7 +176,19 @@ async function load(file) {
   }
 }
 $("record").addEventListener("change", (event) => load(event.target.files[0]));
-$("record-off").addEventListener("click", () => { dropped = null; $("record").value = ""; $("record-off").hidden = true; draw(); });
+$("record-off").addEventListener("click", () => { dropped = null; $("record").value = ""; $("record-off").hidden = $("record-drive").hidden = true; draw(); });
+$("record-drive").addEventListener("click", async () => {
+  try {
+    const { amplitude, omega, shape, notes } = await record.drive(dropped.file);
+    Object.assign(state, { drive: "recorded", shape });
+    Object.assign(state.values, { amplitude, omega });
+    $("preset").value = "";
+    changed();
+    heard = notes.join("; ");
+  } catch (error) {
+    say(`${dropped?.name ?? "record"}: ${error.message}`);
+  }
+});
 addEventListener("dragover", (event) => { event.preventDefault(); $("velocity-panel").classList.add("dropping"); });
 addEventListener("dragleave", (event) => { if (!event.relatedTarget) $("velocity-panel").classList.remove("dropping"); });
 addEventListener("drop", (event) => {
@@ -186,7 +202,7 @@ $("export").addEventListener("change", async (event) => {
   const name = event.target.value;
   event.target.value = "";
   if (!name) return;
-  say(`making ${name} …`, "wait");
+  say(`making ${name} …`, "busy");
   try {
     const reply = await fetch(`export/${name}?state=${encodeURIComponent(JSON.stringify(table(state)))}`);
     if (!reply.ok) throw new Error(await reply.text());

@@ -45,10 +45,14 @@ function picture() {
 
 export function draw() {
   if (!state || !canvas.clientWidth) return;
-  const [px, py] = [parameters[state.map.x], parameters[state.map.y]], spans = spansOf(state), label = axisLabel;
-  plane.begin(spans[0].map((v) => v * px.factor), spans[1].map((v) => v * py.factor), label(px), label(py));
+  const [px, py] = [parameters[state.map.x], parameters[state.map.y]], spans = spansOf(state);
+  plane.begin(spans[0].map((v) => v * px.factor), spans[1].map((v) => v * py.factor), axisLabel(px), axisLabel(py));
   if (found && found.names[0] === state.map.x && found.names[1] === state.map.y) {
-    if (!found.picture || found.drawn !== state.map.shows) picture();
+    if (!found.picture || found.drawn !== state.map.shows) {
+      picture();
+      key();
+      label();
+    }
     const [[a, b], [c, d]] = found.spans, { pen } = plane;
     pen.imageSmoothingEnabled = false;
     pen.save();
@@ -59,7 +63,6 @@ export function draw() {
     const x0 = plane.x((a - hx) * px.factor), y0 = plane.y((d + hy) * py.factor);
     pen.drawImage(found.picture, x0, y0, plane.x((b + hx) * px.factor) - x0, plane.y((c - hy) * py.factor) - y0);
     pen.restore();
-    key();
   }
   mark(px, py);
 }
@@ -81,6 +84,15 @@ function mark(px, py) {
     pen.strokeRect(drag.x, drag.y, drag.to[0] - drag.x, drag.to[1] - drag.y);
     pen.setLineDash([]);
   }
+}
+
+// What the map shows, in words.
+function label() {
+  const axes = found.names.map((name, i) => `${parameters[name].label} from ${shown(parameters[name], found.spans[i][0], 3)} to ${shown(parameters[name], found.spans[i][1], 3)}`).join(" and ");
+  const values = state.map.shows === "mean_velocity"
+    ? `between ${velocity(found.mean_velocity.reduce((a, b) => (b < a ? b : a), Infinity), 3)} and ${velocity(found.mean_velocity.reduce((a, b) => (b > a ? b : a), -Infinity), 3)}`
+    : TYPES.map(typeName).filter((_, i) => found.motion_type.includes(i)).join(", ");
+  canvas.setAttribute("aria-label", `map of the ${state.map.shows === "mean_velocity" ? "mean velocity" : "motion type"} over ${axes}: ${values}`);
 }
 
 function key() {

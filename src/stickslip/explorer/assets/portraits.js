@@ -6,11 +6,26 @@ let last = null, across = null, up = null, sides = null, forces = null, letters 
 const phase = new Plane(document.getElementById("phase"), () => drawPhase());
 const friction = new Plane(document.getElementById("friction"), () => drawFriction());
 
-// Draw the last `count` instants, one motion period: more would only fill the gaps of the dashes.
-export function draw(curves, count) {
-  last = curves.map((c) => ({ ...c, s: withoutDrift(c).slice(-count), v: c.v.slice(-count), R: c.R.slice(-count) }));
+// Draw one motion period of each, of at most `periods` drive periods of so many samples: more would only fill the gaps of the dashes.
+export function draw(curves, samples, periods) {
+  last = curves.map((c) => {
+    const count = repeats(c.v, samples, periods) * samples + 1;
+    return { ...c, s: withoutDrift(c).slice(-count), v: c.v.slice(-count), R: c.R.slice(-count) };
+  });
   drawPhase();
   drawFriction();
+}
+
+// After how many drive periods a curve is back where it was, to a hundredth of its size.
+function repeats(v, samples, most) {
+  const [low, high] = extent(v), n = v.length - 1;
+  for (let k = 1; k < most; k++) {
+    if (n < (k + 1) * samples) break;
+    let worst = 0;
+    for (let i = 0; i <= samples; i += 4) worst = Math.max(worst, Math.abs(v[n - i] - v[n - i - k * samples]));
+    if (worst <= 0.01 * (high - low)) return k;
+  }
+  return most;
 }
 
 // Displacement less the mean motion; the strobe points of the server begin at the same place.

@@ -1,14 +1,22 @@
 // A measured record of velocity: read by the server, which knows the formats, and laid over the curves.
 import { unpacked } from "./link.js";
 
-// The velocity in a file: from `start` in steps of `step` [s], and its mean [m/s].
+// The velocity in a file: from `start` in steps of `step` [s], and its mean [m/s]; a file with a drive alone has no v.
 export async function opened(file) {
+  const { header, arrays } = await sent("record", file);
+  return { ...header, v: arrays.v, name: file.name, file };
+}
+
+// The drive in a file: amplitude [m], omega [rad/s] and shape.
+export const drive = async (file) => (await sent("drive", file)).header;
+
+async function sent(where, file) {
   if (file.size > 20e6) throw new Error("the file is larger than 20 MB");
-  const reply = await fetch(`record/${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+  const reply = await fetch(`${where}/${encodeURIComponent(file.name)}`, { method: "POST", body: file });
   if (!reply.ok) throw new Error((await reply.text()).trim());
-  const { header, arrays } = unpacked(await reply.arrayBuffer());
-  if (header.kind === "problems") throw new Error(header.problems.join("; "));
-  return { ...header, v: arrays.v, name: file.name };
+  const answer = unpacked(await reply.arrayBuffer());
+  if (answer.header.kind === "problems") throw new Error(answer.header.problems.join("; "));
+  return answer;
 }
 
 function at({ start, step, v }, time) {

@@ -1,6 +1,6 @@
 // The robot on its track, in slow motion. Its size is not to scale; what it does is: body and inner mass move by the same measure.
 import { colour } from "./plane.js";
-import { digits } from "./words.js";
+import { digits, quantity } from "./words.js";
 
 const canvas = document.getElementById("robot"), pen = canvas.getContext("2d");
 const play = document.getElementById("play"), speed = document.getElementById("speed");
@@ -45,9 +45,18 @@ export function frame() {
   box(-unit * 2.8, -unit * 2.9, unit * 5.6, unit * 2, unit * 0.3, colour("card"), colour("line"));
   const middle = (Math.max(...run.xi) + Math.min(...run.xi)) / 2;
   box((xi - middle) * scale - unit * 0.75, -unit * 2.7, unit * 1.5, unit * 1.6, unit * 0.25, colour("c0"), colour("ink"));
+  letter("m", (xi - middle) * scale, -unit * 1.6, unit * 0.95, colour("card"));
+  letter("M", -unit * 3.13, -unit * 1.75, unit * 0.62, colour("ink"));
   arrow(v, unit, length);
   pen.restore();
   words(v, x);
+}
+
+function letter(text, x, y, size, style) {
+  pen.fillStyle = style;
+  pen.font = `italic ${size}px Georgia, serif`;
+  pen.textAlign = "center";
+  pen.fillText(text, x, y);
 }
 
 function track(moved, w, unit) {
@@ -92,8 +101,9 @@ function words(v, x) {
   pen.font = `${parseFloat(getComputedStyle(document.documentElement).fontSize) * 0.8}px system-ui, sans-serif`;
   pen.textAlign = "left";
   pen.fillText(line, 8, 16);
-  pen.textAlign = "right";
-  pen.fillText(`moved ${digits(1e3 * x, 3)} mm`, canvas.clientWidth - 8, 16);
+  const narrow = canvas.clientWidth < pen.measureText(line).width + 140;
+  pen.textAlign = narrow ? "left" : "right";
+  pen.fillText(`moved ${quantity(x, "m", 3)}`, narrow ? 8 : canvas.clientWidth - 8, narrow ? 34 : 16);
   if (performance.now() - told > 1000 && !playing) canvas.setAttribute("aria-label", `the robot on its track: ${line}`);
 }
 

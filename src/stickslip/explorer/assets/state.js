@@ -9,6 +9,7 @@ export const defaults = () => ({
   values: Object.fromEntries(Object.values(parameters).map((p) => [p.name, p.default])),
   map: { x: "amplitude", y: "tilt_deg", spans: null, shows: "mean_velocity" },
   vary: "amplitude",
+  shape: null, // of a recorded drive: its cosines and sines, in parts of the amplitude
 });
 
 // The parameters that matter for these choices, in the order of the page.
@@ -24,6 +25,7 @@ export const table = (state) => ({
   drive: state.drive, track: state.track, contact: state.contact, law: state.law,
   also: state.also.filter((law) => law !== state.law),
   values: Object.fromEntries(active(state).map((name) => [name, state.values[name]])),
+  ...(state.drive === "recorded" && state.shape ? { shape: state.shape } : {}),
 });
 
 // Axes must be parameters that matter; where they are not, the first two that do take their place.
@@ -59,6 +61,7 @@ export function toHash(state) {
   const { x, y, spans, shows } = state.map;
   q.set("map", [shows, x, y, ...(spans ? spans.flat().map(short) : [])].join(","));
   q.set("vary", state.vary);
+  if (state.drive === "recorded" && state.shape) q.set("shape", state.shape.flat().map((c) => Number(c.toPrecision(7))).join(","));
   return "#" + q;
 }
 
@@ -79,5 +82,7 @@ export function fromHash(hash) {
     if (ends.length === 4 && a < b && c < d) state.map.spans = [[a, b], [c, d]];
   }
   if (Object.hasOwn(parameters, q.get("vary") ?? "")) state.vary = q.get("vary");
+  const shape = (q.get("shape") ?? "").split(",").map((text) => Number(text || NaN)), half = shape.length / 2;
+  if (Number.isInteger(half) && half <= told.harmonics && shape.every((c) => Math.abs(c) <= 10)) state.shape = [shape.slice(0, half), shape.slice(half)];
   return settled(state);
 }

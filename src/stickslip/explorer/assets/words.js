@@ -22,6 +22,18 @@ export const axisLabel = (p) => `${p.label.split(",")[0]} ${p.symbol}${p.unit ? 
 
 export const velocity = (v, n = 4) => `${digits(1e3 * v, n)} mm/s`;
 
+// A motion as a sentence: what the body does, from its pattern of + (forwards), 0 (rest) and −.
+export function spoken(pattern, periods, mean, tilt) {
+  const one = pattern.slice(0, pattern.length / (periods || 1)), regular = one.repeat(periods || 1) === pattern;
+  const does = { "+": "slides forwards", 0: "rests", "-": "slides backwards" }, steps = [...(regular ? one : pattern)].map((sign) => does[sign]);
+  if (!steps.length || steps.some((step) => !step)) return "";
+  if (pattern === "0") return "The drive is too weak: friction holds the body all the time.";
+  const way = Math.abs(mean) < 1e-9 ? "It comes back to where it was." : tilt ? `On the whole it moves ${mean * tilt > 0 ? "downhill" : "uphill"}.` : `On the whole it moves ${mean > 0 ? "forwards" : "backwards"}.`;
+  if (steps.length > 5) return `It slides and rests ${steps.length} times${periods ? ` before it repeats, after ${periods} drive period${periods > 1 ? "s" : ""}` : ""}. ${way}`;
+  const again = periods > 1 ? ` It repeats after ${periods} of them.` : "";
+  return `In ${regular ? "each drive period" : periods + " drive periods"} the body ${steps.join(", ")}.${regular ? again : ""} ${way}`;
+}
+
 export const TYPES = ["rest", "presliding", "I", "II", "III", "IV", "other"];
 
 export function typeName(type) {
