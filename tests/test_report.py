@@ -1,16 +1,24 @@
 """Reports of runs and studies: one page that needs nothing else and says what was computed."""
 
+import contextlib
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from explorers import chromium
 from stickslip.cli import main
-from stickslip.report import run_page, study_page
+from stickslip.report import run_page, study_page, write
+from stickslip.report.fastest import run_again
 from stickslip.report.html import outside_addresses
 from stickslip.report.of_run import moments
+from stickslip.report.run_charts import forces, velocity
+from stickslip.report.study_charts import along, cuts
+
+AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +29,7 @@ def run():
 def test_the_page_of_a_run_says_its_motion_and_every_number_with_its_unit(run):
     text = run_page(run, "A <robot>")
     assert "A &lt;robot&gt;" in text and "2.01468 mm/s" in text and "I (pattern +0-0" in text
-    assert "205.4601595 rad/s" in text and "0.0005525 m" in text and "prefers" not in text.partition("<script>")[2]
+    assert "205.4601595 rad/s" in text and "0.0005525 m" in text
     assert outside_addresses(text) == [] and text.count("data:image/svg+xml") == 3
 
 
@@ -31,6 +39,133 @@ def test_the_moving_picture_is_the_last_motion_period(run):
     assert found["x"][-1] - found["x"][0] == pytest.approx(1e3 * ss.mean_velocity(run) * run.period_time, rel=1e-4)
     assert max(found["v"]) == pytest.approx(1e3 * run.v.max(), rel=1e-3)  # 480 instants see the crest to (pi/480)^2 of it
     assert json.loads(re.search(r'id="moments">(.*?)</script>', run_page(run, "x"))[1]) == found
+
+
+def test_the_chart_of_a_run_has_the_values_of_the_run(run):
+    """Five digits of every value at its instant, by the run's dense output; the rests are those of its modes."""
+    T, last = run.period_time, float(run.strobe_times[-1])
+    for made, column, periods in ((velocity(run), "v", 3), (forces(run), "friction_force", 2)):
+        t = np.array(made["x"]) * 1e-3 + last - periods * T
+        y = np.array(made["curves"][0]["y"]) * 1e-3
+        here, before, after = (run.at(np.clip(t + shift, 0, last))[column] for shift in (0, -4e-6 * T, 4e-6 * T))  # six digits of a time
+        near = np.minimum.reduce([abs(y - here), abs(y - before), abs(y - after)])  # a jump has two values
+        assert near.max() < 1e-4 * abs(y).max() and len(y) > 1000
+    rest = sum(b - a for a, b in velocity(run)["shade"])
+    assert rest == pytest.approx(3e3 * T * ss.motion(run).stick_fraction, rel=1e-6)
+
+
+def test_the_charts_of_a_study_are_its_columns():
+    """Out of order on purpose: a chart goes along its axis."""
+    grid = ss.sweep(ss.presets.coulomb_robot, alpha_plus=[0.6, 0.2, 0.4], alpha_minus=[0.5, 0.9])
+    made = cuts(grid, "alpha_plus", "alpha_minus")
+    assert made["x"] == [0.2, 0.4, 0.6]
+    for shown, minus in zip(made["curves"], (0.5, 0.9), strict=True):
+        wanted = [1e3 * grid.mean_velocity.sel(alpha_plus=plus, alpha_minus=minus).item() for plus in made["x"]]
+        assert shown["y"] == pytest.approx(wanted, rel=1e-5)
+    line = grid.sel(alpha_minus=0.9)
+    kinds = {one["label"]: one["y"] for one in along(line, "alpha_plus")["curves"][1:]}
+    for i, plus in enumerate(made["x"]):
+        assert [kind for kind, y in kinds.items() if y[i] is not None] == [line.motion_type.sel(alpha_plus=plus).item()]
+
+
+def test_the_fastest_case_is_run_again():
+    """With a preset its name and numbers suffice; a maker of the user is not looked for."""
+    grid = ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=1.7, law=["coulomb", "coulomb-static"])
+    run = run_again(grid)
+    assert ss.mean_velocity(run) == pytest.approx(float(abs(grid.mean_velocity).max()), rel=1e-6) and run.model.drive.amplitude == 6e-4
+    assert run_again(ss.sweep(lambda a: ss.presets.coulomb_robot(a, 0.9), a=[0.2, 0.4])) is None
+
+
+def test_a_study_of_several_laws_is_told_law_by_law():
+    grid = ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 5e-4, 6e-4], tilt_deg=1.7, law=["coulomb", "coulomb-static"])
+    text = study_page(grid, "Two")
+    charts = json.loads(re.search(r'id="charts">(.*?)</script>', text)[1])
+    assert len(charts[0]["curves"]) == 2 and "law = coulomb-static" in text and outside_addresses(text) == []
+
+
+# in a browser -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
+    path = chromium()
+    with playwright.sync_playwright() as p, contextlib.closing(p.chromium.launch(executable_path=path, args=["--no-sandbox"])) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def pages(run, tmp_path_factory):
+    """A run's page and a study's page as files."""
+    folder = tmp_path_factory.mktemp("pages")
+    plane = ss.sweep(ss.presets.coulomb_robot, alpha_plus=np.linspace(0.2, 1.2, 11), alpha_minus=[0.5, 0.9])
+    return [write(folder / "run.html", run_page(run, "Run")), write(folder / "study.html", study_page(plane, "Study"))]
+
+
+def opened(browser, path, **options):
+    """The page, offline; whatever goes wrong on it is an error."""
+    page = browser.new_context(offline=True, **{"viewport": {"width": 1200, "height": 900}, **options}).new_page()
+    page.on("pageerror", lambda error: pytest.fail(str(error)))
+    page.goto(path.as_uri())
+    return page
+
+
+def test_a_chart_tells_values_zooms_and_hides_curves(browser, pages, run):
+    page = opened(browser, pages[0])
+    box = page.locator(".chart").nth(1)
+    box.locator(".plot").focus()
+    for _ in range(41):
+        page.keyboard.press("ArrowRight")
+    told = box.locator("button").first.inner_text()
+    assert re.fullmatch(r"\s*friction force R\s+−?[\d.]+ mN", told) and "ms" in box.locator("output").inner_text()
+    made = forces(run)["curves"][0]["y"][40]
+    assert float(re.search(r"−?[\d.]+(?= mN)", told)[0].replace("−", "-")) == pytest.approx(made, rel=1e-4)
+    page.keyboard.press("Escape")
+    whole = box.locator("canvas").evaluate("c => c.toDataURL()")
+    box.locator("button").first.click()
+    assert box.locator("button").first.get_attribute("aria-pressed") == "false"
+    drawn(box, "!==", whole)
+    box.locator("button").first.click()
+    drawn(box, "===", whole)
+    area = box.locator(".u-over").bounding_box()
+    page.mouse.move(area["x"] + 100, area["y"] + 50)
+    page.mouse.down()
+    page.mouse.move(area["x"] + 200, area["y"] + 60, steps=4)
+    page.mouse.up()
+    drawn(box, "!==", whole)
+    box.get_by_role("button", name="Show all").click()
+    drawn(box, "===", whole)
+
+
+def drawn(box, how, before):
+    """Wait until a chart's picture is, or is not, what it was (uPlot draws with one of the next frames)."""
+    box.page.wait_for_function(
+        f"([canvas, before]) => canvas.toDataURL() {how} before", arg=[box.locator("canvas").element_handle(), before]
+    )
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1200), ("dark", 380)])
+def test_axe_finds_nothing_on_a_report_and_nothing_sticks_out(browser, pages, scheme, width):
+    for path in pages:
+        page = opened(browser, path, color_scheme=scheme, viewport={"width": width, "height": 800})
+        page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")
+        assert [(v["id"], v["nodes"][0]["html"]) for v in found["violations"]] == []
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_the_pictures_stay_where_no_script_runs_and_in_print(browser, pages):
+    for path in pages:
+        plain = opened(browser, path, java_script_enabled=False)
+        figures = plain.locator("figure")
+        assert all(figures.nth(i).locator("img").is_visible() for i in range(figures.count()))
+        assert not plain.locator(".chart").first.is_visible()
+        page = opened(browser, path)
+        asked = page.locator("figure.asked").first
+        assert asked.locator(".chart").is_visible() and not asked.locator("img").is_visible()
+        page.emulate_media(media="print")
+        assert asked.locator("img").is_visible() and not asked.locator(".chart").is_visible()
+        assert page.pdf(format="A4").startswith(b"%PDF")
 
 
 def test_the_page_of_a_study_counts_and_ranks(tmp_path):
@@ -53,4 +188,4 @@ def test_the_command_takes_a_preset_a_saved_run_a_folder_and_a_file(run, tmp_pat
         told = json.loads(capsys.readouterr().out)
         assert told["bytes"] == (tmp_path / "page.html").stat().st_size > 10_000
     assert main(["report", "run.nc", "periods=3"]) == 2 and "is finished" in capsys.readouterr().err
-    assert main(["report", "nothing.nc"]) == 2 and "cannot be read" in capsys.readouterr().err
+    assert main(["report", "nothing.nc"]) == 2 and "there is no 'nothing.nc'" in capsys.readouterr().err

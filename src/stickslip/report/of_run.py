@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
-__all__ = ["moments", "run_page"]
+__all__ = ["moments", "run_page", "sources"]
 
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
@@ -36,25 +37,37 @@ def run_page(run: Any, title: str, command: str = "") -> str:
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)
     """
-    from stickslip import plot
-
     return page(
         "run.html",
         title=title,
         rows=_facts(run),
-        pictures=[
-            ("Velocity over three drive periods; shaded where the body rests.", svg(lambda ax: plot.velocity(run, ax=ax))),
-            ("Phase portrait without the drift; a circle at the start of each drive period.", svg(lambda ax: plot.phase(run, ax=ax))),
-            ("Drive force and friction force, with the forces of break-away.", svg(lambda ax: plot.forces(run, ax=ax))),
-        ],
+        figures=_figures(run),
+        library=chart_library(),
         moments=moments(run),
         numbers=_numbers(run.model),
         notes=list(run.notes),
         toml=_toml(run),
         command=command,
         provenance=_provenance(run),
-        sources=_sources(run.model),
+        sources=sources(run.model),
     )
+
+
+def _figures(run: Any) -> list[Figure]:
+    """Velocity, phase portrait and forces."""
+    from stickslip import plot
+    from stickslip.report import run_charts
+
+    force = "Drive force and friction force, with the forces of break-away."
+    return [
+        Figure(
+            "Velocity over three drive periods; shaded where the body rests.",
+            svg(lambda ax: plot.velocity(run, ax=ax)),
+            run_charts.velocity(run),
+        ),
+        Figure(force, svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)),
+        Figure("Phase portrait without the drift; a circle at the start of each drive period.", svg(lambda ax: plot.phase(run, ax=ax))),
+    ]
 
 
 def _facts(run: Any) -> list[tuple[str, str]]:
@@ -68,11 +81,11 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     period = "not found: the mean velocity still depends on the length of the run" if m.period is None else f"{m.period}"
     shares = ", ".join(f"{name} {100 * getattr(m, f'{name}_fraction'):.1f} %" for name in ("forward", "backward", "stick"))
     return [
-        ("mean velocity", f"{1e3 * mean_velocity(run):.6g} mm/s"),
+        ("mean velocity", f"{1e3 * mean_velocity(run):.6g} mm/s".replace("-", "−")),
         ("motion type", f"{m.type} (pattern {m.pattern}, margin {m.margin:.3g})"),
         ("repeats after [drive periods]", period),
         ("parts of a period", shares),
-        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s"),
+        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s".replace("-", "−")),
         ("drive period", f"{1e3 * run.period_time:.6g} ms"),
         ("work of the drive in a period", f"{1e6 * work:.6g} µJ"),
         ("worst residual of the energy balance", f"{balance.worst:.1e}"),
@@ -122,7 +135,7 @@ def _provenance(run: Any) -> list[tuple[str, str]]:
     return [(name, "-" if value is None else str(value)) for name, value in told]
 
 
-def _sources(model: Any) -> list[str]:
+def sources(model: Any) -> list[str]:
     """The references that the docstrings of law and drive name."""
     import inspect
     import re

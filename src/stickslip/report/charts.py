@@ -1,0 +1,79 @@
+"""Charts that a reader can ask: the curves of a picture as plain numbers, for the page's script. The picture stays for print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+__all__ = ["Figure", "chart", "chart_library", "curve"]
+
+_DIGITS = 6
+_DASHES = ((), (7, 3), (2, 3), (8, 3, 2, 3), (5, 5), (1, 4))
+
+
+class Figure(NamedTuple):
+    """A picture with its caption and, where one can ask it for values, its chart."""
+
+    caption: str
+    picture: str
+    chart: dict[str, Any] | None = None
+
+
+def curve(label: str, y: Any, points: bool = False, number: int = 0, emphasis: bool = False) -> dict[str, Any]:
+    """One curve of a chart.
+
+    Parameters
+    ----------
+    label : str
+    y : array (n,)
+        Its values; what is not finite is a gap.
+    points : bool
+        Points without a line.
+    number : int
+        Which colour and dash it has.
+    emphasis : bool
+        Drawn in the colour of text, such as a line that joins points.
+    """
+    return {"label": label, "y": _plain(y), "points": points, "dash": [] if points else list(_DASHES[number % 6]), "colour": number % 6,
+            "plain": emphasis}  # fmt: skip
+
+
+def chart(title: str, x: Any, across: tuple[str, str], up: tuple[str, str], curves: Iterable[Any], shade: Any = ()) -> dict[str, Any]:
+    """A chart as plain data.
+
+    Parameters
+    ----------
+    title : str
+        What it shows, for those who do not see it.
+    x : array (n,)
+        In rising order.
+    across, up : tuple of str
+        Name and unit of the axes.
+    curves : iterable of dict
+        From `curve`.
+    shade : iterable of (from, to)
+        Stretches of x with another background.
+
+    Examples
+    --------
+    >>> made = chart("a line", [0.0, 1.0], ("time", "s"), ("way", "m"), [curve("it", [0.0, float("nan")])])
+    >>> made["x"], made["curves"][0]["y"]
+    ([0.0, 1.0], [0.0, None])
+    """
+    return {"title": title, "x": _plain(x), "across": across, "up": up, "curves": list(curves), "shade": [_plain(s) for s in shade]}
+
+
+def _plain(values: Any) -> list[float | None]:
+    import math
+
+    return [float(f"{v:.{_DIGITS}g}") if math.isfinite(v) else None for v in map(float, values)]
+
+
+@cache
+def chart_library() -> dict[str, str]:
+    """uPlot, which the explorer ships, as text to stand in a page: its licence, script and style."""
+    folder = Path(__file__).parents[1] / "explorer" / "assets"
+    names = {"licence": "uPlot.LICENSE.txt", "script": "uPlot.iife.min.js", "style": "uPlot.min.css"}
+    return {name: (folder / file).read_text(encoding="utf-8").strip() for name, file in names.items()}

@@ -1,0 +1,70 @@
+"""Curves through a study as charts that can be asked for their values: along its axis, or cuts through its plane."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.plot.style import prefix
+from stickslip.report.charts import chart, curve
+
+__all__ = ["along", "chosen", "cuts", "together"]
+
+_LINES = 5
+_UP = ("mean velocity V", "mm/s")
+_TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
+
+
+def along(grid: Any, axis: str, label: str = "") -> dict[str, Any]:
+    """The mean velocity [mm/s] along the only axis, and the same by motion type, as points."""
+    import numpy as np
+
+    order, x, across = _axis(grid, axis)
+    v, kinds = 1e3 * grid["mean_velocity"].values[order], grid["motion_type"].values[order]
+    curves = [curve("mean velocity", v, emphasis=True)]
+    there = [(number, kind) for number, kind in enumerate(_TYPES) if kind in kinds]
+    curves += [
+        curve(kind, np.where(kinds == kind, v, np.nan), points=True, number=number, emphasis=kind == "rest") for number, kind in there
+    ]
+    return chart(f"mean velocity along {axis}{label}", x, across, _UP, curves)
+
+
+def together(parts: list[tuple[str, Any]], axis: str) -> dict[str, Any]:
+    """The mean velocities [mm/s] of several studies along their only axis, each by its name."""
+    order, x, across = _axis(parts[0][1], axis)
+    curves = [curve(name, 1e3 * part["mean_velocity"].values[order], number=i) for i, (name, part) in enumerate(parts)]
+    return chart(f"mean velocity along {axis}", x, across, _UP, curves)
+
+
+def cuts(grid: Any, across: str, other: str, label: str = "") -> dict[str, Any]:
+    """The mean velocity [mm/s] along one axis of a plane, for up to five values of the other.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> plane = ss.sweep(ss.presets.coulomb_robot, alpha_plus=np.linspace(0.2, 1.2, 11), alpha_minus=[0.5, 0.9])
+    >>> found = cuts(plane, "alpha_plus", "alpha_minus")
+    >>> [one["label"] for one in found["curves"]], len(found["x"])
+    (['alpha_minus 0.5', 'alpha_minus 0.9'], 11)
+    """
+    plane = grid["mean_velocity"].transpose(across, other).values
+    order, x, along_it = _axis(grid, across)
+    _, values, (name, unit) = _axis(grid, other, sort=False)
+    curves = [curve(f"{name} {values[i]:.4g} {unit}".rstrip(), 1e3 * plane[order, i], number=n) for n, i in enumerate(chosen(len(values)))]
+    return chart(f"mean velocity along {across} for values of {other}{label}", x, along_it, _UP, curves)
+
+
+def chosen(count: int) -> list[int]:
+    """Which of so many values have a line: both ends, and some between."""
+    import numpy as np
+
+    return [int(i) for i in np.unique(np.linspace(0, count - 1, min(_LINES, count)).round())]
+
+
+def _axis(grid: Any, name: str, sort: bool = True) -> tuple[Any, Any, tuple[str, str]]:
+    """Order, values in a unit with a prefix, and name with that unit."""
+    import numpy as np
+
+    unit, values = str(grid[name].attrs.get("units", "1")), np.asarray(grid[name].values, float)
+    order = np.argsort(values, kind="stable") if sort else np.arange(len(values))
+    factor, letter = prefix(values) if unit in ("m", "s", "N", "N/m", "V", "Hz") else (1.0, "")
+    return order, factor * values[order], (name, "" if unit == "1" else letter + unit)
