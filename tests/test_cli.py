@@ -51,6 +51,17 @@ def test_every_command_explains_itself_and_takes_json(command, capsys):
     assert done.value.code == 0 and "--json" in capsys.readouterr().out
 
 
+def test_help_of_a_command_in_both_orders(capsys):
+    told = []
+    for words in (["run", "--help"], ["help", "run"]):
+        with pytest.raises(SystemExit):
+            main(words)
+        told.append(capsys.readouterr().out)
+    assert told[0] == told[1] and "usage: stickslip run" in told[0]
+    code, _, err = call(capsys, "help", "rn")
+    assert code == 2 and "did you mean 'run'?" in err
+
+
 def test_version(capsys):
     assert call(capsys, "--version") == (0, f"stickslip {ss.__version__}\n", "")
 
@@ -276,12 +287,15 @@ def test_several_values_are_read(text, told):
     ("words", "told"),
     [
         (["rn"], "did you mean 'run'?"),
-        (["run"], "stickslip run: ROBOT is missing"),
+        (["run"], "run: ROBOT is missing"),
         (["run", "piezo_rg"], "did you mean 'piezo_rig'?"),
         (["run", "nowhere.toml"], "'nowhere.toml' cannot be read: No such file"),
         (["run", "."], "cannot be read"),
         (["run", *ROBOT, "--jsn"], "did you mean '--json'?"),
         (["run", *ROBOT, "peridos=10"], "did you mean 'periods'?"),
+        (["run", *ROBOT, "frequency=40"], "type omega=80pi for 40 Hz"),
+        (["sweep", *ROBOT, "--out", "grid.xlsx"], "'grid.xlsx' ends in '.xlsx'; allowed are .nc, .mat, .csv, .parquet"),
+        (["report", "not-there.nc"], "there is no 'not-there.nc'; give a .nc file"),
         (["run", *ROBOT, "amplitude"], "'amplitude' is not NAME=VALUE"),
         (["run", *ROBOT, "tilt_deg=2"], "tilt_deg is given twice"),
         (["run", *ROBOT[:2], "amplitude=1e-4..2e-4:3"], "that is for `stickslip sweep`"),
@@ -303,6 +317,17 @@ def test_several_values_are_read(text, told):
         (["mechanisms", "pulled"], "did you mean 'pulled_mass'?"),
         (["completion", "bsh"], "did you mean 'bash'?"),
         (["paper", "--fats"], "did you mean '--fast'?"),
+        (["run", "PIEZO_RIG"], "did you mean 'piezo_rig'?"),
+        (["read"], "read: FILE is missing; type for example stickslip read run.csv"),
+        (["merge", "a"], "--out is missing; type for example stickslip merge part1 part2 --out whole"),
+        (["merge", "a", "--out"], "--out needs a value behind it: --out FOLDER"),
+        (["read", "a", "b"], "'b' is one word too many; options are --help"),
+        (["identify", *ROBOT, "--mean", "1", "--level", "high"], "--level 'high'; allowed is a number"),
+        (["sweep", *ROBOT, "--sobol", "4"], "type for example amplitude=1e-4..8e-4"),
+        (["sweep", *ROBOT, "--resume"], "type for example --out study"),
+        (["sweep", *ROBOT, "--tile", "0", "--out", "study"], "allowed is a whole number of cases from 1"),
+        (["sweep", *ROBOT, "--table", "no.csv"], "'no.csv' cannot be read: No such file or directory; give"),
+        (["export", "a", "b"], "'b' has no ending; allowed are .nc"),
     ],
 )
 def test_bad_input_is_told_in_a_sentence(words, told, capsys):

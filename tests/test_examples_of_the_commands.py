@@ -1,7 +1,11 @@
 """What ``--help`` shows as an example is what the command prints."""
 
+import json
 import re
 import shlex
+import socket
+import subprocess
+import sys
 
 import pytest
 
@@ -9,6 +13,8 @@ from stickslip.cli import COMMANDS, main
 from stickslip.cli.transcripts import FOLDER, commands_in, transcript
 
 SLOW = ("paper", "warmup")  # they take a minute
+LONG = (*SLOW, "basins", "lyapunov", "compare", "identify", "map", "report", "check")  # seconds; other tests read their JSON
+ENDLESS = "explore"  # serves until it is told to stop
 SHOWN = sorted(path.stem for path in FOLDER.glob("*.txt"))
 _NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
@@ -46,7 +52,7 @@ def test_the_comparison_sees_a_wrong_number_and_a_missing_line():
     assert not same(["residual 1e-9"], ["residual 1e-3"]) and same(["x …"], ["x 3 4"])
 
 
-@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in SLOW else c for c in SHOWN])
+@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in SLOW else c for c in SHOWN if c != ENDLESS])
 def test_the_example_of_a_command_prints_what_is_shown(command, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for typed, told in commands_in(transcript(command)):
@@ -54,6 +60,33 @@ def test_the_example_of_a_command_prints_what_is_shown(command, capsys, tmp_path
         assert words[0] == "stickslip" and main(words[1:]) == 0
         out = capsys.readouterr().out
         assert same(told.splitlines(), out.splitlines()), f"$ {typed}\n{out}"
+
+
+@pytest.mark.parametrize("command", [pytest.param(c, marks=pytest.mark.slow) if c in LONG else c for c in SHOWN if c != ENDLESS])
+def test_the_example_with_json_is_strict_json(command, capsys, tmp_path, monkeypatch):
+    """Nothing but JSON on stdout, and no NaN in it."""
+    monkeypatch.chdir(tmp_path)
+    for typed, _ in commands_in(transcript(command)):
+        words = shlex.split(typed)[1:]
+        assert main([*words, *(["--json"] if words[0] == command else [])]) == 0
+        out = capsys.readouterr().out
+        if words[0] == command:
+            told = json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))
+            assert isinstance(told, dict) and told
+
+
+def test_the_example_that_serves_prints_its_address():
+    """As it is shown, but on a port that is free."""
+    ((typed, told),) = commands_in(transcript(ENDLESS))
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = str(free.getsockname()[1])
+    words = shlex.split(typed.replace("8765", port))
+    process = subprocess.Popen([sys.executable, "-m", *words], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout.readline() == told.replace("8765", port)
+    finally:
+        process.terminate()
+        process.communicate(timeout=30)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -64,5 +97,5 @@ def test_help_shows_an_example_of_the_command(command, capsys):
     assert f"stickslip {command}" in shown.partition("options:")[2]
 
 
-def test_no_example_is_left_of_a_command_that_is_gone():
-    assert set(SHOWN) <= set(COMMANDS)
+def test_every_command_has_an_example_and_none_is_left_of_one_that_is_gone():
+    assert set(SHOWN) == set(COMMANDS)

@@ -63,7 +63,7 @@ examples
   stickslip check piezo_rig tilt_deg=1.7 amplitude=5.525e-4
   stickslip sweep piezo_rig tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
   stickslip report piezo_rig tilt_deg=1.7 amplitude=5.525e-4 --out report.html
-  stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png
+  stickslip bench lugre dahl mu_plus=0.16 mu_minus=0.16 --figure laws.png
   stickslip paper
 
 `stickslip COMMAND --help` explains one command, with an example and what it prints; every command takes --json.
@@ -109,6 +109,8 @@ def _say(sentence: str, code: int) -> int:
 
 
 def _dispatch(words: list[str]) -> int:
+    if len(words) == 2 and words[0] == "help":
+        words = [words[1], "--help"]
     if not words or words[0] in ("-h", "--help", "help"):
         width = max(map(len, COMMANDS))
         print(_HELP.format(commands="\n".join(f"  {name:<{width}}  {about}" for name, (_, about) in COMMANDS.items())), end="")

@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NoReturn
 
 from stickslip.cli.probing import probe, probe_axes
 from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
-from stickslip.cli.transcripts import transcript
+from stickslip.cli.transcripts import commands_in, transcript
 from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["SOLVER", "Parser", "Subject", "parser", "parser_of", "settings", "subject", "value"]
@@ -48,17 +48,40 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise what is wrong as an `InputError`, with the nearest option there is."""
-        found = re.search(r"unrecognized arguments: (\S+)", message)
-        if found:
+        name = self.prog.removeprefix("stickslip ")
+        raise InputError(name, [f"{self._in_our_words(message)} (type {self.prog} --help)"])
+
+    def _in_our_words(self, message: str) -> str:
+        """What argparse says, as what was given and what to type."""
+        if found := re.search(r"unrecognized arguments: (\S+)", message):
             options = [option for option in self._option_string_actions if option.startswith("--")]
-            message = f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
-        if message.endswith("are required: ROBOT"):
-            message = f"ROBOT is missing; give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.525e-4"
-        raise InputError(self.prog, [f"{message} (type {self.prog} --help)"])
+            if found[1].startswith("-"):
+                return f"{found[1]} is not an option; {did_you_mean(found[1], options)}"
+            return f"{found[1]!r} is one word too many; options are {', '.join(options)}"
+        if found := re.search(r"arguments are required: (.+)", message):
+            missing = found[1].split(", ")
+            robot = f"give a preset or a study file, such as {self.prog} piezo_rig tilt_deg=1.7 amplitude=5.525e-4"
+            verb = "is" if len(missing) == 1 else "are"
+            return f"{' and '.join(missing)} {verb} missing; {robot if 'ROBOT' in missing else f'type for example {self._example()}'}"
+        if found := re.search(r"argument (\S+?)(?:/\S+)?: expected (?:one|at least one) argument", message):
+            return f"{found[1]} needs a value behind it: {found[1]} {self._metavar(found[1])}"
+        if found := re.search(r"argument (\S+?)(?:/\S+)?: invalid (int|float) value: (.+)", message):
+            return f"{found[1]} {found[3]}; allowed is a {'whole number' if found[2] == 'int' else 'number'}"
+        return message
+
+    def _example(self) -> str:
+        """A line that this command takes."""
+        command = self.prog.removeprefix("stickslip ")
+        typed = [line for line, _ in commands_in(transcript(command)) if line.split()[1] == command]
+        return typed[0] if typed else f"{self.prog} --help"
+
+    def _metavar(self, option: str) -> str:
+        action = self._option_string_actions[option]
+        return str(action.metavar or action.dest.upper())
 
 
-def parser(command: str, about: str, robot: bool = True, more: str = "") -> Parser:
-    """A parser with what all commands share."""
+def parser(command: str, about: str, robot: bool = True, more: str = "", code: bool = False) -> Parser:
+    """A parser with what all commands share; `code` says that one without ROBOT takes study files all the same."""
     plain = argparse.RawDescriptionHelpFormatter
     end = "\n\n".join(part.rstrip("\n") for part in (more, transcript(command)) if part)
     made = Parser(prog=f"stickslip {command}", description=about, epilog=end, allow_abbrev=False, formatter_class=plain)
@@ -67,6 +90,7 @@ def parser(command: str, about: str, robot: bool = True, more: str = "") -> Pars
         made.add_argument(
             "settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"
         )
+    if robot or code:
         made.add_argument("--allow-code", action=_Allow, nargs=0, help="run the Python code that a study file names")
     made.add_argument("--json", action="store_true", help="print all results as JSON on stdout")
     return made
@@ -112,12 +136,20 @@ def value(text: str) -> Any:
 
 
 def values(text: str) -> Any:
-    """The same for a sweep, where a..b:n and a,b,c are several values."""
-    spread = re.fullmatch(r"(.+?)\.\.(.+?):(\d+)", text)
+    """The same for a sweep, where a..b:n, a..b:n:log and a,b,c are several values.
+
+    Examples
+    --------
+    >>> values("1..3:3"), values("1..100:3:log"), values("4,5")
+    ([1.0, 2.0, 3.0], [1.0, 10.0, 100.0], [4, 5])
+    """
+    spread = re.fullmatch(r"(.+?)\.\.(.+?):(\d+)(:log)?", text)
     if spread:
         first, last, count = value(spread[1]), value(spread[2]), int(spread[3])
         if isinstance(first, (int, float)) and isinstance(last, (int, float)) and count >= 1:
             steps = max(count - 1, 1)
+            if spread[4]:
+                return _by_a_factor(text, first, last, count)
             return [first + (last - first) * (i / steps) if i < steps or count == 1 else float(last) for i in range(count)]
         raise ValueError(f"{text!r} is no range; allowed is a..b:n, such as 4e-4..8e-4:9")
     if ".." in text:
@@ -125,6 +157,14 @@ def values(text: str) -> Any:
     if "," in text:
         return [value(part) for part in text.split(",") if part.strip()]
     return value(text)
+
+
+def _by_a_factor(text: str, first: float, last: float, count: int) -> list[float]:
+    """Values that grow by a constant factor."""
+    if not first * last > 0:
+        raise ValueError(f"{text!r} is no range by a factor; allowed are two numbers of one sign, such as 0.03..0.21:60:log")
+    inner = [first * (last / first) ** (i / max(count - 1, 1)) for i in range(1, count - 1)]
+    return [float(first), *inner, float(last)][:count]
 
 
 def settings(words: list[str], many: bool, problems: Problems) -> dict[str, Any]:
@@ -177,10 +217,19 @@ class Subject:
         return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])
 
 
-def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, ...] = SOLVER) -> Subject:
-    """The preset or study file of this name with its settings; everything that is wrong is reported at once."""
+def subject(
+    name: str, words: list[str], many: bool = False, solver: tuple[str, ...] = SOLVER, own: tuple[str, ...] = (), strict: bool = True
+) -> Subject:
+    """The preset or study file of this name with its settings; everything that is wrong is reported at once.
+
+    What stands in the file's [arguments] under a name in `own` is the command's own affair. A command that is not `strict` takes of the
+    file's [solve] only what it knows: the rest is for other commands.
+    """
     problems = Problems("arguments")
     study = found(name)
+    if own or not strict:
+        kept = {n: v for n, v in study.options.items() if strict or n in {word.partition(".")[0] for word in solver}}
+        study = replace(study, arguments={n: v for n, v in study.arguments.items() if n not in own}, options=kept)
     given = {**_from_file(study.arguments, words, many, problems), **settings(words, many, problems)}
     needed, known = _names(study.make)
     tried = {word.partition("=")[0] for word in words} | set(study.arguments)
@@ -190,7 +239,7 @@ def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, 
     arguments = {k: v for k, v in given.items() if k not in solver}
     for word in arguments:
         if word not in known:
-            problems.add(f"{word!r} is not known; {did_you_mean(word, [*known, *solver])}")
+            problems.add(f"{word!r} is not known; {_in_hertz(word, arguments[word], known) or did_you_mean(word, [*known, *solver])}")
     axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
     options = _start({**study.options, **options})
     known_ones = {k: v for k, v in arguments.items() if k in known}
@@ -200,6 +249,14 @@ def subject(name: str, words: list[str], many: bool = False, solver: tuple[str, 
         problems.add(sentence)
     problems.check()
     return Subject(name, study.make, {**arguments, **axes}, options)
+
+
+def _in_hertz(word: str, value: Any, known: Sequence[str]) -> str | None:
+    """What to type for a frequency in hertz where the robot takes an angular one."""
+    if word not in ("frequency", "freq", "f", "hz") or "omega" not in known:
+        return None
+    hertz = value if isinstance(value, (int, float)) else 40.0
+    return f"the frequency is omega, in rad/s; type omega={2 * hertz:g}pi for {hertz:g} Hz"
 
 
 def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems: Problems) -> dict[str, Any]:

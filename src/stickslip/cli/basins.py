@@ -7,48 +7,102 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser, subject, values
+from stickslip.cli.kept import Outcome, add_targets, finish, targets
+from stickslip.cli.study_files import found as in_file
+from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError, Problems
 
 __all__ = ["act"]
 
-_START = re.compile(r"(x|v|z\d*|phase)=(.+)")
+_NAME = re.compile(r"x|v|z\d*|memory\d*|phase")
+_SOLVER = ("settle", "rtol", "workers")
+_START = re.compile(rf"({_NAME.pattern})=(.+)")
 
 
-def act(command: str, words: list[str]) -> int:
+def act(command: str, typed: list[str]) -> int:
     """Do the command."""
     made = parser(
         command,
-        "Which of several coexisting motions a robot settles on, over a grid of starts: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10.",
+        "Which of several coexisting motions a robot settles on, over a grid of starts: v=a..b:n [m/s], z=a..b:n [m], phase=0..0.9:10. "
+        "With a range of one of the robot's numbers: what becomes of the motions along it.",
     )
-    made.add_argument("--figure", metavar="FILE", help="draw the map (.png, .svg or .pdf)")
-    made.add_argument("--out", metavar="FILE", help="write the map (.nc)")
-    asked = made.parse_intermixed_args(words)
-    figure, out = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf")), show.writable("--out", asked.out, (".nc",))
-    starts = _starts(asked.settings)
-    if figure is not None and sum(isinstance(v, list) and len(v) > 1 for v in starts.values()) < 2:
+    add_targets(made, "the map", "the map")
+    asked = made.parse_intermixed_args(typed)
+    files = targets(asked)
+    filed = {name: v for name, v in in_file(asked.robot).arguments.items() if _NAME.fullmatch(name)}
+    starts = {**_starts([f"{name}={_text(v)}" for name, v in filed.items()]), **_starts(asked.settings)}
+    words = [word for word in asked.settings if not _START.fullmatch(word)]
+    study = subject(asked.robot, words, many=True, solver=_SOLVER, own=tuple(filed), strict=False)
+    ranges = [name for name, given in study.arguments.items() if hasattr(given, "__len__") and not isinstance(given, str)]
+    if not ranges and files.figure is not None and sum(isinstance(v, list) and len(v) > 1 for v in starts.values()) < 2:
         raise InputError("--figure", ["a map needs two coordinates with several values; type for example v=-0.1..0.1:41 z=-2e-6..2e-6:21"])
-    study = subject(asked.robot, [w for w in asked.settings if not _START.fullmatch(w)], solver=("settle", "rtol"))
+    return finish(asked, files, _along(study, ranges, starts) if ranges else _one(study, starts))
 
+
+def _one(study: Any, starts: dict[str, Any]) -> Outcome:
+    """One robot: which start goes where."""
     from stickslip.dynamics.attractors import basins
 
-    found = basins(study.robot(), **study.options, **starts)
-    if figure is not None:
+    found = basins(study.robot(), progress=watcher(), **study.options, **starts)
+
+    def draw() -> Any:
         from stickslip import plot
 
-        plot.basins(found).figure.savefig(figure)
-    if out is not None:
-        found.map.to_netcdf(out, engine="h5netcdf")
-    written = [str(path) for path in (figure, out) if path is not None]
-    if asked.json:
-        attractors = [
-            {"period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval} for a in found.attractors
-        ]
-        axes = {str(name): found.map[name].values for name in found.map.attractor.dims}
-        columns = {str(name): found.map[name].values for name in found.map.data_vars}
-        show.print_json({"robot": study.title(), "attractors": attractors, "axes": axes, "columns": columns, "written": written})
-    else:
-        print(_told(study, found, written))
-    return 0
+        return plot.basins(found)
+
+    attractors = [
+        {"period": a.period, "mean_velocity": a.mean_velocity, "share": a.share, "interval": a.interval} for a in found.attractors
+    ]
+    axes = {str(name): found.map[name].values for name in found.map.attractor.dims}
+    columns = {str(name): found.map[name].values for name in found.map.data_vars}
+    record = {"robot": study.title(), "attractors": attractors, "axes": axes, "columns": columns}
+    return Outcome(record, _told(study, found), found.map, draw)
+
+
+def _along(study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
+    """Robots along a number: what becomes of the attractors."""
+    from stickslip.dynamics.tracked import attractors
+
+    if len(ranges) > 1:
+        raise InputError(
+            "basins", [f"{' and '.join(ranges)} have several values; allowed is one number of the robot; type {ranges[0]}=a..b:n"]
+        )
+    parameter = ranges[0]
+    rest = {name: given for name, given in study.arguments.items() if name != parameter}
+    along = {"parameter": parameter, "values": study.arguments[parameter], "starts": starts}
+    found = attractors(study.make, progress=watcher(), **along, **study.options, **rest)
+
+    def draw() -> Any:
+        from stickslip import plot
+
+        return plot.attractors(found)
+
+    columns = {str(name): found[name].values for name in found.data_vars}
+    record = {"robot": study.name, "axes": {n: found[n].values for n in ("attractor", parameter)}, "columns": columns}
+    return Outcome(record, _lives(study.name, parameter, found), found, draw)
+
+
+def _lives(name: str, parameter: str, found: Any) -> str:
+    """Where each attractor is, how fast, and its share of the starts, at the ends of its life."""
+    import numpy as np
+
+    unit, rows = found[parameter].attrs["units"], []
+    for k in found.attractor.values:
+        one = found.isel(attractor=int(k))
+        here = np.flatnonzero(one.period.values >= 0)
+        first, last = (f"{float(one[parameter][i]):.6g}" for i in (here[0], here[-1]))
+        periods = ", ".join(str(p) if p else "none" for p in dict.fromkeys(one.period.values[here].tolist()))
+        V, share = (" to ".join(f"{float(one[q][i]):.{d}g}" for i in (here[0], here[-1])) for q, d in (("mean_velocity", 5), ("share", 3)))
+        rows.append([str(k), f"{first} to {last}", periods, V, share])
+    head = ["attractor", f"{parameter}{'' if unit == '1' else f' [{unit}]'}", "period [drive periods]", "mean velocity [m/s]", "share"]
+    undone = int((found.unsolved < 0).sum())
+    lines = [f"{name}: {parameter} {found.sizes[parameter]} values, {show.counted(found.attrs['starts'], 'start')} at each"]
+    return "\n".join([*lines, show.table(head, rows), *([f"{undone} values not computed"] if undone else [])])
+
+
+def _text(value: Any) -> str:
+    """A start of a study file as the command line would have it."""
+    return ",".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _starts(words: list[str]) -> dict[str, Any]:
@@ -63,12 +117,11 @@ def _starts(words: list[str]) -> dict[str, Any]:
     return found
 
 
-def _told(study: Any, found: Any, written: list[str]) -> str:
-    head = ["attractor", "period", "mean velocity [m/s]", "share", "95 %"]
+def _told(study: Any, found: Any) -> str:
+    head = ["attractor", "period [drive periods]", "mean velocity [m/s]", "share", "95 %"]
     rows = [
         [str(k), str(a.period or "none"), f"{a.mean_velocity:.7g}", f"{a.share:.4f}", f"{a.interval[0]:.4f} to {a.interval[1]:.4f}"]
         for k, a in enumerate(found.attractors)
     ]
     lost = int((found.map.attractor == -1).sum())
-    lines = [study.title(), show.table(head, rows), f"{show.counted(int(found.map.attractor.size), 'start')}, {lost} not solved"]
-    return "\n".join([*lines, *(f"written to {path}" for path in written)])
+    return "\n".join([study.title(), show.table(head, rows), f"{show.counted(int(found.map.attractor.size), 'start')}, {lost} not solved"])

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser, settings
+from stickslip.cli.arguments import parser, settings, subject
 from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["act"]
@@ -15,15 +15,18 @@ __all__ = ["act"]
 #: Arguments of the bench itself; every other name is a number of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
 _MORE = """\
-LAW is the name of a friction law (see `stickslip laws`), `all`, or omitted words of it such as mu_plus=0.2, which is set in every law
-that has it; what is not set is as in the law's example. load, mass, stiffness and speed are those of the experiments.
+LAW is the name of a friction law (see `stickslip laws`), `all`, or a study file, whose law with its numbers is meant. NAME=VALUE, such as
+mu_plus=0.2, is set in every law that has it; what is not set is as in the law's example. load, mass, stiffness and speed are those of
+the experiments.
 
-example: stickslip bench lugre dahl mu_plus=0.2 mu_minus=0.2 --figure laws.png"""
+example: stickslip bench lugre dahl mu_plus=0.16 mu_minus=0.16 --figure laws.png"""
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Do the standard experiments of the friction literature on one law or several.", robot=False, more=_MORE)
+    made = parser(
+        command, "Do the standard experiments of the friction literature on one law or several.", robot=False, more=_MORE, code=True
+    )
     made.add_argument("words", metavar="LAW | NAME=VALUE", nargs="*", default=[], help="laws, and numbers that are set")
     made.add_argument("--figure", metavar="FILE", help="draw all experiments (.png, .svg or .pdf)")
     made.add_argument("--only", metavar="NAME", action="append", help="do this experiment alone; may be given several times")
@@ -54,28 +57,47 @@ def _asked(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
 
     problems = Problems("arguments")
     given = settings([word for word in words if "=" in word], False, problems)
-    names = [word.lower() for word in words if "=" not in word]
+    names = [word for word in words if "=" not in word]
     names = list(LAWS) if names == ["all"] else names
     if not names:
         problems.add(f"no law is given; type for example stickslip bench lugre; known: {', '.join(LAWS)}")
-    for name in (n for n in names if n not in LAWS):
-        problems.add(f"{name!r} is no law; {did_you_mean(name, LAWS)}")
     numbers = {name: value for name, value in given.items() if name not in OWN}
-    laws = [LAWS[name] for name in names if name in LAWS]
-    known = {field: None for law in laws for field in inspect.signature(law).parameters}
+    laws = [law for law in (_law(name, problems) for name in names) if law is not None]
+    known = {name: None for law in laws for name in _numbers(law)}
     for name in numbers:
         if laws and name not in known:
-            problems.add(f"{name!r} is no number of {' or '.join(law.__name__ for law in laws)}; {did_you_mean(name, [*known, *OWN])}")
-    made = [_made(law, {k: v for k, v in numbers.items() if k in inspect.signature(law).parameters}, problems) for law in laws]
+            kinds = " or ".join(type(law).__name__ for law in laws)
+            problems.add(f"{name!r} is no number of {kinds}; {did_you_mean(name, [*known, *OWN])}")
+    made = [_changed(law, {k: v for k, v in numbers.items() if k in _numbers(law)}, problems) for law in laws]
     problems.check()
     return made, {name: value for name, value in given.items() if name in OWN}
 
 
-def _made(law: Any, changes: dict[str, Any], problems: Problems) -> Any:
+def _law(word: str, problems: Problems) -> Any:
+    """The example of a law, or the law of a study file."""
+    from stickslip.friction import LAWS
+
+    if word.lower() in LAWS:
+        return LAWS[word.lower()].example()
+    if not word.lower().endswith(".toml"):
+        problems.add(f"{word!r} is no law; {did_you_mean(word, LAWS)}")
+        return None
     try:
-        return law.example().replace(changes) if changes else law.example()
+        return subject(word, []).robot().friction
     except InputError as error:
-        problems.include(error, f"{law.__name__}: ")
+        problems.include(error)
+        return None
+
+
+def _numbers(law: Any) -> list[str]:
+    return list(inspect.signature(type(law)).parameters)
+
+
+def _changed(law: Any, changes: dict[str, Any], problems: Problems) -> Any:
+    try:
+        return law.replace(changes) if changes else law
+    except InputError as error:
+        problems.include(error, f"{type(law).__name__}: ")
         return None
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from stickslip.cli import show
 from stickslip.cli.arguments import Subject, parser, subject
+from stickslip.cli.kept import Outcome, add_targets, finish, targets
+from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError
 
 __all__ = ["act"]
@@ -22,28 +23,20 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")
     made.add_argument("--batch", action="store_true", help="every value from the same start, all at once (fast; shows no hysteresis)")
     made.add_argument("--observable", default="v", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default v)")
-    made.add_argument("--figure", metavar="FILE", help="draw the diagram (.png, .svg or .pdf)")
-    made.add_argument("--out", metavar="FILE", help="write the diagram (.nc)")
+    add_targets(made, "the diagram", "the diagram")
     asked = made.parse_intermixed_args(words)
-    figure, out = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf")), show.writable("--out", asked.out, (".nc",))
-    study = subject(asked.robot, asked.settings, many=True, solver=("settle", "rtol", "start.x", "start.v", "start.z"))
+    files = targets(asked)
+    known = ("settle", "rtol", "workers", "start.x", "start.v", "start.z")
+    study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)
     parameter, values, fixed = _split(command, study.arguments)
 
     from stickslip.dynamics.diagrams import bifurcation
 
-    tell = show.progress("values")
-    diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=tell, **study.options, **fixed)
+    options = {**study.options, **fixed}
+    diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=watcher(), **options)
     branches = _followed(study.make, parameter, values, asked.period, fixed) if asked.follow else []
-    if figure is not None:
-        _drawn(figure, diagram, branches, asked.observable)
-    if out is not None:
-        diagram.to_netcdf(out, engine="h5netcdf")
-    written = [str(path) for path in (figure, out) if path is not None]
-    if asked.json:
-        show.print_json(_record(study, parameter, diagram, branches, written))
-    else:
-        print(_told(study, parameter, diagram, branches, written))
-    return 0
+    record, text = _record(study, parameter, diagram, branches), _told(study, parameter, diagram, branches)
+    return finish(asked, files, Outcome(record, text, diagram, lambda: _drawn(diagram, branches, asked.observable)))
 
 
 def _split(command: str, arguments: dict[str, Any]) -> tuple[str, list[float], dict[str, Any]]:
@@ -63,14 +56,13 @@ def _followed(make: Any, parameter: str, values: list[float], period: int, fixed
     return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]
 
 
-def _drawn(path: Any, diagram: Any, branches: list[Any], observable: str) -> None:
+def _drawn(diagram: Any, branches: list[Any], observable: str) -> Any:
     from stickslip import plot
 
-    ax = plot.continuation(branches, observable, diagram=diagram) if branches else plot.bifurcation(diagram, observable)
-    ax.figure.savefig(path)
+    return plot.continuation(branches, observable, diagram=diagram) if branches else plot.bifurcation(diagram, observable)
 
 
-def _record(study: Any, parameter: str, diagram: Any, branches: list[Any], written: list[str]) -> dict[str, Any]:
+def _record(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> dict[str, Any]:
     columns = {str(name): diagram[name].values for name in diagram.data_vars}
     followed = [
         {
@@ -81,10 +73,10 @@ def _record(study: Any, parameter: str, diagram: Any, branches: list[Any], writt
         for b in branches
     ]  # fmt: skip
     axes = {parameter: diagram[parameter].values, "direction": diagram.direction.values}
-    return {"robot": study.name, "parameter": parameter, "axes": axes, "columns": columns, "branches": followed, "written": written}
+    return {"robot": study.name, "parameter": parameter, "axes": axes, "columns": columns, "branches": followed}
 
 
-def _told(study: Any, parameter: str, diagram: Any, branches: list[Any], written: list[str]) -> str:
+def _told(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
     """Where the period changes, and what was found on the branches."""
     fixed = {name: value for name, value in study.arguments.items() if name != parameter}
     lines = [Subject(study.name, study.make, fixed).title()]
@@ -94,7 +86,7 @@ def _told(study: Any, parameter: str, diagram: Any, branches: list[Any], written
     for b in branches:
         lines.append(f"branch of period {b.period}, {parameter} from {b.values[0]:.6g} to {b.values[-1]:.6g}: {b.ended}")
         lines += [f"  {s.kind:<12} {parameter} = {s.value:.10g}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
-    return "\n".join([*lines, *(f"written to {path}" for path in written)])
+    return "\n".join(lines)
 
 
 def _stretches(values: Any, period: Any) -> str:

@@ -18,7 +18,7 @@ def act(command: str, words: list[str]) -> int:
 
     from stickslip.checking import check
 
-    found = check(robot, scipy=not asked.no_scipy, **study.options)
+    found = check(robot, scipy=not asked.no_scipy, progress=show.stages(quiet=True), **study.options)
     if asked.json:
         show.print_json({"robot": study.title(), **found.to_dict()})
     else:

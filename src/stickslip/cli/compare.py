@@ -25,7 +25,7 @@ def act(command: str, words: list[str]) -> int:
 
     from stickslip.identifying import compare
 
-    found = compare(rec, study.robot(), laws=[law for law in asked.laws.split(",") if law])
+    found = compare(rec, study.robot(), laws=[law for law in asked.laws.split(",") if law], settle=recorded.settle(asked))
     if report is not None:
         from stickslip.identifying.doors import write_report
 

@@ -4,35 +4,47 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from stickslip.cli.arguments import parser
+from stickslip.cli.arguments import parser, subject
 from stickslip.errors import InputError
 
 __all__ = ["act"]
 
 _MORE = """\
-example: stickslip explore --port 8765 --no-browser
-         http://127.0.0.1:8765/
-
-The page needs nothing from elsewhere. It is served to this machine alone, unless --host says otherwise: then its address carries a
-token, and whoever has it may use this machine's processors. Ctrl-C ends it.
+With ROBOT the page opens with its numbers, where it has controls for all of them: a preset, a study file (such as the study.toml that
+the page saves), or a function of your own. The page needs nothing from elsewhere. It is served to this machine alone, unless --host
+says otherwise: then its address carries a token, and whoever has it may use this machine's processors. Ctrl-C ends it.
 """
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Open a page on which a robot's numbers are dragged, and its motion is seen at once.", robot=False, more=_MORE)
+    made = parser(
+        command, "Open a page on which a robot's numbers are dragged, and its motion is seen at once.", robot=False, more=_MORE, code=True
+    )
+    made.add_argument("robot", metavar="ROBOT", nargs="?", help="preset, TOML study file or module:function to begin with (optional)")
+    made.add_argument("settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot (optional)")
     made.add_argument("--port", metavar="N", default="8765", help="port to serve on; 0 takes a free one (8765)")
     made.add_argument("--host", metavar="HOST", default="127.0.0.1", help="where to listen (127.0.0.1: this machine alone)")
     made.add_argument("--workers", metavar="N", help="threads that compute (as many as there are processors, from 2 to 8)")
     made.add_argument("--no-browser", action="store_true", help="only print the address")
-    asked = made.parse_args(words)
+    asked = made.parse_intermixed_args(words)
     port = _whole("--port", asked.port, 0, 65535, "8765")
     workers = None if asked.workers is None else _whole("--workers", asked.workers, 1, 64, "2")
+    place = "" if asked.robot is None else _opened(asked.robot, asked.settings)
 
     from stickslip.explorer.server import serve
 
-    serve(asked.host, port, _announced(not asked.no_browser, asked.json), workers)
+    serve(asked.host, port, _announced(not asked.no_browser, asked.json, place), workers)
     return 0
+
+
+def _opened(robot: str, words: list[str]) -> str:
+    """The part of the address that shows a robot."""
+    study = subject(robot, words, strict=False)
+
+    from stickslip.explorer.opened import hash_of, state_of
+
+    return hash_of(state_of(study.robot()))
 
 
 def _whole(option: str, text: str, least: int, most: int, example: str) -> int:
@@ -42,10 +54,11 @@ def _whole(option: str, text: str, least: int, most: int, example: str) -> int:
     return int(text)
 
 
-def _announced(browser: bool, as_json: bool) -> Callable[[str], None]:
+def _announced(browser: bool, as_json: bool, place: str) -> Callable[[str], None]:
     """What to do with the address once the page can be opened."""
 
-    def tell(address: str) -> None:
+    def tell(root: str) -> None:
+        address = root + place
         from stickslip.cli.show import print_json
 
         if as_json:

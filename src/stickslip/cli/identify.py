@@ -39,6 +39,8 @@ _KEYS = (
     "seed",
     "load",
     "frequency",
+    "settle",
+    "transient",
     "units",
     "roles",
     "columns",
@@ -54,6 +56,7 @@ def act(command: str, words: list[str]) -> int:
         "--free", metavar="NAME=A..B", action="append", default=[], help="a free parameter and its bounds; :log behind it for its logarithm"
     )
     made.add_argument("--noise", type=float, help="standard deviation of one value [SI]")
+    made.add_argument("--transient", action="store_true", help="fit the start of the records too, simulated from their first samples")
     made.add_argument("--level", type=float, default=0.95, help="of the intervals (default 0.95)")
     made.add_argument("--profile", action="store_true", help="intervals from profile likelihoods")
     recorded.add_options(made)
@@ -132,7 +135,8 @@ def _typed(asked: Any) -> dict[str, Any]:
     if bool(asked.record) == bool(means):
         problems.add("give records or mean velocities: --record run.csv (again for more), or --mean 0.0017,0.0036")
     problems.check()
-    options = {} if asked.noise is None else {"noise": asked.noise}
+    options: dict[str, Any] = {} if asked.noise is None else {"noise": asked.noise}
+    options |= {"settle": recorded.settle(asked), "transient": asked.transient}
     return {"make": asked.robot, "records": asked.record, "means": means, "arguments": arguments, "free": free, "options": options}
 
 
@@ -165,7 +169,7 @@ def _study(asked: Any) -> dict[str, Any]:
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
     asked.role += [f"{k}={v}" for k, v in table.get("roles", {}).items()]
     asked.columns = asked.columns or (",".join(table["columns"]) if "columns" in table else None)
-    options = {k: table[k] for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency") if k in table}
+    options = {k: table[k] for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient") if k in table}
     records = [str(path.parent / name) for name in table.get("records", [])]
     make = table.get("make", str(path))
     return {

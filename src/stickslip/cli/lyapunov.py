@@ -1,4 +1,4 @@
-"""``stickslip lyapunov``: exponents with their errors, and the verdict on the motion."""
+"""``stickslip lyapunov``: exponents with their errors and the verdict on one motion, or a map of them over one or two numbers."""
 
 from __future__ import annotations
 
@@ -6,41 +6,56 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser, subject, value
+from stickslip.cli.kept import Outcome, add_targets, finish, targets
+from stickslip.cli.study_files import found as in_file
+from stickslip.cli.sweep import watcher
 
 __all__ = ["act"]
+
+_MORE = """\
+values
+  mu0=0.04                one motion: all exponents, and what kind of motion it is
+  mu0=0.03..0.06:100      several: period number and largest exponent for each
+  mu0=0.03..0.21:60:log amplitude=2.5e-4..9.5e-4:60 workers=2      a map
+"""
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(
         command,
-        "Lyapunov exponents per drive period, and what kind of motion it is: periodic, quasi-periodic or chaotic.",
+        "Lyapunov exponents per drive period, and what kind of motion it is: periodic, quasi-periodic or chaotic. "
+        "Over one or two ranges: a map.",
+        more=_MORE,
     )
-    made.add_argument("--figure", metavar="FILE", help="draw how they converge (.png, .svg or .pdf)")
+    add_targets(made, "how they converge, or the map", "how they converge, or the map")
     asked = made.parse_intermixed_args(words)
-    figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
-    settle, rest = _settle(asked.settings)
-    study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"))
+    return finish(asked, targets(asked), (_map if _several(asked) else _one)(asked))
 
+
+def _several(asked: Any) -> bool:
+    """Whether a number of the robot has several values, in the command or in its study file."""
+    filed = in_file(asked.robot).arguments.values()
+    texts = [word.partition("=")[2] for word in asked.settings] + [v for v in filed if isinstance(v, str)]
+    return any(".." in text or "," in text for text in texts) or any(isinstance(v, list) for v in filed)
+
+
+# ---- one motion ----
+def _one(asked: Any) -> Outcome:
     from stickslip.dynamics.exponents import verdict
+    from stickslip.plot import convergence
 
-    found = verdict(study.robot(), **settle, **study.options)
+    settle, rest = _settle(asked.settings)
+    study = subject(asked.robot, rest, solver=("periods", "rtol", "start.x", "start.v", "start.z"), strict=False)
+    found = verdict(study.robot(), progress=watcher(), **settle, **study.options)
     l = found.exponents  # noqa: E741
-    if figure is not None:
-        from stickslip import plot
-
-        plot.convergence(l).figure.savefig(figure)
     record = {
         "robot": study.title(), "kind": found.kind, "period": found.period, "why": found.why, "spectrum": l.spectrum, "errors": l.errors,
         "largest": l.largest, "error": l.error, "unit": l.unit, "periods": l.steps, "note": l.note,
         "multipliers": None if found.orbit is None else [[m.real, m.imag] for m in map(complex, found.orbit.multipliers)],
-        "written": str(figure) if figure else None,
     }  # fmt: skip
-    if asked.json:
-        show.print_json(record)
-    else:
-        print(f"{study.title()}\n{show.facts(_rows(found, record))}")
-    return 0
+    text = f"{study.title()}\n{show.facts(_rows(found))}"
+    return Outcome(record, text, _convergence(found, study.title()), lambda: convergence(l))
 
 
 def _settle(words: list[str]) -> tuple[dict[str, Any], list[str]]:
@@ -49,7 +64,7 @@ def _settle(words: list[str]) -> tuple[dict[str, Any], list[str]]:
     return dict([("settle", value(word.partition("=")[2])) for word in mine]), [word for word in words if word not in mine]
 
 
-def _rows(found: Any, record: dict[str, Any]) -> list[tuple[str, str]]:
+def _rows(found: Any) -> list[tuple[str, str]]:
     l = found.exponents  # noqa: E741
     rows = [("motion", found.kind + (f", period {found.period}" if found.period else ""))]
     rows += [
@@ -58,9 +73,54 @@ def _rows(found: Any, record: dict[str, Any]) -> list[tuple[str, str]]:
     ]
     if found.orbit is not None:
         rows.append(("multipliers", ", ".join(f"{m:.6g}" for m in found.orbit.multipliers)))
-    rows += [
-        ("evidence", found.why),
-        *([("note", l.note)] if l.note else []),
-        *([("written", record["written"])] if record["written"] else []),
-    ]
-    return rows
+    return [*rows, ("evidence", found.why), *([("note", l.note)] if l.note else [])]
+
+
+def _convergence(found: Any, title: str) -> Any:
+    """The record of convergence as a dataset."""
+    import xarray as xr
+
+    l = found.exponents  # noqa: E741
+    columns = {
+        "exponents": (("periods", "exponent"), l.record[:, 1:], {"long_name": f"exponents per {l.unit} until then", "units": "1"}),
+        "error": ("exponent", l.errors, {"long_name": "standard error at the end", "units": "1"}),
+    }
+    coords = {"periods": ("periods", l.record[:, 0], {"units": "1"}), "exponent": range(1, len(l.spectrum) + 1)}
+    attrs = {"robot": title, "kind": found.kind, "period": found.period or 0, "why": found.why, "note": l.note}
+    return xr.Dataset(columns, coords, attrs)
+
+
+# ---- a map ----
+def _map(asked: Any) -> Outcome:
+    from stickslip.dynamics.maps import chaos_map
+    from stickslip.plot import chaos_map as draw
+
+    settle, rest = _settle(asked.settings)
+    study = subject(asked.robot, rest, many=True, solver=("periods", "rtol", "workers", "start.x", "start.v", "start.z"), strict=False)
+    found = chaos_map(study.make, progress=watcher(), **settle, **study.options, **study.arguments)
+    axes = [str(d) for d in found.period.dims]
+    record = {
+        "robot": study.name, "axes": {name: found[name].values for name in axes},
+        "columns": {str(name): found[name].values for name in found.data_vars},
+    }  # fmt: skip
+    return Outcome(record, _told(study.name, axes, found), found, lambda: draw(found))
+
+
+def _told(name: str, axes: list[str], found: Any) -> str:
+    """What share of the map moves how."""
+    import numpy as np
+
+    period = found.period.values
+    chaotic = (period == 0) & (found.exponent.values > 3 * found.error.values)
+    shares = [(f"period {p}", np.mean(period == p)) for p in np.unique(period[period > 0])]
+    shares += [("chaotic", np.mean(chaotic)), ("not decided", np.mean((period == 0) & ~chaotic)), ("not computed", np.mean(period < 0))]
+    sizes = " x ".join(f"{axis} {found.sizes[axis]}" for axis in axes)
+    rows = show.facts((text, f"{100 * share:.1f} %") for text, share in shares if share > 0)
+    lines = [f"{name}: {sizes}", rows]
+    if chaotic.any():
+        top = int(np.argmax(np.where(chaotic, found.exponent.values, -np.inf)))
+        place = np.unravel_index(top, period.shape)
+        where = ", ".join(f"{axis} = {float(found[axis][i]):.6g}" for axis, i in zip(axes, place, strict=True))
+        largest, error = (float(found[n].values[place]) for n in ("exponent", "error"))
+        lines.append(f"largest exponent {largest:.4g} ± {error:.1g} per drive period at {where}")
+    return "\n".join(lines)

@@ -7,13 +7,12 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
-from stickslip.cli.sweep import add_options, axes_of, run_options, watcher
+from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, watcher
 from stickslip.errors import InputError
 
 __all__ = ["act"]
 
 _PICTURES = (".png", ".pdf", ".svg")
-_FILES = (".nc", ".mat", ".csv", ".parquet")
 _MORE = """\
 examples
   stickslip map piezo_rig tilt_deg=1.7 amplitude=1e-4..8e-4:128 omega=60..300:128 --figure types.png --velocity speed.png
@@ -28,12 +27,12 @@ def act(command: str, words: list[str]) -> int:
     made = parser(command, "Simulate a robot over a plane: two of its numbers are ranges a..b:n. Draw what it does.", more=_MORE)
     add_options(made, designs=False)
     made.add_argument("--refine", action="store_true", help="compute only where the motion changes")
-    made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .pdf, .svg)")
+    made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .svg or .pdf)")
     made.add_argument("--velocity", metavar="FILE", help="draw the mean velocity")
     made.add_argument("--x", metavar="NAME", help="the axis that goes across; by default the first")
     asked = made.parse_intermixed_args(words)
     pictures = {name: show.writable(f"--{name}", getattr(asked, name), _PICTURES) for name in ("figure", "velocity")}
-    file = show.writable("--out", asked.out, _FILES) if asked.out and Path(asked.out).suffix.lower() in _FILES else None
+    file = out_file(asked.out)
     grid, name = _grid(asked, file)
     _draw(grid, asked.x, pictures)
     written = [str(p) for p in (*pictures.values(), file or asked.out) if p]

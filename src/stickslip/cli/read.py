@@ -22,7 +22,7 @@ def act(command: str, words: list[str]) -> int:
     asked = made.parse_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
     rec = recorded.opened(asked.file, asked)
-    found = _measured(rec)
+    found = _measured(rec, recorded.settle(asked))
     if figure is not None:
         _draw(rec, figure)
     if asked.json:
@@ -34,13 +34,17 @@ def act(command: str, words: list[str]) -> int:
     return 0
 
 
-def _measured(rec: Any) -> dict[str, Any]:
+def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
     """Measures that this record allows; those that need what is not known are left out."""
+    from stickslip.records.settling import settled
+
     found: dict[str, Any] = {}
     try:
+        rec, _, said = settled(rec, settle)
+        if said:
+            found["start"] = said.replace("compared with steady motion; settle=0 takes", "measured; --settle 0 takes")
         found["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
-        m = rec.motion()
-        found["motion type"] = f"{m.type} (pattern {m.pattern}; slower than {show.quantity(m.threshold, 'm/s', 3)} counts as rest)"
+        found["motion type"] = rec.motion().verdict
     except InputError:
         pass
     return found

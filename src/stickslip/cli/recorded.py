@@ -7,7 +7,7 @@ from typing import Any
 from stickslip.cli.arguments import Parser
 from stickslip.errors import InputError
 
-__all__ = ["add_options", "opened", "pairs"]
+__all__ = ["add_options", "opened", "pairs", "settle"]
 
 
 def add_options(made: Parser) -> None:
@@ -17,7 +17,12 @@ def add_options(made: Parser) -> None:
     )
     made.add_argument("--role", metavar="NAME=ROLE", action="append", default=[], help="what a channel is for, such as LDV=velocity")
     made.add_argument("--columns", metavar="A,B,...", help='headings of all columns, such as "t [ms],v [mm/s]"')
+    made.add_argument("--separator", metavar="MARK", help='what parts the columns of a text file, such as ";" or tab')
+    made.add_argument("--decimal", metavar="MARK", choices=(".", ","), help='decimal mark of a text file, "." or ","')
     made.add_argument("--rate", metavar="HZ", type=float, help="samples per second, for a file without times")
+    made.add_argument(
+        "--settle", metavar="N", default="auto", help="drive periods at the start to leave out (default: found in the record)"
+    )
     made.add_argument("--between", metavar="A..B", help="use the part from A to B seconds")
 
 
@@ -42,6 +47,8 @@ def opened(path: str, asked: Any) -> Any:
         roles=pairs(asked.role, "--role"),
         columns=None if asked.columns is None else [part.strip() for part in asked.columns.split(",")],
         rate=asked.rate,
+        separator={"tab": "\t", "\\t": "\t", "space": " "}.get(asked.separator or "", asked.separator or None),
+        decimal=asked.decimal,
     )
     if not asked.between:
         return rec
@@ -52,3 +59,12 @@ def opened(path: str, asked: Any) -> Any:
         if isinstance(error, InputError):
             raise
         raise InputError("--between", [f"{asked.between!r} is no part of the record; type for example --between 20..60"]) from None
+
+
+def settle(asked: Any) -> int | str:
+    """The periods to leave out."""
+    if asked.settle == "auto":
+        return "auto"
+    if not asked.settle.isdigit():
+        raise InputError("--settle", [f"{asked.settle!r} is no number of drive periods; type for example --settle 10"])
+    return int(asked.settle)

@@ -74,6 +74,8 @@ def _is_run(path: Path) -> bool:
     """Whether a netCDF file is a run, and not the results of a sweep."""
     import h5py
 
+    if not path.exists():
+        raise InputError("report", [f"there is no {str(path)!r}; give a .nc file of ours, a study folder, or a robot"])
     try:
         with h5py.File(path) as file:
             return "mean_velocity" not in file

@@ -19,7 +19,7 @@ def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(command, "Simulate one robot or mechanism and say how it moves.")
     made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
-    made.add_argument("--data", metavar="FILE", help="write every column (.nc, .mat or .csv)")
+    made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat or .csv)")
     asked = made.parse_intermixed_args(words)
     figure, data = show.writable("--figure", asked.figure, FIGURES), show.writable("--data", asked.data, DATA)
     study = subject(asked.robot, asked.settings)

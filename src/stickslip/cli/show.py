@@ -75,15 +75,24 @@ def progress(what: str) -> Callable[[int, int], None] | None:
     return tell
 
 
-def stages() -> Callable[[str, int, int], None]:
-    """Tells on stderr what is being done: on one line that is written over for a person, else one line for each kind of thing."""
+def stages(quiet: bool = False) -> Callable[[str, int, int], None]:
+    """Tells on stderr what is being done: on one line that is written over for a person, else one line for each kind of thing.
+
+    Parameters
+    ----------
+    quiet : bool
+        Say nothing where no person looks; after the last stage the line is empty again.
+    """
     last, told = "", set()
     over = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
 
     def tell(what: str, done: int, whole: int) -> None:
         nonlocal last
+        if quiet and not over:
+            return
         if over:
             line = f"{what} {done}/{whole}" if whole > 1 else what
+            line = "" if quiet and done >= whole else line
             print(f"\r{line:<{max(len(last), 1)}}", end="", file=sys.stderr, flush=True)
             last = line
         elif (kind := what.partition(" ")[0]) not in told:  # drawing, judging, …
@@ -99,9 +108,8 @@ def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | N
         return None
     target = Path(path).expanduser()
     if target.suffix.lower() not in suffixes:
-        raise InputError(
-            option, [f"{path!r} ends in {target.suffix!r}; allowed are {', '.join(suffixes)}; type for example result{suffixes[0]}"]
-        )
+        ending = f"ends in {target.suffix!r}" if target.suffix else "has no ending"
+        raise InputError(option, [f"{path!r} {ending}; allowed are {', '.join(suffixes)}; type for example result{suffixes[0]}"])
     folder = target.parent
     if not folder.is_dir():
         raise InputError(option, [f"{path!r}: the folder {str(folder)!r} does not exist; make it first, or give another path"])

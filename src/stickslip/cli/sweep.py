@@ -8,19 +8,20 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject
+from stickslip.cli.kept import FILES
 from stickslip.errors import InputError, Problems, StickslipError
 
-__all__ = ["act", "add_options", "axes_of", "run_options", "watcher"]
+__all__ = ["act", "add_options", "axes_of", "out_file", "run_options", "watcher"]
 
 _SHOWN = 60  # rows of the table that are printed
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats
-_FILES = (".nc", ".mat", ".csv", ".parquet")
+_NOT_OURS = (".xlsx", ".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg")
 _MORE = """\
 values
   amplitude=4e-4          one value
   law=lugre,coulomb       several
-  amplitude=4e-4..8e-4:9  nine from 4e-4 to 8e-4
+  amplitude=4e-4..8e-4:9  nine from 4e-4 to 8e-4; amplitude=1e-4..1e-3:9:log: each larger than the last by one factor
 
 examples
   stickslip sweep piezo_rig law=lugre,coulomb tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
@@ -35,7 +36,7 @@ def act(command: str, words: list[str]) -> int:
     made = parser(command, "Simulate a robot over a grid of its numbers, or over any other design.", more=_MORE)
     add_options(made)
     asked = made.parse_intermixed_args(words)
-    file = show.writable("--out", asked.out, _FILES) if asked.out and Path(asked.out).suffix.lower() in _FILES else None
+    file = out_file(asked.out)
     study, designs = axes_of(asked)
 
     from stickslip.sweeps import export, sweep
@@ -74,6 +75,13 @@ def add_options(made: Parser, designs: bool = True) -> None:
         made.add_argument("--seed", type=int, default=0, help="seed of a random design (0)")
         made.add_argument("--zip", action="store_true", help="the lists go together, value by value")
         made.add_argument("--table", metavar="FILE", help="a CSV file with a line of names and a row for each case")
+
+
+def out_file(out: str | None) -> Path | None:
+    """The file that --out names, or None for a study folder; the ending of a file that is not ours is no folder's name."""
+    if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (Path(out).expanduser() / "manifest.json").exists():
+        return None
+    return show.writable("--out", out, FILES)
 
 
 def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
@@ -118,6 +126,8 @@ def _ranges(settings: list[str]) -> tuple[dict[str, Any], list[str]]:
             rest.append(word)
             if ".." in text:
                 problems.add(f"{word!r} gives the number of values, and so does the design; type {name}={text.partition(':')[0]}")
+    if not ranges and problems.found == []:
+        problems.add("--sobol and --latin draw from ranges, and there is none; type for example amplitude=1e-4..8e-4")
     problems.check()
     return ranges, rest
 
@@ -126,6 +136,10 @@ def run_options(asked: Any, file: Path | None) -> dict[str, Any]:
     """Arguments of `sweep` from the options; what goes to one file is computed in memory."""
     if file is not None and (asked.resume or asked.shard):
         raise InputError("--out", [f"{str(file)!r} is a file; --resume and --shard are for a study folder; type for example --out study"])
+    if not asked.out and (asked.resume or asked.shard):
+        raise InputError("--resume" if asked.resume else "--shard", ["this is for a study folder; type for example --out study"])
+    if asked.tile is not None and asked.tile < 1:
+        raise InputError("--tile", [f"{asked.tile}; allowed is a whole number of cases from 1; type for example --tile 1000"])
     found: dict[str, Any] = {"resume": asked.resume, "shard": asked.shard, "tile": asked.tile, "continue_along": asked.along}
     if asked.out and file is None:
         found["out"] = asked.out
@@ -170,7 +184,7 @@ def _told(grid: Any, study: Any, written: str | None) -> str:
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
-    head = [*(_headed(grid, d) for d in (*axes, *varying)), "mean velocity [m/s]", "type", "pattern", "period", "margin"]
+    head = [*(_headed(grid, d) for d in (*axes, *varying)), "mean velocity [m/s]", "type", "pattern", "period [drive periods]", "margin"]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.table(head, rows)]
     if cases > _SHOWN:
