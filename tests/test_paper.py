@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 import stickslip as ss
+from house import ROOT
 from stickslip.errors import InputError
 from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES
 from stickslip.paper.claims import CONFIRMED, NOT_CONFIRMED, UNDECIDED, VERDICTS
@@ -126,6 +127,60 @@ def test_inferred_amplitudes_are_called_inferred(result, html):
         assert "inferred" in captions[f"figure-{number:02}"]
     assert "our choice" in captions["figure-06"]
     assert html.count("inferred") > 15
+
+
+# section 5 by multipliers and exponents -----------------------------------------------------------------------------
+
+
+def test_every_figure_of_section_5_has_a_verdict_from_multipliers_and_exponents(result):
+    assert {figure: m.word for figure, m in result.motions.items() if m.word != "periodic, period 1"} == {23: "periodic, period 2"}
+    assert sorted(result.motions) == list(range(11, 31))
+    for figure, m in result.motions.items():
+        assert abs(m.multipliers[0]) < 1 and m.residual < 1e-9 and m.exponent < 0, figure
+        if m.from_multiplier is not None:  # two ways to one number; three errors, and rounding of multipliers down to 1e-10
+            assert m.exponent == pytest.approx(m.from_multiplier, abs=3 * m.error + 1e-3), figure
+    # known from a finer run: docs/dynamics.md
+    assert result.motions[22].multipliers[0].real == pytest.approx(0.03809, abs=1e-5)
+    assert result.motions[23].multipliers[0].real == pytest.approx(-0.3934, abs=1e-4)
+
+
+def test_a_coulomb_twin_that_rests_has_multiplier_zero(result):
+    types = {c["figure"]: c["coulomb"]["type"] for c in result.cases}
+    for figure, m in result.motions.items():
+        assert (m.twin == 0.0) == (types[figure] != "IV"), figure
+
+
+def test_what_lies_around_section_5_is_mapped(result):
+    found = result.around
+    assert [round(mu0, 6) for mu0 in found.flips] == [0.046811, 0.035230]
+    assert sum(found.shares.values()) == pytest.approx(1.0) and 0.8 < found.shares["period 1"] < 0.95
+    assert found.chaotic.any() and 0.1 < found.largest["exponent"] < 0.8
+    for curve in found.curves:
+        assert curve.kind == "flip" and curve.parameters == ("mu0", "amplitude")
+    grid = found.grid  # beyond the tip of the tongue of flips (0.067, TRUTH has none) no motion doubles
+    assert set(grid.period.sel(mu0=slice(0.08, None)).values.ravel().tolist()) == {1}
+
+
+def test_the_report_and_the_numbers_have_the_verdicts(result, html):
+    assert "Section 5 by multipliers and exponents" in html and "What the paper did not see" in html
+    assert "periodic, period 2" in html and "stickslip lyapunov piezo_rig" in html
+    captions = {p.key: p.caption for p in result.figures}
+    assert "largest multiplier" in captions["figure-23"] and "section5-around" in captions
+    data = json.loads(result.numbers.read_text(encoding="utf-8"))
+    by_figure = {c["figure"]: c["verdict"] for c in data["cases"]}
+    assert by_figure[23]["period"] == 2 and by_figure[23]["multipliers"][0][0] == pytest.approx(-0.3934, abs=1e-4)
+    assert set(data["around"]) >= {"mu0", "amplitude", "period", "exponent", "error", "shares", "flips_at_0.6_mm", "flip_curves"}
+
+
+def test_words_of_motions_that_are_not_periodic():
+    from stickslip.paper.motions import Motion
+
+    wild = Motion(0, "chaotic", None, (), 0.4531, 0.0081, None, None, "")
+    assert (wild.word, wild.multiplier, wild.exponents) == ("chaotic", "none", "0.453 ± 0.008")
+    still = Motion(0, "periodic", 1, (1e-15 + 0j,), -math.inf, 0.0, 0.0, 0.0, "")
+    assert (still.multiplier, still.exponents, still.from_multiplier) == ("below 10⁻¹²", "−∞", None)
+    turning = Motion(0, "periodic", 1, (1e-3 + 1e-3j,), -6.56, 0.2, 0.0, 0.0, "")
+    assert turning.multiplier.startswith("|λ| = 0.00141")
 
 
 # claims -----------------------------------------------------------------------------------------------------------
@@ -286,3 +341,15 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="file"):
         ss.paper.reproduce(tmp_path / "file" / "below")
+
+
+def test_the_docs_say_what_was_found(result):
+    """`examples/paper_page.py` writes the page; the verdicts, the table and the errata on it are those of this run."""
+    page = (ROOT / "docs" / "paper-revisited.md").read_text(encoding="utf-8")
+    for c in result.claims:
+        assert f"| {c.section} | {c.claim} | **{c.verdict}** |" in page and f"*“{c.quote.strip()}”*" in page
+    for e in result.errata:
+        assert f"| {e.equation} | {e.printed.replace('|', chr(92) + '|')} | {e.right} | " in page
+    for r in result.table:
+        assert f"| {r.experiment.tilt_deg}° | {r.experiment.type} | {r.type} | " in page and f"{1e3 * r.lugre:.3f}" in page
+    assert page.count("How sure: ") == len(result.claims)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.paper.amplitudes import Amplitudes
+from stickslip.paper.around import Around, around
+from stickslip.paper.motions import Motion, motions
 from stickslip.paper.runs import Runs, Tell
 from stickslip.paper.table import Row
 
@@ -70,7 +72,8 @@ class Study:
     runs: Runs
     table: tuple[Row, ...]
     amplitudes: Amplitudes
-    period_map: dict[str, Any]
+    motions: dict[int, Motion]
+    around: Around
     static_map: dict[str, Any]
     tell: Tell
 
@@ -78,12 +81,10 @@ class Study:
 def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
     """Do the scans that claims and figures share."""
     from stickslip.paper.claims_friction import static_map
-    from stickslip.paper.claims_irregular import period_map
 
-    tell("scanning small kinetic friction", 0, 2)
-    periods = period_map(fast)
+    judged, near = motions(runs, tell), around(fast, tell)
     tell("scanning static friction", 1, 2)
-    return Study(fast, runs, table, amplitudes, periods, static_map(fast), tell)
+    return Study(fast, runs, table, amplitudes, judged, near, static_map(fast), tell)
 
 
 def verdict(holds: Any) -> str:

@@ -8,10 +8,11 @@ import numpy as np
 
 from stickslip.paper.cases import CASES, rig
 from stickslip.paper.claims import Claim, Part, Study, verdict
+from stickslip.paper.motions import Motion
 from stickslip.paper.runs import batch
 from stickslip.paper.words import grouped, listed, millimetres, percent, plain, speed
 
-__all__ = ["period_map", "period_two", "quasi_periodic", "rk4_ladder"]
+__all__ = ["period_two", "quasi_periodic", "rk4_ladder"]
 
 #: Steps per period of the fixed-step comparison; the last few only in the full run.
 STEPS = (500, 1000, 1500, 2000, 2500, 3000, 5000, 10_000, 20_000, 50_000)
@@ -56,6 +57,11 @@ def _steps(wrong: list[dict[str, Any]], what: str) -> str:
     return f"{listed(found)} steps" if found else "none of the step sizes"
 
 
+def _judged(motion: Motion) -> str:
+    """What multipliers and exponents say of a figure, as a sentence."""
+    return f"Largest multiplier {motion.multiplier}, largest exponent {motion.exponents} per drive period: {motion.word}."
+
+
 def quasi_periodic(study: Study) -> Claim:
     """Quasi-periodic at mu0 = 0.03."""
     A = np.linspace(3e-4, 1.25e-3, 39 if study.fast else 381)
@@ -78,6 +84,7 @@ def quasi_periodic(study: Study) -> Claim:
             f"velocity of {speed(best, 8)} "
             f"({'one method' if study.fast else 'two methods'}, tolerances from 10⁻⁶ to 10⁻¹⁰, largest relative difference "
             f"{plain(spread, 2)}).",
+            _judged(study.motions[22]),
             f"At {once} of {len(A)} amplitudes from {millimetres(A[0], 2)} to {millimetres(A[-1], 2)} it has period one.",
             f"Here k₁ = {plain(rig(FIG22).friction.f_plus / rig(FIG22).friction.mu_plus, 3)} and μ₊ = "
             f"{plain(rig(FIG22).friction.mu_plus, 2)}: extremely stiff. Fixed-step Runge-Kutta "
@@ -98,7 +105,7 @@ def quasi_periodic(study: Study) -> Claim:
 
 def period_two(study: Study) -> Claim:
     """Period two at mu0 = 0.04."""
-    ours, found, mapped = _converged(FIG23), study.amplitudes.section5.period_two, study.period_map["period"]
+    ours, found, near = _converged(FIG23), study.amplitudes.section5.period_two, study.around
     round_values = [(r["amplitude"], r["period"]) for r in study.amplitudes.section5.round_values]
     parts = tuple(
         Part(f"A = {millimetres(A, 1)}", verdict(p == 2), f"period {p}" if p else "no period up to 16 found: irregular")
@@ -116,21 +123,12 @@ def period_two(study: Study) -> Claim:
             f"Period two holds for amplitudes from {millimetres(found[0], 3)} to {millimetres(found[1], 3)}."
             if found
             else "It holds for no amplitude around 0.6 mm.",
-            f"On the map of {mapped.size} pairs of μ₀ (0.03 to 0.06) and A (0.3 to 1.2 mm) {percent(np.mean(mapped == 2))} have period "
-            "two, "
-            f"{percent(np.mean(mapped > 2))} a higher one and {percent(np.mean(mapped == 0))} none up to 16: small kinetic friction "
-            "does give "
-            "more than the four types.",
+            f"{_judged(study.motions[23])} Along μ₀ the period doubles at {listed(f'{mu0:.7f}' for mu0 in near.flips)}.",
+            f"On the map of {near.grid.period.size} pairs of μ₀ (0.03 to 0.21) and A (0.25 to 0.95 mm) "
+            f"{percent(near.shares['period 2'])} have period two, {percent(near.shares['higher periods'])} a higher one, and "
+            f"{percent(near.shares['chaotic'])} are chaotic: small kinetic friction does give more than the four types.",
         ),
         "high for the motion; that Figure 23 was drawn with 0.6 mm is inferred",
-        {"converged": ours, "interval": found, "round_values": round_values},
+        {"converged": ours, "interval": found, "round_values": round_values, "flips": near.flips, "shares": near.shares},
         parts,
     )
-
-
-def period_map(fast: bool) -> dict[str, Any]:
-    """Period numbers of the LuGre motion over kinetic coefficient and amplitude, 0 where none up to 16 was found."""
-    mu0 = np.linspace(0.03, 0.06, 16 if fast else 91)
-    A = np.linspace(3e-4, 1.2e-3, 16 if fast else 91)
-    many = batch(rig(FIG22, amplitude=A[:, None], mu0=mu0[None, :]), periods=200)
-    return {"mu0": mu0, "amplitude": A, "period": many.period}

@@ -6,17 +6,20 @@ from collections import Counter
 from typing import Any
 
 from stickslip.paper.amplitudes import Bracket, Interval
+from stickslip.paper.around import FULL
+from stickslip.paper.cases import CASES
 from stickslip.paper.claims import CONFIRMED, NOT_CONFIRMED
-from stickslip.paper.words import listed, millimetres, plain, speed
+from stickslip.paper.words import listed, millimetres, percent, plain, speed
 
 __all__ = ["content"]
 
 TITLE = "Friction in a vibration-driven system: the paper, computed again"
 #: The evidence figure that belongs to a claim.
-EVIDENCE = {"quasi_periodic": "evidence-step-size", "period_two": "evidence-periods", "all_types_by_static": "evidence-static-friction"}
+EVIDENCE = {"quasi_periodic": "evidence-step-size", "all_types_by_static": "evidence-static-friction"}
 CONTENTS = (
     ("table", "Table of section 4"),
     ("claims", "Claims"),
+    ("motions", "Section 5 by multipliers and exponents"),
     ("figures", "Figures"),
     ("amplitudes", "Amplitudes"),
     ("errata", "Errata"),
@@ -34,6 +37,8 @@ def content(result: Any, notes: list[str]) -> dict[str, Any]:
         "table": result.table,
         "rules": sum(result.table[0].lugre_words.values()),
         "claims": result.claims,
+        "motions": _motions(result),
+        "around": _around(result.around),
         "evidence": EVIDENCE,
         "pictures": result.figures,
         "fast": result.fast,
@@ -59,6 +64,33 @@ def _lead(result: Any) -> str:
         f"claims {counts[CONFIRMED]} are confirmed, {counts[NOT_CONFIRMED]} are not, and {rest} cannot be decided from the text. "
         f"{len(result.errata)} errata are listed with their proofs."
     )
+
+
+def _motions(result: Any) -> list[dict[str, Any]]:
+    """The rows of section 5's table, figure by figure."""
+    return [
+        {
+            "case": case, "motion": result.motions[case.figure], "twin": _zero(result.motions[case.figure].twin),
+            "drawn": any(p.key == f"figure-{case.figure:02}" for p in result.figures),
+        }
+        for case in CASES
+    ]  # fmt: skip
+
+
+def _zero(multiplier: float | None) -> str:
+    return "none" if multiplier is None else "0, exactly" if multiplier == 0 else plain(multiplier, 3)
+
+
+def _around(found: Any) -> dict[str, Any]:
+    top = found.largest
+    return {
+        "points": found.grid.period.size,
+        "shares": [(name, percent(share)) for name, share in found.shares.items()],
+        "flips": listed(f"{mu0:.7f}" for mu0 in found.flips),
+        "largest": f"{plain(top['exponent'], 2)} ± {plain(top['error'], 1)}",
+        "where": f"A = {millimetres(top['amplitude'], 3)}, μ₀ = {plain(top['mu0'], 3)}",
+        "full": FULL,
+    }
 
 
 def _span(interval: Interval, digits: int = 4) -> str:

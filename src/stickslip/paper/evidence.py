@@ -1,4 +1,4 @@
-"""Figures of our own that carry the verdicts: step sizes, period numbers, types by the static coefficient, amplitudes."""
+"""Figures of our own that carry the verdicts: step sizes, what lies around section 5, types by the static coefficient, amplitudes."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.amplitudes import ROUNDING, Amplitudes, Bracket
-from stickslip.paper.cases import AMPLITUDE_5
+from stickslip.paper.around import Around
+from stickslip.paper.cases import AMPLITUDE_5, CASES
 from stickslip.paper.claims import Claim, Study
 from stickslip.paper.drawing import COULOMB, LUGRE, Picture, render
-from stickslip.paper.words import listed, millimetres, plain, speed
+from stickslip.paper.words import listed, millimetres, percent, plain, speed
 from stickslip.plot.style import INK
 
 __all__ = ["draw"]
 
 #: Colours of motion types and of period numbers (Okabe and Ito 2008), light for what does not slide.
 TYPES = {"rest": "#E4E7EB", "presliding": "#E4E7EB", "II": "#56B4E9", "I": "#0072B2", "III": "#E69F00", "IV": "#D55E00", "other": "#333333"}
-PERIODS = (("1", "#E4E7EB"), ("2", "#56B4E9"), ("3 to 16", "#E69F00"), ("none found", "#333333"))
 
 
 def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture, ...]:
@@ -28,7 +28,7 @@ def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture
     pictures = (
         _amplitudes(study.amplitudes, folder),
         _ladder(next(c for c in claims if c.key == "quasi_periodic").numbers, folder),
-        _periods(study.period_map, folder),
+        _around(study.around, folder),
         _static(study.static_map, folder),
     )
     study.tell("drawing the evidence", 4, 4)
@@ -127,33 +127,43 @@ def _key(ax: Any, entries: list[tuple[str, str]]) -> None:
     )
 
 
-def _periods(found: dict[str, Any], folder: Path) -> Picture:
-    p = found["period"]
-    shares = {"1": np.mean(p == 1), "2": np.mean(p == 2), "3 to 16": np.mean(p > 2), "none": np.mean(p == 0)}
+def _around(found: Around, folder: Path) -> Picture:
+    top, shares = found.largest, found.shares
+    where = f"A = {millimetres(top['amplitude'], 3)}, μ₀ = {plain(top['mu0'], 3)}"
     return render(
         folder,
-        "evidence-periods",
-        [partial(_period_panel, found)],
-        height=2.9,
-        title="Period numbers at small kinetic friction",
-        caption="Converged LuGre motion at 1.7°, 200 periods from rest. Circles: Figures 22 (μ₀ = 0.03), 23 (0.04) and 24 (0.05) at "
-        "the inferred 0.6 mm. "
-        "Higher periods and irregular motion exist, but not at μ₀ = 0.03. Along borders the transient outlasts the run, and no period "
-        "is found.",
-        alt="Map over kinetic coefficient and amplitude. Shares of the map: "
-        + ", ".join(f"period {k}: {plain(100 * v, 2)} %" for k, v in shares.items())
-        + ".",
-        section="evidence",
+        "section5-around",
+        [partial(_around_panel, found, "motion"), partial(_around_panel, found, "exponent")],
+        height=3.6,
+        title="What the paper did not see",
+        caption="Converged LuGre motion at 1.7° from rest: period numbers, and the largest Lyapunov exponent, over amplitude and kinetic "
+        "coefficient. Diamonds: its figures, with their numbers (0.6 mm is inferred for 22 to 26). Black curve: where the motion of period "
+        "one doubles its period, by continuation of the flip in both parameters. All figures but 23 lie outside it, in plain period one; "
+        "chaos lies in its lower left corner, between amplitudes and coefficients that the paper tried one at a time. Grey: not decided "
+        "within the run, most of it beside a flip, where a motion settles slowly.",
+        alt="Two maps over amplitude and kinetic coefficient. Shares of the map: "
+        + ", ".join(f"{name} {percent(share)}" for name, share in shares.items())
+        + f". Largest exponent {plain(top['exponent'], 2)} per period at {where}.",
+        section="around",
     )
 
 
-def _period_panel(found: dict[str, Any], ax: Any) -> None:
-    p = found["period"]
-    index = np.where(p == 1, 0, np.where(p == 2, 1, np.where(p > 2, 2, 3)))
-    _mesh(ax, found["mu0"], 1e3 * found["amplitude"], index, [colour for _, colour in PERIODS])
-    ax.plot([0.03, 0.04, 0.05], [1e3 * AMPLITUDE_5] * 3, "o", color="#D55E00", markeredgecolor="white", markersize=5, clip_on=False)
-    ax.set(xlabel="kinetic coefficient $\\mu_0$", ylabel="amplitude $A$ (mm)")
-    _key(ax, [("period " + name if i == 0 else name, colour) for i, (name, colour) in enumerate(PERIODS)])
+def _around_panel(found: Around, quantity: str, ax: Any) -> None:
+    from stickslip.plot import chaos_map
+
+    chaos_map(found.grid, ax, quantity, found.curves)
+    ax.xaxis.set_major_formatter(lambda value, _: f"{1e-3 * value:g}")  # as everywhere in this report: mm
+    ax.set_xlabel("amplitude $A$ (mm)")
+    ax.set_ylabel("kinetic coefficient $\\mu_0$")
+    x, y = 1e6 * found.grid.amplitude.values, found.grid.mu0.values
+    for case in CASES:
+        A, mu0 = 1e6 * case.amplitude, case.changes.get("mu0", 0.18)
+        if case.section in ("5.1", "5.3") and x[0] <= A <= x[-1] and y[0] - 1e-9 <= mu0 <= y[-1] + 1e-9:
+            ax.plot(A, mu0, "D", color="white", markeredgecolor="black", markeredgewidth=0.8, markersize=3.6, clip_on=False, zorder=6)
+            ax.annotate(
+                str(case.figure), (A, mu0), (5, 0), textcoords="offset points", va="center", fontsize=6.5, zorder=7, annotation_clip=False,
+                bbox={"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+            )  # fmt: skip
 
 
 def _static(found: dict[str, Any], folder: Path) -> Picture:

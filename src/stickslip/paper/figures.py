@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, PRINTED, Case, Experiment
 from stickslip.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
+from stickslip.paper.motions import Motion
 from stickslip.paper.runs import Runs, Tell
 from stickslip.paper.table import Row
 from stickslip.paper.words import millimetres, plain, speed
@@ -21,13 +22,13 @@ PERIODS = 3
 WHERE_INFERRED = "A = 0.6 mm (inferred). "
 
 
-def draw(runs: Runs, table: tuple[Row, ...], folder: Path, fast: bool, tell: Tell) -> tuple[Picture, ...]:
+def draw(runs: Runs, table: tuple[Row, ...], judged: dict[int, Motion], folder: Path, fast: bool, tell: Tell) -> tuple[Picture, ...]:
     """Draw every figure of sections 4 and 5 (the fast subset: some of them)."""
     rows = {r.experiment.figure: r for r in table}
     jobs: dict[int, Any] = {6: partial(_four_types, runs, table)}
     jobs |= {e.figure: partial(_experiment, runs, rows[e.figure]) for e in EXPERIMENTS}
     limits = {c.section: _limits(runs, c.section) for c in CASES}
-    jobs |= {c.figure: partial(_case, runs, c, limits[c.section]) for c in CASES}
+    jobs |= {c.figure: partial(_case, runs, c, judged[c.figure], limits[c.section]) for c in CASES}
     wanted = [n for n in sorted(jobs) if not fast or n in FAST_FIGURES]
     found = []
     for i, number in enumerate(wanted):
@@ -175,7 +176,7 @@ def _presliding(run: Any) -> bool:
     return motion(run).type in ("rest", "presliding")
 
 
-def _case(runs: Runs, case: Case, limits: tuple[float, float, float], folder: Path) -> Picture:
+def _case(runs: Runs, case: Case, judged: Motion, limits: tuple[float, float, float], folder: Path) -> Picture:
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity
 
@@ -185,9 +186,9 @@ def _case(runs: Runs, case: Case, limits: tuple[float, float, float], folder: Pa
     found = curve(run, periods)
     presliding = _presliding(run)
     own = presliding or found["v"].max() / _scale(run)[1] < 0.3 * limits[1]
-    words = f"period {told.period}" if told.period else "no period found"
     facts = (
-        f"{'' if case.amplitude_source == PRINTED else WHERE_INFERRED}Converged LuGre motion: {words}, word {told.type}, mean velocity "
+        f"{'' if case.amplitude_source == PRINTED else WHERE_INFERRED}Converged LuGre motion: {judged.word} (largest multiplier "
+        f"{judged.multiplier}, largest exponent {judged.exponents} per drive period), word {told.type}, mean velocity "
         f"{speed(mean_velocity(run))}; exact Coulomb type {twin}."
     )
     scales = (" The body only stretches its bristles." if presliding else "") + (" Axes of its own scale." if own else "")

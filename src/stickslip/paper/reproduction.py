@@ -13,10 +13,12 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import Amplitudes, infer
+from stickslip.paper.around import Around
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 from stickslip.paper.claims import VERDICTS, Claim, Study, claims, study_of
 from stickslip.paper.drawing import Picture
 from stickslip.paper.errata import Erratum, errata
+from stickslip.paper.motions import Motion
 from stickslip.paper.runs import Runs, Tell, solve_all
 from stickslip.paper.table import Row, rows
 from stickslip.paper.words import speed
@@ -36,6 +38,10 @@ class Reproduction:
         Section 4.
     cases : tuple of dict
         Sections 5.1 to 5.4, figure by figure.
+    motions : dict
+        By the number of the figure: what kind of motion it is, by multipliers and exponents.
+    around : Around
+        Period number and largest exponent over amplitude and kinetic coefficient.
     claims : tuple of Claim
     errata : tuple of Erratum
     amplitudes : Amplitudes
@@ -55,6 +61,8 @@ class Reproduction:
     numbers: Path
     table: tuple[Row, ...]
     cases: tuple[dict[str, Any], ...]
+    motions: dict[int, Motion]
+    around: Around
     claims: tuple[Claim, ...]
     errata: tuple[Erratum, ...]
     amplitudes: Amplitudes
@@ -76,6 +84,10 @@ class Reproduction:
                 f"  {e.tilt_deg}°  type {e.type:>3} / {r.type:<3}  Coulomb {speed(e.coulomb, 3)} / {speed(r.coulomb, 6)}"
                 f"  LuGre {speed(e.lugre, 3)} / {speed(r.lugre, 6)}  measured {speed(e.measured, 3)}"
             )
+        kinds = Counter(m.word for m in self.motions.values())
+        lines += [f"Section 5, by multipliers and exponents: {', '.join(f'{n} {word}' for word, n in kinds.most_common())}"]
+        shares = ", ".join(f"{name} {100 * share:.1f} %" for name, share in self.around.shares.items())
+        lines += [f"Around it, {self.around.grid.period.size} pairs of A and mu0: {shares}"]
         lines += [f"Claims: {', '.join(f'{counts[v]} {v}' for v in VERDICTS)}"]
         lines += [f"  {c.verdict:<{max(map(len, VERDICTS))}}  {c.section:>6}  {c.claim}" for c in self.claims]
         lines += [
@@ -133,7 +145,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
 def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tuple[Erratum, ...]) -> Reproduction:
     from stickslip.paper import evidence, figures
 
-    drawn = figures.draw(study.runs, study.table, folder / "figures", study.fast, study.tell) + evidence.draw(
+    drawn = figures.draw(study.runs, study.table, study.motions, folder / "figures", study.fast, study.tell) + evidence.draw(
         study, judged, folder / "figures"
     )
     return Reproduction(
@@ -141,7 +153,9 @@ def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tupl
         report=folder / "report.html",
         numbers=folder / "numbers.json",
         table=study.table,
-        cases=tuple(_case(study.runs, c) for c in CASES),
+        cases=tuple(_case(study.runs, c, study.motions[c.figure]) for c in CASES),
+        motions=study.motions,
+        around=study.around,
         claims=judged,
         errata=found,
         amplitudes=study.amplitudes,
@@ -166,7 +180,7 @@ def _folder(folder: Path) -> Path:
     return folder
 
 
-def _case(runs: Runs, case: Any) -> dict[str, Any]:
+def _case(runs: Runs, case: Any, judged: Motion) -> dict[str, Any]:
     from stickslip.analysis.motion import motion
     from stickslip.analysis.steady import mean_velocity
 
@@ -176,6 +190,7 @@ def _case(runs: Runs, case: Any) -> dict[str, Any]:
         **{name: getattr(case, name) for name in ("figure", "section", "tilt_deg", "amplitude", "changes", "said", "amplitude_source")},
         "lugre": {"mean_velocity": mean_velocity(run), "period": told.period, "word": told.type, "pattern": told.pattern},
         "coulomb": {"mean_velocity": mean_velocity(twin), "period": exact.period, "type": exact.type, "margin": exact.margin},
+        "verdict": judged.as_data(),
     }
 
 
@@ -216,10 +231,11 @@ def as_dict(result: Reproduction) -> dict[str, Any]:
     a = result.amplitudes
     brackets = [{f.name: getattr(b, f.name) for f in dataclasses.fields(b) if f.name not in ("scan", "experiment")} for b in a.section4]
     data = {
-        "format": "stickslip-paper-1",
+        "format": "stickslip-paper-2",
         "fast": result.fast,
         "table": [{**dataclasses.asdict(r), "closer": r.closer, "closer_printed": r.closer_printed} for r in result.table],
         "cases": result.cases,
+        "around": result.around.as_data(),
         "claims": [dataclasses.asdict(c) for c in result.claims],
         "errata": [dataclasses.asdict(e) for e in result.errata],
         "amplitudes": {
