@@ -11,7 +11,7 @@ author = "The stickslip contributors"
 copyright = "2026, The stickslip contributors"
 release = metadata.version("stickslip")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "commands"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "commands", "gallery"]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
@@ -27,6 +27,7 @@ html_theme = "furo"
 html_title = f"stickslip {release}"
 html_static_path = ["_static"]
 html_css_files = ["style.css"]
+html_js_files = ["reach.js"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
 html_copy_source = False
