@@ -50,6 +50,12 @@ def pytest_xdist_auto_num_workers(config):
     return min(os.cpu_count() or 1, 8)
 
 
+@pytest.fixture
+def every_report(monkeypatch):
+    """Progress is reported however soon it comes after the last report: a test that says stop does not race a fast machine."""
+    monkeypatch.setattr("stickslip.sweeps.progress.PAUSE", 0.0)
+
+
 @pytest.fixture(autouse=True)
 def _tidy(request):
     """A doctest may write files: it runs in a folder of its own. Figures are closed after every test."""

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from stickslip.dynamics.switched import Switch as Switch
     from stickslip.dynamics.switched import SwitchingFlow as SwitchingFlow
     from stickslip.dynamics.switched import passage as passage
+    from stickslip.dynamics.tracked import attractors as attractors
     from stickslip.engine.latex import latex as latex
     from stickslip.errors import InputError as InputError
     from stickslip.errors import SolveError as SolveError
@@ -165,6 +166,7 @@ _HOMES = {
     "Verdict": "dynamics.exponents",
     "VerticalVibration": "drives",
     "Viscous": "friction",
+    "attractors": "dynamics.tracked",
     "basins": "dynamics.attractors",
     "bench": "benching",
     "bifurcation": "dynamics.diagrams",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import math
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -140,6 +141,7 @@ def check(
     start: dict[str, Any] | None = None,
     rk4_steps: tuple[int, ...] = RK4_STEPS,
     scipy: bool = True,
+    progress: Callable[[str, int, int], None] | None = None,
 ) -> Check:
     """Let several methods solve one robot and say how many digits of its mean velocity are certain.
 
@@ -161,6 +163,8 @@ def check(
         Steps per period of the Runge-Kutta judges.
     scipy : bool
         Whether to ask scipy, which takes most of the time.
+    progress : callable, optional
+        Called with (who is asked, how many were asked, how many there are).
 
     Returns
     -------
@@ -179,11 +183,17 @@ def check(
         raise InputError("check", [f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it"])
     court = _Court(robot, periods, start)
     dynamic = is_dynamic(robot.friction)
+    tell = _told(progress, 1 + scipy + len(rk4_steps))
+    tell("our own methods")
     run, judges = court.ladder(rtol) if dynamic else court.exact()
     best = judges[-1].mean_velocity if dynamic else judges[0].mean_velocity
     if scipy:
+        tell(f"scipy {SCIPY[dynamic][0]}")
         judges.append(court.scipy(*SCIPY[dynamic], tight=max(1e-4 * rtol, _TIGHTEST)))
-    judges += [court.judge(RK4, f"{n} per period", best, counts=False, method="rk4", steps=n) for n in rk4_steps]
+    for n in rk4_steps:
+        tell(f"Runge-Kutta, {n} steps")
+        judges.append(court.judge(RK4, f"{n} per period", best, counts=False, method="rk4", steps=n))
+    tell("done")
     period, balance = period_number(run), energy(run).worst
     answer = judges[0].mean_velocity
     counted = [judge for judge in judges if judge.counts and math.isfinite(judge.difference)]
@@ -192,6 +202,12 @@ def check(
     digits = certain_digits(answer, uncertainty)
     verdict = sentence(answer, uncertainty, digits, period, counted, robot) + naive(answer, judges, robot)
     return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(robot.notes), verdict)
+
+
+def _told(progress: Callable[[str, int, int], None] | None, whole: int) -> Callable[[str], None]:
+    """Counts who was asked."""
+    done = iter(range(whole + 1))
+    return lambda who: progress(who, next(done), whole) if progress else None
 
 
 class _Court:

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Callable, Iterable
 from typing import Any
 
-__all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather"]
+__all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather", "is_whole"]
 
 
 class StickslipError(Exception):
@@ -52,6 +52,19 @@ class Problems:
         """Note one problem."""
         self.found.append(sentence)
 
+    def whole(self, name: str, value: Any, least: int, example: int, what: str = "") -> None:
+        """Note a value that is no whole number from `least`, of Python or NumPy; `what` says of what it is one.
+
+        Examples
+        --------
+        >>> problems = Problems("sweep")
+        >>> problems.whole("workers", 2.5, 1, example=2)
+        >>> problems.found
+        ['workers = 2.5; allowed is a whole number from 1; type for example workers=2']
+        """
+        if not is_whole(value) or value < least:
+            self.add(f"{name} = {value!r}; allowed is a whole number{what} from {least}; type for example {name}={example}")
+
     def include(self, error: InputError, prefix: str = "") -> None:
         """Take over the problems of another error, each with `prefix` before it."""
         self.found.extend(prefix + p for p in error.problems)
@@ -60,6 +73,17 @@ class Problems:
         """Raise one `InputError` with everything found, or return if nothing was."""
         if self.found:
             raise InputError(self.what, self.found)
+
+
+def is_whole(value: Any) -> bool:
+    """Whether a value is one whole number, of Python or NumPy; True and False are none.
+
+    Examples
+    --------
+    >>> is_whole(3), is_whole(3.0), is_whole(True)
+    (True, False, False)
+    """
+    return hasattr(value, "__index__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0
 
 
 def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:
@@ -77,5 +101,6 @@ def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """A sentence that proposes the nearest known name, or lists all of them."""
     known = list(known)
-    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.55)
+    small = {word.lower(): word for word in known}
+    near = [small[word] for word in difflib.get_close_matches(str(name).lower(), small, n=1, cutoff=0.55)]
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"

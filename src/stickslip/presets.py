@@ -51,7 +51,8 @@ def piezo_rig(
     law : {"lugre", "coulomb", "coulomb-static"}
         "coulomb" is Eq. 2.4 to the letter: break-away at mu0, f0 unused; "coulomb-static" breaks away at f0.
     incline : {"folded", "gravity"}
-        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act.
+        "folded" puts the incline into the coefficients as the paper does (Eq. 4.1); "gravity" lets gravity act. A law
+        that takes the folded one's place by ``replace(friction=...)`` is on a level track: say "gravity" for it.
     gravity : float or array
         Acceleration of gravity [m/s^2].
     sigma0, sigma1, sigma2, v_s : float or array

@@ -6,10 +6,10 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.batch import shape_of
+from stickslip.batch import check_shape, shape_of
 from stickslip.drives.drive import largest_velocity
 from stickslip.drives.turned import Reversed
-from stickslip.errors import InputError, Problems
+from stickslip.errors import Problems
 from stickslip.fields import Record, positive
 from stickslip.forces import check_law
 from stickslip.tables import from_toml, record_html, to_toml
@@ -73,11 +73,7 @@ class Robot(Record):
             elif not dataclasses.is_dataclass(part):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
         check_law(self.friction, problems)
-        if not problems.found:
-            try:
-                shape_of(self)
-            except InputError as error:
-                problems.include(error)
+        check_shape(self, problems)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -1,14 +1,16 @@
 """Pictures of runs, records, benches and maps, and of what becomes of motions along a parameter. They take what was computed before."""
 
 from stickslip.plot.benches import bench
+from stickslip.plot.chaos import chaos_map
 from stickslip.plot.cuts import line_cut
-from stickslip.plot.dynamics import basins, bifurcation, chaos_map, continuation, convergence, spectrum
+from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
 from stickslip.plot.maps import motion_map, velocity_map
 from stickslip.plot.records import comparison, fitted, record_spectrum, residuals
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
+from stickslip.plot.tracked import attractors
 
 __all__ = [
-    "basins", "bench", "bifurcation", "chaos_map", "comparison", "continuation", "convergence", "fitted", "forces", "line_cut",
-    "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
+    "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "continuation", "convergence", "fitted", "forces",
+    "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
 ]  # fmt: skip

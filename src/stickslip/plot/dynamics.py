@@ -11,18 +11,21 @@ from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.plot.style import COLOURS, INK, axes, prefix, publication
 
-__all__ = ["basins", "bifurcation", "chaos_map", "continuation", "convergence", "spectrum"]
+__all__ = ["basins", "bifurcation", "continuation", "convergence", "named", "scaled", "spectrum"]
 
-_MARKERS = {"flip": ("s", "flip"), "fold": ("D", "fold"), "grazing": ("v", "grazing"), "type-border": ("|", "border of types")}
+_MARKERS = {
+    "flip": ("s", "flip"), "fold": ("D", "fold"), "neimark-sacker": ("o", "Neimark-Sacker"), "grazing": ("v", "grazing"),
+    "type-border": ("|", "border of types"),
+}  # fmt: skip
 _CLOUD = "#8A94A0"
 
 
-def _named(text: str, unit: str, factor_prefix: str = "") -> str:
+def named(text: str, unit: str, factor_prefix: str = "") -> str:
     """An axis label with its unit; what has none shows none."""
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
 
 
-def _scaled(values: Any, unit: str) -> tuple[float, str]:
+def scaled(values: Any, unit: str) -> tuple[float, str]:
     """The prefix of an axis with a unit; numbers without one keep their size."""
     return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
 
@@ -60,20 +63,27 @@ def continuation(
     shown = [_values(b, observable) for b in branches]
     told = branches[0].points[observable].attrs
     unit = told.get("units", {"v": "m/s", "z": "m"}.get(observable, "1"))
-    up, mark = _scaled(np.concatenate([s.ravel() for s in shown]), unit)
-    right, side = _scaled(across.values, across.attrs["units"])
+    up, mark = scaled(np.concatenate([s.ravel() for s in shown]), unit)
+    right, side = scaled(across.values, across.attrs["units"])
     with publication():
         ax = axes(ax, height=2.6)
         if diagram is not None:
             _cloud(ax, diagram, parameter, observable, right, up)
         for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
             name = labels[i] if labels is not None else f"period {b.period}"
-            _line(ax, b, values * up, right, COLOURS[i % 7], name)
+            _line(ax, b, observable, values * up, right, up, COLOURS[i % 7], name)
+        if observable == "largest_multiplier":
+            ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
         if special:
             _marks(ax, branches, observable, right, up)
-        ax.set_xlabel(_named(across.attrs["long_name"], across.attrs["units"], side))
-        ax.set_ylabel(_named(_WORDS.get(observable, told.get("long_name", observable)), unit, mark))
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.2, handletextpad=0.5)
+        ax.set_xlabel(named(across.attrs["long_name"], across.attrs["units"], side))
+        ax.set_ylabel(named(_WORDS.get(observable, told.get("long_name", observable)), unit, mark))
+        handles, texts = ax.get_legend_handles_labels()
+        order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
+        ax.legend(
+            [handles[k] for k in order], [texts[k] for k in order], loc="lower right", bbox_to_anchor=(1.0, 1.0),
+            ncols=min(len(order), 4) if len(order) < 5 else 3, borderaxespad=0.2, columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
+        )  # fmt: skip
         return ax
 
 
@@ -85,25 +95,30 @@ _WORDS = {
 
 def _values(branch: Any, observable: str) -> Any:
     """The observable along a branch: (points, 1), or (points, period) for a coordinate of the state."""
-    if observable not in branch.points:
-        raise InputError("plot", [f"observable = {observable!r}; allowed is one of {', '.join(map(str, branch.points.data_vars))}"])
-    if observable not in branch.orbits[0].names or branch.period == 1:
+    numbers = [str(n) for n, column in branch.points.data_vars.items() if column.ndim == 1 and column.dtype.kind in "biuf"]
+    if observable not in numbers:
+        raise InputError("plot", [f"observable = {observable!r}; allowed is one of {', '.join(numbers)}"])
+    first = branch.orbits[0]
+    if observable not in first.names or branch.period == 1 or first.model.period is None:
         return branch.points[observable].values.astype(float)[:, None]
     return np.array([_strobed(orbit, observable) for orbit in branch.orbits])
 
 
 def _strobed(orbit: Any, observable: str) -> Any:
-    """A coordinate at the start of every drive period of an orbit."""
-    run = orbit.run
+    """A coordinate at the start of every drive period of an orbit; where nothing drives, at the start of the cycle."""
+    run, column = orbit.run, orbit.names.index(observable)
+    if run.model.period is None:
+        return orbit.state[column : column + 1]
     if observable in ("x", "v"):
         return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
-    z = np.asarray(run.strobe_z)[: orbit.period]
-    return z if z.ndim == 1 else z[:, int(observable[1:])]
+    family = observable.rstrip("0123456789")
+    found = np.asarray(run.strobe_memory if family == "memory" else run.strobe_z)[: orbit.period]
+    return found if found.ndim == 1 else found[:, int(observable[len(family) :] or 0)]
 
 
-def _line(ax: Any, branch: Any, values: Any, right: float, colour: str, name: str) -> None:
-    stable = np.array([o.stable for o in branch.orbits])
-    x = branch.values * right
+def _line(ax: Any, branch: Any, observable: str, values: Any, right: float, up: float, colour: str, name: str) -> None:
+    x, values, stable = _with_changes(branch, observable, values / up)
+    x, values = x * right, values * up
     for column in values.T:
         for state, dash, width in ((True, "-", 1.4), (False, (0, (3, 1.5)), 0.9)):
             keep = stable == state
@@ -112,12 +127,33 @@ def _line(ax: Any, branch: Any, values: Any, right: float, colour: str, name: st
     ax.plot([], [], color=colour, label=name)
 
 
+def _with_changes(branch: Any, observable: str, values: Any) -> tuple[Any, Any, Any]:
+    """Parameter, observable and stability along a branch, with the special points at which stability changes among them."""
+    x, stable = branch.values, np.array([o.stable for o in branch.orbits])
+    places, extra = [], []
+    for i in np.flatnonzero(stable[1:] != stable[:-1]):
+        low, high = sorted(x[i : i + 2])
+        here = [s for s in branch.special if s.kind in ("flip", "fold") and low <= s.value <= high]
+        places += [i + 1] * len(here[:1])
+        extra += here[:1]
+    if not extra:
+        return x, values, stable
+    inserted = np.array([np.ravel(_at(s.orbit, observable))[: values.shape[1]] for s in extra])
+    x = np.insert(x, places, [s.value for s in extra])
+    return x, np.insert(values, places, inserted, axis=0), np.insert(stable, places, stable[places])
+
+
+def _at(orbit: Any, observable: str) -> Any:
+    """The observable of one orbit: a number, or one for each of its drive periods."""
+    return _strobed(orbit, observable) if observable in orbit.names else [_of_orbit(orbit, observable)]
+
+
 def _cloud(ax: Any, diagram: Any, parameter: str, observable: str, right: float, up: float) -> None:
     if observable not in diagram:
         raise InputError("plot", [f"the diagram has no {observable!r}; it has {', '.join(map(str, diagram.data_vars))}"])
     y = diagram[observable]
     x = diagram[parameter].broadcast_like(y).values.ravel() * right
-    ax.plot(x, y.values.ravel() * up, ".", markersize=0.9, color=_CLOUD, markeredgewidth=0, zorder=1, rasterized=True)
+    ax.plot(x, y.values.ravel() * up, ".", markersize=1.5, color=_CLOUD, markeredgewidth=0, zorder=1, rasterized=True)
     ax.plot([], [], ".", markersize=4, color=_CLOUD, label="brute force")
 
 
@@ -128,7 +164,7 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
             if s.kind == "type-border" and is_dynamic(s.orbit.model.friction):
                 continue  # words with thresholds: no points of the dynamics
             marker, name = _MARKERS[s.kind]
-            values = _strobed(s.orbit, observable) if observable in s.orbit.names else [_of_orbit(s.orbit, observable)]
+            values = _at(s.orbit, observable)
             face = COLOURS[6] if marker == "|" else "white"
             style = {"markersize": 7 if marker == "|" else 3.2, "color": face, "markeredgecolor": INK, "markeredgewidth": 0.9, "zorder": 6}
             ax.plot(np.full(len(values), s.value * right), np.asarray(values) * up, marker, label=None if name in used else name, **style)
@@ -161,7 +197,7 @@ def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
         )
     across, y = diagram[diagram.attrs["parameter"]], diagram[observable]
     unit = y.attrs.get("units", "1")
-    (right, side), (up, mark) = _scaled(across.values, across.attrs.get("units", "1")), _scaled(y.values, unit)
+    (right, side), (up, mark) = scaled(across.values, across.attrs.get("units", "1")), scaled(y.values, unit)
     with publication():
         ax = axes(ax, height=2.6)
         for i, direction in enumerate(diagram.direction.values):
@@ -170,8 +206,8 @@ def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
             size = 1.6 if i == 0 else 0.8
             ax.plot(x, part.values.ravel() * up, ".", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
             ax.plot([], [], ".", markersize=5, color=COLOURS[i], label=str(direction))
-        ax.set_xlabel(_named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
-        ax.set_ylabel(_named(_WORDS.get(observable, y.attrs.get("long_name", observable)), unit, mark))
+        ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
+        ax.set_ylabel(named(_WORDS.get(observable, y.attrs.get("long_name", observable)), unit, mark))
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, handletextpad=0.2)
         return ax
 
@@ -191,6 +227,7 @@ def basins(found: Any, ax: Any = None) -> Any:
     matplotlib Axes
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     if not hasattr(found, "attractors"):
@@ -200,7 +237,7 @@ def basins(found: Any, ax: Any = None) -> Any:
         raise InputError("plot", ["a map needs two axes with several values; type for example ss.basins(robot, v=[...], z=[...])"])
     across, upward = names[:2]
     flat = found.map.attractor.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
-    (right, side), (up, mark) = (_scaled(found.map[n].values, found.map[n].attrs["units"]) for n in (across, upward))
+    (right, side), (up, mark) = (scaled(found.map[n].values, found.map[n].attrs["units"]) for n in (across, upward))
     with publication():
         ax = axes(ax, height=2.8)
         paints: list[Any] = ["#FFFFFF", *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))]]
@@ -220,63 +257,14 @@ def basins(found: Any, ax: Any = None) -> Any:
                     color=COLOURS[k % 7],
                     markeredgecolor="white",
                 )
-        ax.set_xlabel(_named(found.map[across].attrs["long_name"], found.map[across].attrs["units"], side))
-        ax.set_ylabel(_named(found.map[upward].attrs["long_name"], found.map[upward].attrs["units"], mark))
+        ax.set_xlabel(named(found.map[across].attrs["long_name"], found.map[across].attrs["units"], side))
+        ax.set_ylabel(named(found.map[upward].attrs["long_name"], found.map[upward].attrs["units"], mark))
         told = [f"$V$ = {a.mean_velocity * 1e3:.3g} mm/s, {100 * a.share:.0f} %" for a in found.attractors]
-        handles = [Patch(color=paints[k + 1], label=text) for k, text in enumerate(told)]
+        handles: list[Any] = [Patch(color=paints[k + 1], label=text) for k, text in enumerate(told)]
+        if ax.lines:
+            handles.append(Line2D([], [], marker="o", linestyle="", color=INK, markersize=4, label="strobe point of the motion"))
         ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, columnspacing=1.2)
         return ax
-
-
-#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided.
-_MOTIONS = {
-    "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#C9A0C0", "8 to 32": "#12456B", "chaotic": "#D55E00",
-    "not decided": "#BBBBBB",
-}  # fmt: skip
-
-
-def chaos_map(found: Any, ax: Any = None) -> Any:
-    """A map of motions over two parameters: period numbers, and where the largest exponent is positive.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `stickslip.chaos_map`.
-    ax : matplotlib Axes, optional
-        Where to draw; a new figure if not given.
-
-    Returns
-    -------
-    matplotlib Axes
-    """
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-    from matplotlib.patches import Patch
-
-    if not {"period", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
-        raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
-    upward, across = map(str, found.period.dims)
-    (right, side), (up, mark) = (_scaled(found[n].values, found[n].attrs["units"]) for n in (across, upward))
-    kinds = _kinds(found)
-    with publication():
-        ax = axes(ax, height=3.0)
-        paints = ListedColormap(list(_MOTIONS.values()))
-        extent = [*_edges(found[across].values * right), *_edges(found[upward].values * up)]
-        norm = BoundaryNorm(np.arange(-0.5, len(_MOTIONS)), len(_MOTIONS))
-        ax.imshow(kinds, origin="lower", extent=extent, aspect="auto", cmap=paints, norm=norm, interpolation="nearest")
-        handles = [Patch(color=c, label=name) for i, (name, c) in enumerate(_MOTIONS.items()) if (kinds == i).any()]
-        ax.set_xlabel(_named(found[across].attrs["long_name"], found[across].attrs["units"], side))
-        ax.set_ylabel(_named(found[upward].attrs["long_name"], found[upward].attrs["units"], mark))
-        ax.legend(
-            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0, handlelength=1.2
-        )
-        return ax
-
-
-def _kinds(found: Any) -> Any:
-    """The number of the motion's kind in `_MOTIONS` at every point."""
-    period, chaotic = found.period.values, found.exponent.values > 3 * found.error.values
-    bins = np.searchsorted([1, 2, 3, 4, 7], period, side="left")
-    return np.where(period > 0, bins, np.where(chaotic, 6, 7))
 
 
 def _pale(colour: str) -> tuple[float, ...]:
@@ -316,7 +304,8 @@ def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
             if not np.isfinite(end):
                 continue
             ax.axhspan(end - 3 * error, end + 3 * error, color=COLOURS[i % 7], alpha=0.15, linewidth=0)
-            ax.plot(exponents.record[:, 0], exponents.record[:, 1 + i], color=COLOURS[i % 7], label=f"{end:.4g} ± {error:.1g}")
+            name = f"{end:.4g} ± {error:.1g} (band: three errors)"
+            ax.plot(exponents.record[:, 0], exponents.record[:, 1 + i], color=COLOURS[i % 7], label=name)
         ax.set_xlim(0, exponents.record[-1, 0])
         ax.set_xlabel(f"{exponents.unit}s averaged over")
         ax.set_ylabel(f"exponent per {exponents.unit}")
@@ -350,7 +339,7 @@ def spectrum(lines: Any, ax: Any = None) -> Any:
                 ax.plot(part.order, part.amplitude, "o", markersize=2, color=colour, label=name)
         ax.set_yscale("log")
         ax.set_ylim(floor, None)
-        ax.set_xlabel("frequency over the drive's")
-        ax.set_ylabel(f"amplitude of ${lines.attrs.get('column', 'v')}$")
+        ax.set_xlabel("frequency / frequency of the drive")
+        ax.set_ylabel(named(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
         return ax

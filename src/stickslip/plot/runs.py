@@ -14,7 +14,7 @@ from stickslip.forces import is_dynamic, normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, prefix, publication
 from stickslip.summary import Summary
 
-__all__ = ["forces", "phase", "velocity"]
+__all__ = ["forces", "limits", "phase", "rests", "sampled", "span", "velocity"]
 
 _POINTS = 1200  # per curve
 
@@ -32,7 +32,7 @@ def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
     return list(labels) if labels is not None else [type(r.model.friction).__name__ for r in runs]
 
 
-def _span(run: Any, periods: float) -> tuple[float, float]:
+def span(run: Any, periods: float) -> tuple[float, float]:
     """The last `periods` whole drive periods of a run."""
     if not periods > 0:
         raise InputError("plot", [f"periods = {periods!r}; allowed is a positive number of drive periods; type periods=3"])
@@ -40,7 +40,7 @@ def _span(run: Any, periods: float) -> tuple[float, float]:
     return max(end - periods * run.period_time, float(run.pieces.t[0])), end
 
 
-def _sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
+def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
     """A column over a span, with a pair of points at each event, so that corners and jumps are sharp."""
     events = np.array([e.t for e in run.events if start < e.t < end])
     grid = np.linspace(start, end, _POINTS)
@@ -49,7 +49,7 @@ def _sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]
     return t, run.at(np.clip(t, start, end))[column]
 
 
-def _rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
+def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
     """Where the body rests: exactly under a set-valued law, by the rule of `motion` under a dynamic one."""
     if not is_dynamic(run.model.friction):
         t, mode = run.pieces.t, np.asarray(run.pieces.mode)
@@ -95,13 +95,13 @@ def velocity(run: Any, periods: float = 3, ax: Any = None, labels: Sequence[str]
     matplotlib Axes
     """
     runs = _runs(run)
-    names, spans = _labels(runs, labels), [_span(r, periods) for r in runs]
-    curves = [_sampled(r, *span, "v") for r, span in zip(runs, spans, strict=True)]
+    names, spans = _labels(runs, labels), [span(r, periods) for r in runs]
+    curves = [sampled(r, *span, "v") for r, span in zip(runs, spans, strict=True)]
     time, seconds = prefix(*(b - a for a, b in spans))
     factor, unit = prefix(*(v for _, v in curves))
     with publication():
         ax = axes(ax)
-        _shade(ax, _rests(runs[0], *spans[0]), spans[0][0], time)
+        _shade(ax, rests(runs[0], *spans[0]), spans[0][0], time)
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
         for i, ((t, v), (start, _), name) in enumerate(zip(curves, spans, names, strict=True)):
             ax.plot((t - start) * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
@@ -133,7 +133,7 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
     """
     runs = _runs(run)
     names = _labels(runs, labels)
-    orbits = [_orbit(r, _span(r, periods if periods is not None else _shown(r))) for r in runs]
+    orbits = [_orbit(r, span(r, periods if periods is not None else _shown(r))) for r in runs]
     across, metres = prefix(*(s for s, _, _, _ in orbits))
     up, unit = prefix(*(v for _, v, _, _ in orbits))
     with publication():
@@ -183,17 +183,17 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
     matplotlib Axes
     """
     (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
-    start, end = _span(run, periods)
+    start, end = span(run, periods)
     shown = {"drive force $-m\\ddot\\xi$": "drive_force", "friction force $R$": "friction_force"}
-    curves = {name: _sampled(run, start, end, column) for name, column in shown.items()}
+    curves = {name: sampled(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)
     factor, unit = prefix(*(f for _, f in curves.values()))
     with publication():
         ax = axes(ax)
-        _shade(ax, _rests(run, start, end), start, time)
+        _shade(ax, rests(run, start, end), start, time)
         t, _ = next(iter(curves.values()))
         dashed = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
-        for i, limit in enumerate(_limits(run, t)):
+        for i, limit in enumerate(limits(run, t)):
             ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
         for i, (name, (t, F)) in enumerate(curves.items()):
             ax.plot((t - start) * time, F * factor, color=COLOURS[1 - i], linestyle="-", label=name, zorder=2 + i)
@@ -204,7 +204,7 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
         return ax
 
 
-def _limits(run: Any, t: Any) -> tuple[Any, ...]:
+def limits(run: Any, t: Any) -> tuple[Any, ...]:
     """Break-away forces at instants: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
     law, load = run.model.friction, normal_load(run.model, t, 0.0) + 0.0 * t
     if not is_dynamic(law):

@@ -1,0 +1,152 @@
+"""Maps of motions: period numbers and largest exponents over one or two parameters, with curves of special points over them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.plot.dynamics import named, scaled
+from stickslip.plot.style import COLOURS, INK, axes, publication
+
+__all__ = ["MOTIONS", "chaos_map"]
+
+#: Colours of a map of motions: period 1, 2, 3, 4, 5 to 7, 8 to 32, chaotic, undecided.
+MOTIONS = {
+    "period 1": "#E3ECF4", "2": "#8CC1E0", "3": "#F2C46D", "4": "#3B87BA", "5 to 7": "#C9A0C0", "8 to 32": "#12456B", "chaotic": "#D55E00",
+    "not decided": "#9A9A9A",
+}  # fmt: skip
+_NAMES = {"flip": "flip", "fold": "fold", "type-border": "border of types", "torus": "torus"}
+_LOWEST = -2.0  # exponents below it have one colour
+
+
+def chaos_map(found: Any, ax: Any = None, quantity: str = "motion", curves: Any = ()) -> Any:
+    """A map of motions over two parameters; over one, the largest exponent as a line.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `stickslip.chaos_map`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+    quantity : str
+        "motion": period numbers, and where the largest exponent is positive by three of its errors. "exponent": the largest exponent,
+        orange where neighbours part, violet where they meet.
+    curves : Curve or list of Curve
+        From `stickslip.special_curve`, in the same two parameters: drawn over the map.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    if not {"period", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
+        raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])
+    if quantity not in ("motion", "exponent"):
+        raise InputError("plot", [f"quantity = {quantity!r}; allowed is motion or exponent"])
+    with publication():
+        ax = axes(ax, height=3.0)
+        if len(found.period.dims) == 1:
+            return _line(found, ax)
+        upward, across = map(str, found.period.dims)
+        (right, side), (up, mark) = (scaled(found[n].values, found[n].attrs["units"]) for n in (across, upward))
+        handles = (_motions if quantity == "motion" else _exponents)(found, ax, found[across].values * right, found[upward].values * up)
+        handles += _over(curves, ax, (across, right), (upward, up))
+        _logarithmic(ax, "x", found[across].values)
+        _logarithmic(ax, "y", found[upward].values)
+        ax.set_xlabel(named(found[across].attrs["long_name"], found[across].attrs["units"], side))
+        ax.set_ylabel(named(found[upward].attrs["long_name"], found[upward].attrs["units"], mark))
+        if handles:
+            ax.legend(
+                handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(len(handles), 5), borderaxespad=0.2,
+                columnspacing=1.0, handlelength=1.2,
+            )  # fmt: skip
+        return ax
+
+
+def _motions(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    kinds = _kinds(found)
+    norm = BoundaryNorm(np.arange(-0.5, len(MOTIONS)), len(MOTIONS))
+    ax.pcolormesh(_edges(x), _edges(y), kinds, cmap=ListedColormap(list(MOTIONS.values())), norm=norm, rasterized=True)
+    shown = [item for i, item in enumerate(MOTIONS.items()) if (kinds == i).any()]
+    return [Patch(facecolor=colour, edgecolor=INK, linewidth=0.3, label=name) for name, colour in shown]
+
+
+def _kinds(found: Any) -> Any:
+    """The number of the motion's kind in `MOTIONS` at every point; masked where nothing was computed."""
+    period, chaotic = found.period.values, found.exponent.values > 3 * found.error.values
+    bins = np.searchsorted([1, 2, 3, 4, 7], period, side="left")
+    return np.ma.masked_where(period < 0, np.where(period > 0, bins, np.where(chaotic, 6, 7)))
+
+
+def _exponents(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
+    from matplotlib.colors import TwoSlopeNorm
+
+    values = np.ma.masked_invalid(np.where(np.isneginf(found.exponent.values), _LOWEST, found.exponent.values))
+    norm = TwoSlopeNorm(0.0, _LOWEST, max(0.5, float(np.max(values.filled(0.0), initial=0.0))))
+    mesh = ax.pcolormesh(_edges(x), _edges(y), values, cmap="PuOr_r", norm=norm, rasterized=True)
+    bar = ax.figure.colorbar(mesh, ax=ax, extend="min", pad=0.02, aspect=28)
+    bar.set_label("largest exponent per drive period")
+    bar.outline.set_linewidth(0.4)
+    return []
+
+
+def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, float]) -> list[Any]:
+    """Curves of special points, white below black so that they show on every colour; one handle for each kind."""
+    handles: dict[str, Any] = {}
+    for curve in curves if isinstance(curves, Iterable) else (curves,):
+        if set(getattr(curve, "parameters", ())) != {across[0], upward[0]}:
+            both = f"({across[0]}, {upward[0]})"
+            raise InputError("plot", [f"curves: {curve!r} is no curve in {both}; allowed are those of ss.special_curve"])
+        x, y = (curve.values[:, curve.parameters.index(name)] * factor for name, factor in (across, upward))
+        ax.plot(x, y, color="white", linewidth=2.0, zorder=3)
+        (handles[curve.kind],) = ax.plot(x, y, color="black", linewidth=0.9, zorder=4, label=_NAMES.get(curve.kind, curve.kind))
+    return list(handles.values())
+
+
+def _line(found: Any, ax: Any) -> Any:
+    name = str(found.period.dims[0])
+    right, side = scaled(found[name].values, found[name].attrs["units"])
+    x, y, error = found[name].values * right, found.exponent.values, found.error.values
+    ax.axhline(0.0, color=INK, linewidth=0.5)
+    ax.fill_between(x, y - 3 * error, y + 3 * error, color=COLOURS[0], alpha=0.2, linewidth=0)
+    ax.plot(x, y, ".-", color=COLOURS[0], linewidth=0.7, markersize=2.5)
+    _logarithmic(ax, "x", x)
+    ax.set_xlabel(named(found[name].attrs["long_name"], found[name].attrs["units"], side))
+    ax.set_ylabel("largest exponent per drive period")
+    return ax
+
+
+def _geometric(values: Any) -> bool:
+    """Whether numbers grow by a constant factor and not by a constant step."""
+    if len(values) < 3 or not (values > 0).all():
+        return False
+    ratios = np.diff(np.log(values))
+    return bool(np.ptp(ratios) < 1e-6 * abs(ratios).max() and np.ptp(np.diff(values)) > 1e-3 * abs(np.diff(values)).max())
+
+
+def _edges(values: Any) -> Any:
+    """The edges of cells around numbers, half way between neighbours (by their logarithms where they grow by a factor)."""
+    if _geometric(values):
+        return np.exp(_edges(np.log(values)))
+    if len(values) == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def _logarithmic(ax: Any, letter: str, values: Any) -> None:
+    """A logarithmic axis with plain numbers, where the numbers grow by a constant factor."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    if not _geometric(values):
+        return
+    getattr(ax, f"set_{letter}scale")("log")
+    axis = getattr(ax, f"{letter}axis")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))

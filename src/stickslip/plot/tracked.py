@@ -1,0 +1,60 @@
+"""Attractors along a parameter: how fast each moves, or what share of the starts it attracts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.plot.dynamics import named, scaled
+from stickslip.plot.style import COLOURS, axes, publication
+
+__all__ = ["attractors"]
+
+_QUANTITIES = ("mean_velocity", "share")
+
+
+def attractors(found: Any, quantity: str = "mean_velocity", ax: Any = None) -> Any:
+    """Attractors along a parameter, one line each; a ring where a motion has no period.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `stickslip.attractors`.
+    quantity : str
+        "mean_velocity", or "share": of the starts, with its 95 % interval as a band.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    if not {"share", "unsolved"} <= set(getattr(found, "data_vars", {})):
+        raise InputError("plot", [f"{type(found).__name__} without attractors; allowed is the Dataset of ss.attractors"])
+    if quantity not in _QUANTITIES:
+        raise InputError("plot", [f"quantity = {quantity!r}; allowed is {' or '.join(_QUANTITIES)}"])
+    across, y = found[found.attrs["parameter"]], found[quantity]
+    (right, side), (up, mark) = (scaled(a.values[np.isfinite(a.values)], a.attrs["units"]) for a in (across, y))
+    with publication():
+        ax = axes(ax)
+        for k in range(found.sizes["attractor"]):
+            one, colour = found.isel(attractor=k), COLOURS[k % 7]
+            x, values = across.values * right, one[quantity].values * up
+            if quantity == "share":
+                ax.fill_between(x, one.share_low.values, one.share_high.values, color=colour, alpha=0.15, linewidth=0)
+            ax.plot(x, values, ".-", color=colour, markersize=4, label=_told(one))
+            wild = one.period.values == 0
+            ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
+        ax.set_xlabel(named(across.attrs["long_name"], across.attrs["units"], side))
+        ax.set_ylabel(named(y.attrs["long_name"], y.attrs["units"], mark))
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.2)
+    return ax
+
+
+def _told(one: Any) -> str:
+    """An attractor by its number and its periods."""
+    periods = sorted({int(p) for p in one.period.values if p >= 0}, key=lambda p: (p == 0, p))
+    words = ", ".join(str(p) if p else "none" for p in periods)
+    return f"{int(one.attractor)}: period {words}"
