@@ -237,9 +237,24 @@ def test_reset_all_goes_back(page):
 # views ------------------------------------------------------------------------------------------------------------
 
 
-def middle(page, selector, x=0.5, y=0.5):
+def point_at(page, selector, x=0.5, y=0.5):
+    """Put the pointer on a part of a panel, once the panel has come to rest."""
     box = page.page.locator(selector).bounding_box()
-    return box["x"] + x * box["width"], box["y"] + y * box["height"]
+    page.page.locator(selector).hover(position={"x": x * box["width"], "y": y * box["height"]})
+
+
+def click_on(page, selector, x=0.5, y=0.5):
+    point_at(page, selector, x, y)
+    page.page.mouse.down()
+    page.page.mouse.up()
+
+
+def drag_over(page, selector, *points):
+    point_at(page, selector, *points[0])
+    page.page.mouse.down()
+    for point in points[1:]:
+        point_at(page, selector, *point)
+    page.page.mouse.up()
 
 
 def map_ready(page, kind="Click"):
@@ -252,7 +267,7 @@ def test_a_click_on_the_map_goes_there(page):
     map_ready(page)
     before = float(page.page.locator("input[name=amplitude]").input_value())
     with page.change():
-        page.page.mouse.click(*middle(page, "#map", 0.8, 0.2))
+        click_on(page, "#map", 0.8, 0.2)
     after = [float(page.page.locator(f"input[name={name}]").input_value()) for name in ("amplitude", "tilt_deg")]
     assert after[0] > before and after[1] > 2
     told = page.page.locator("#map-said").inner_text()  # the pointer is still there
@@ -263,11 +278,7 @@ def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):
     page.open()
     map_ready(page)
     with page.change():
-        page.page.mouse.move(*middle(page, "#map", 0.5, 0.3))
-        page.page.mouse.down()
-        page.page.mouse.move(*middle(page, "#map", 0.6, 0.4), steps=4)
-        page.page.mouse.move(*middle(page, "#map", 0.8, 0.6), steps=4)
-        page.page.mouse.up()
+        drag_over(page, "#map", (0.5, 0.3), (0.6, 0.4), (0.7, 0.5), (0.8, 0.6))
     page.page.wait_for_url(re.compile(r"map=mean_velocity%2Camplitude%2Ctilt_deg%2C0\.00"))
     low, high = map(float, re.search(r"amplitude%2Ctilt_deg%2C([\d.e-]+)%2C([\d.e-]+)%2C", page.page.url).groups())
     assert 0 < low < high < 1.6e-3
@@ -281,10 +292,7 @@ def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):
 def test_a_drag_on_the_velocity_zooms_in_time(page):
     page.open()
     whole = page.attribute("#velocity", "data-shows").split()
-    page.page.mouse.move(*middle(page, "#velocity .u-over", 0.25))
-    page.page.mouse.down()
-    page.page.mouse.move(*middle(page, "#velocity .u-over", 0.75), steps=5)
-    page.page.mouse.up()
+    drag_over(page, "#velocity .u-over", (0.25, 0.5), (0.5, 0.5), (0.75, 0.5))
     low, high = map(float, page.attribute("#velocity", "data-shows").split())
     assert low == pytest.approx(0.25 * float(whole[1]), rel=0.02) and high == pytest.approx(0.75 * float(whole[1]), rel=0.02)
     with page.change():
@@ -313,7 +321,7 @@ def test_the_strip_follows_the_parameter_that_is_dragged(page):
     assert int(re.search(r"at most (\d+) different", label)[1]) >= 2  # it doubles its period near mu0 = 0.04 (Fig. 23)
     page.page.locator("#strip").scroll_into_view_if_needed()
     with page.change():
-        page.page.mouse.click(*middle(page, "#strip", 0.5))
+        click_on(page, "#strip", 0.5)
     assert float(page.page.locator("input[name=mu0]").input_value()) == pytest.approx(0.31, abs=0.1)
 
 
@@ -579,9 +587,13 @@ def test_nothing_sticks_out_sideways(browser, explorer, width):
 def test_the_curves_stay_in_sight_on_a_phone(browser, explorer):
     page = Page(browser, explorer, viewport={"width": 380, "height": 800}).open()
     page.page.locator("input[name=inner_mass]").focus()
-    page.page.wait_for_timeout(200)
-    curves, slider = (page.page.locator(s).bounding_box() for s in ("#velocity-panel", "input[name=inner_mass]"))
-    assert curves["y"] >= 0 and curves["y"] + curves["height"] <= slider["y"] and slider["y"] + slider["height"] <= 800
+    page.page.wait_for_function(
+        """() => {
+            const [curves, slider] = ["#velocity-panel", "input[name=inner_mass]"].map(
+                found => document.querySelector(found).getBoundingClientRect());
+            return curves.top >= 0 && curves.bottom <= slider.top && slider.bottom <= innerHeight;
+        }"""
+    )
     page.context.close()
 
 
