@@ -66,79 +66,85 @@ def _intervals(count: Array, seg_time: Array, seg_code: Array, dwell: float) -> 
     return _rotated(*_merged(time, label, valid))
 
 
+# From here on each case is a column: NumPy works along rows as long as the batch, not along many short ones.
+
+
 def _packed(count: Array, time: Array, code: Array) -> tuple[Array, Array, Array]:
-    """Segments longer than rounding, moved to the front of their rows."""
-    valid = (np.arange(time.shape[1]) < count[:, None]) & (time > _SHORTEST)
-    order = np.argsort(~valid, axis=1, kind="stable")
-    time, code, valid = (np.take_along_axis(a, order, axis=1) for a in (time, code, valid))
+    """Segments longer than rounding, moved to the front, (K, cases)."""
+    time, code = np.ascontiguousarray(time.T), np.ascontiguousarray(code.T)
+    valid = (np.arange(len(time))[:, None] < count) & (time > _SHORTEST)
+    if (valid[1:] & ~valid[:-1]).any():
+        order = np.argsort(~valid, axis=0, kind="stable")
+        time, code, valid = (np.take_along_axis(a, order, axis=0) for a in (time, code, valid))
     return np.where(valid, time, 0.0), code, valid
 
 
 def _before(a: Array, count: Array) -> Array:
-    """Each entry's predecessor in its row, the last valid one before the first."""
-    rolled = np.roll(a, 1, axis=1)
-    if a.shape[1]:
-        rolled[:, 0] = a[np.arange(len(a)), np.maximum(count, 1) - 1]
+    """Each entry's predecessor in its case, the last valid one before the first."""
+    rolled = np.roll(a, 1, axis=0)
+    rolled[0] = a[np.maximum(count, 1) - 1, np.arange(a.shape[1])]
     return rolled
 
 
 def _runs(starts: Array) -> Array:
     """Number (from 1) of the run that each entry belongs to; what precedes the first start belongs to the last run."""
-    number = np.cumsum(starts, axis=1)
-    return np.where(number == 0, np.maximum(starts.sum(axis=1), 1)[:, None], number)
+    number = np.cumsum(starts, axis=0)
+    return np.where(number == 0, np.maximum(number[-1], 1), number)
 
 
 def _sums(number: Array, weights: Array) -> Array:
-    """Sum of the weights of each run: (cases, K + 1), where run 0 is unused."""
-    rows, width = len(number), number.shape[1] + 1
-    flat = (np.arange(rows)[:, None] * width + number).ravel()
-    return np.bincount(flat, weights.ravel(), rows * width).reshape(rows, width)
+    """Sum of the weights of each run: (K + 1, cases), where run 0 is unused."""
+    height, cases = len(number) + 1, number.shape[1]
+    flat = (number * cases + np.arange(cases)).ravel()
+    return np.bincount(flat, weights.ravel(), height * cases).reshape(height, cases)
 
 
 def _labels(time: Array, code: Array, valid: Array, dwell: float) -> Array:
     """+1, 0, -1 for each segment, with short elastic runs told by the sign of v."""
     elastic = valid & (abs(code) == 1)
-    number = _runs(elastic & ~_before(elastic, valid.sum(axis=1)))
-    lasting = np.take_along_axis(_sums(number, np.where(elastic, time, 0.0)), number, axis=1)
+    if not elastic.any():
+        return np.sign(code)
+    number = _runs(elastic & ~_before(elastic, valid.sum(axis=0)))
+    lasting = np.take_along_axis(_sums(number, np.where(elastic, time, 0.0)), number, axis=0)
     return np.where(elastic & (lasting >= dwell), 0, np.sign(code))
 
 
 def _merged(time: Array, label: Array, valid: Array) -> tuple[Array, Array, Array]:
     """Start, length and sign of each interval, in the order in which they begin."""
-    begins = valid & (label != _before(label, valid.sum(axis=1)))
-    alone = valid.any(axis=1) & ~begins.any(axis=1)  # one interval fills the whole period
-    begins[alone, 0] = True
-    number, K = _runs(begins), time.shape[1]
-    length = _sums(number, time)[:, 1:]
+    begins = valid & (label != _before(label, valid.sum(axis=0)))
+    begins[0] |= valid[0] & ~begins.any(axis=0)  # one interval fills the whole period
+    number, K = _runs(begins), len(time)
+    length = _sums(number, time)[1:]
     start, sign = np.zeros_like(time), np.full(time.shape, _NONE, np.int8)
     rows, cols = np.nonzero(begins)
     place = number[rows, cols] - 1
-    start[rows, place] = (np.cumsum(time, axis=1) - time)[rows, cols]
-    sign[rows, place] = label[rows, cols]
-    return start, np.where(np.arange(K) < begins.sum(axis=1)[:, None], length, 0.0), sign
+    start[place, cols] = (np.cumsum(time, axis=0) - time)[rows, cols]
+    sign[place, cols] = label[rows, cols]
+    return start, np.where(np.arange(K)[:, None] < begins.sum(axis=0), length, 0.0), sign
 
 
 def _rotated(start: Array, length: Array, sign: Array) -> tuple[Intervals, list[str], Array]:
-    """The intervals turned so that each row begins where its pattern begins; the patterns, and which one each row has."""
-    distinct, which = _distinct_rows(sign)
-    found = [_canonical([int(s) for s in row if s != _NONE]) for row in distinct]
-    count, K = (distinct != _NONE).sum(axis=1)[which][:, None], sign.shape[1]
-    places = np.arange(K)[None, :]
-    shift = np.array([f[1] for f in found], int)[which][:, None]
-    order = np.where(places < count, (places + shift) % np.maximum(count, 1), places)
-    start, length, sign = (np.take_along_axis(a, order, axis=1) for a in (start, length, sign))
+    """The intervals turned so that each case begins where its pattern begins; the patterns, and which one each case has."""
+    distinct, which = _distinct(sign)
+    found = [_canonical([int(s) for s in case if s != _NONE]) for case in distinct.T]
+    count, shift = (distinct != _NONE).sum(axis=0), np.array([f[1] for f in found], int)
+    turned = np.flatnonzero(shift[which])
+    places = np.arange(len(sign))[:, None]
+    order = np.where(places < count, (places + shift) % np.maximum(count, 1), places)[:, which[turned]]
+    for a in (start, length, sign):
+        a[:, turned] = a[order, turned]
     patterns = [f[0] for f in found]
-    return Intervals(start, length, sign, np.array(patterns)[which]), patterns, which
+    return Intervals(start.T, length.T, sign.T, np.array(patterns)[which]), patterns, which
 
 
-def _distinct_rows(sign: Array) -> tuple[Array, Array]:
-    """The different rows of signs, and which one each row is; 32 signs are packed into an integer, two bits each."""
-    packed = [np.zeros(len(sign), np.uint64) for _ in range(0, sign.shape[1], 32)]
-    for k in range(sign.shape[1]):
-        packed[k // 32] |= (sign[:, k] + 1).astype(np.uint64) % np.uint64(7) << np.uint64(2 * (k % 32))
+def _distinct(sign: Array) -> tuple[Array, Array]:
+    """The different columns of signs, and which one each case has; 32 signs are packed into an integer, two bits each."""
+    packed = [np.zeros(sign.shape[1], np.uint64) for _ in range(0, len(sign), 32)]
+    for k in range(len(sign)):
+        packed[k // 32] |= (sign[k] + 1).astype(np.uint64) % np.uint64(7) << np.uint64(2 * (k % 32))
     keys = packed[0] if len(packed) == 1 else np.stack(packed, axis=1)
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    return sign[first], which.ravel()
+    return sign[:, first], which.ravel()
 
 
 def _canonical(signs: list[int]) -> tuple[str, int]:
@@ -151,7 +157,10 @@ def _canonical(signs: list[int]) -> tuple[str, int]:
 
 def _added(lengths: Array) -> Array:
     """Sum of each row, one after the other: NumPy's own sum depends in its last bit on how wide the batch's longest row made the table."""
-    return np.cumsum(lengths, axis=1)[:, -1]
+    total = np.zeros(len(lengths))
+    for column in lengths.T:
+        total += column
+    return total
 
 
 def type_of(
@@ -196,9 +205,8 @@ def type_of(
     count, net = np.asarray(seg_count), np.asarray(net, float)
     codes = np.asarray(seg_code, np.int8)[:, : max(int(count.max(initial=0)), 1)]
     merged, patterns, which = _intervals(count, seg_time, codes, dwell)
-    given = np.arange(codes.shape[1]) < count[:, None]
-    sliding = (given & (abs(codes) == 2)).any(axis=1)
-    elastic = (given & (abs(codes) == 1)).any(axis=1)
+    size = np.where(np.arange(codes.shape[1])[:, None] < count, abs(codes.T), 0)
+    sliding, elastic = (size == 2).any(axis=0), (size == 1).any(axis=0)
     motion_type = np.array([_TYPES.get(p, "other") for p in patterns], "<U10")[which]
     motion_type[(np.asarray(period) > 1) | (count < 1)] = "other"
     still = (count > 0) & ~sliding
@@ -209,6 +217,6 @@ def type_of(
     fractions = {n: _added(np.where(merged.sign == s, merged.length, 0.0)) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
     with np.errstate(invalid="ignore"):
         told = {f"{n}_fraction": value / np.where(whole > 0, whole, np.nan) for n, value in fractions.items()}
-    shortest = np.where(merged.sign == _NONE, np.inf, merged.length).min(axis=1, initial=np.inf)
+    shortest = np.where(merged.sign == _NONE, np.inf, merged.length).T.min(axis=0, initial=np.inf)
     margin = np.where(whole > 0, np.minimum(shortest, margin_force), np.nan)
     return {"motion_type": motion_type, "pattern": pattern, "direction": direction, "margin": margin, **told}

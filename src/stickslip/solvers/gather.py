@@ -46,8 +46,13 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     columns: dict[str, Any] = {}
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last]).items():
+            if (first, last) == (0, cases):
+                columns[name] = values
+                continue
             if name not in columns:
-                columns[name] = np.empty(cases, dtype="U32" if name == "pattern" else "U12" if values.dtype.kind == "U" else values.dtype)
+                columns[name] = np.empty(cases, values.dtype)
+            elif values.itemsize > columns[name].itemsize:  # longer words
+                columns[name] = columns[name].astype(values.dtype)
             columns[name][first:last] = values
     shaped = {name: values.reshape(todo.labels.shape) for name, values in columns.items()}
     tolerance = None if method == "exact" else todo.rtol

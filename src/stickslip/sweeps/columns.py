@@ -9,7 +9,22 @@ import numpy as np
 from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
-__all__ = ["BAD", "BETWEEN", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "filled", "flags", "words"]
+__all__ = [
+    "BAD",
+    "BETWEEN",
+    "COLUMNS",
+    "FAILED",
+    "STATUSES",
+    "TYPES",
+    "UNDONE",
+    "coded",
+    "described",
+    "empty",
+    "filled",
+    "flags",
+    "vacant",
+    "words",
+]
 
 Array = Any
 BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
@@ -36,9 +51,18 @@ def empty(count: int) -> dict[str, Array]:
     return {name: _unknown(name, count) for name in COLUMNS}
 
 
+def vacant(count: int) -> dict[str, Array]:
+    """Columns to be written over, whatever they hold now; patterns are only as long as they have to be."""
+    return {name: np.empty(count, "U4" if name == "pattern" else kind) for name, kind in COLUMNS.items()}
+
+
 def filled(columns: dict[str, Array], count: int) -> dict[str, Array]:
-    """All columns, in order and in their types, of cases of which some columns are known."""
-    return {name: columns[name].astype(kind, copy=False) if name in columns else _unknown(name, count) for name, kind in COLUMNS.items()}
+    """All columns, in order and in their types (patterns at most as long), of cases of which some columns are known."""
+    return {name: _typed(columns[name], kind) if name in columns else _unknown(name, count) for name, kind in COLUMNS.items()}
+
+
+def _typed(values: Array, kind: str) -> Array:
+    return values if kind == "U32" and values.itemsize <= np.dtype(kind).itemsize else values.astype(kind, copy=False)
 
 
 def _unknown(name: str, count: int) -> Array:

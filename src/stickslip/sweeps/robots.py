@@ -30,9 +30,10 @@ def groups_of(make: Any, space: Space, points: Array, start: dict[str, Any] | No
     A place counts from 0 within `points`. A number that is not finite, or a combination that the maker refuses, costs its own case only.
     """
     columns = space.at(points)
-    refused = {int(i): "not a finite number" for i in np.flatnonzero(~_finite(columns, len(points)))}
+    finite = _finite(columns, len(points))
+    refused = {int(i): "not a finite number" for i in np.flatnonzero(~finite)}
     groups: list[Group] = []
-    for at, words in _by_words(columns, np.setdiff1d(np.arange(len(points)), list(refused))):
+    for at, words in _by_words(columns, np.flatnonzero(finite)):
         numbers = {n: v for n, v in columns.items() if n not in words}
         for part, robot in _made(make, {**space.fixed, **words}, numbers, at, refused):
             groups.append(Group(part, robot, {**_at(start, part), **_own_start(columns, space.fixed, part)}))

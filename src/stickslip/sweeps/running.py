@@ -150,19 +150,29 @@ def _tile_in_memory(plan: Plan, workers: int) -> int:
 
 def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) -> tuple[dict[str, Array], dict[str, int]]:
     """All columns of a plan, in memory. An error that every case makes is raised."""
-    from stickslip.sweeps.columns import empty
+    from stickslip.sweeps.columns import empty, vacant
 
-    whole, notes = empty(plan.cases), dict[str, int]()
+    whole, notes, left = vacant(plan.cases), dict[str, int](), set(range(plan.tiles))
     for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
-        first, last = plan.bounds(k)
-        for name, values in columns.items():
-            whole[name][first:last] = values
+        _put(whole, plan.bounds(k), columns)
         for sentence, n in told.items():
             notes[sentence] = notes.get(sentence, 0) + n
+        left.remove(k)
         watch.finished(k, columns["status"])
+    for k in left:  # the sweep was told to stop
+        first, last = plan.bounds(k)
+        _put(whole, (first, last), empty(last - first))
     if plan.cases and (whole["status"] == FAILED).all():
         raise InputError("sweep", list(notes))
     return whole, notes
+
+
+def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Array]) -> None:
+    first, last = bounds
+    for name, values in columns.items():
+        if name == "pattern" and values.itemsize > whole[name].itemsize:
+            whole[name] = whole[name].astype(values.dtype)
+        whole[name][first:last] = values
 
 
 def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, watch: Watch) -> Iterator[Done]:
@@ -200,11 +210,6 @@ def _teller(k: int, watch: Watch) -> Callable[[int], None]:
 def _in_threads(plan: Plan, todo: list[int], workers: int, watch: Watch) -> Iterator[Done]:
     """Tiles in threads, few at a time, so that memory does not grow with their number."""
     rest = iter(todo)
-    first = next(rest)
-    try:
-        yield (first, *solved(plan, first, 1, _teller(first, watch)))  # compiles what all of them need
-    except Cancelled:
-        return
     with ThreadPoolExecutor(workers) as pool:
         running: dict[Future[Any], int] = {}
         try:
