@@ -439,3 +439,11 @@ def test_closed_mean_along_a_branch():
     b = ss.continuation(by_ratio, parameter="alpha_plus", start=0.2, stop=0.45, step=0.1, k=2.0)
     for alpha, orbit in zip(b.values, b.orbits, strict=True):
         assert orbit.mean_velocity / UNIT == pytest.approx(float(periodic(alpha, 2 * alpha).mean), abs=1e-10)
+
+
+def test_a_doubled_branch_away_from_borders_has_one_word_and_its_runs_have_it_too():
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="mu0", start=0.0394, stop=0.0389, period=2, tilt_deg=1.7, amplitude=6e-4)
+    assert {orbit.pattern for orbit in branch.orbits} == {"+0-0+0-0"} and branch.special == []
+    orbit = branch.orbits[0]
+    assert (ss.motion(orbit.run).type, ss.motion(orbit.run).period) == (orbit.type, 2) == ("other", 2)
+    assert ss.mean_velocity(orbit.run) == orbit.mean_velocity

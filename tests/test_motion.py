@@ -120,6 +120,17 @@ def test_the_rules_of_dwell(segments, kind, pattern):
     assert (found["motion_type"], found["pattern"]) == (kind, pattern)
 
 
+@pytest.mark.parametrize("elastic", [0.025, 0.035])
+def test_the_margin_of_a_rest_that_nearly_counts_is_how_far_it_lasts_from_dwell(elastic):
+    assert told([(0.5, 2), (elastic, 1), (0.5 - elastic, -2)])["margin"] == pytest.approx(0.005)
+
+
+def test_the_margin_vanishes_on_both_sides_of_a_border_under_a_dynamic_law():
+    near = ss.sweep(ss.presets.piezo_rig, tilt_deg=1.7, amplitude=[0.56615e-3, 0.56628e-3])
+    assert near.motion_type.values.tolist() == ["I", "III"]
+    assert (near.margin < 1e-3).all() and (near.margin > 0).all()
+
+
 def test_a_dynamic_law_that_does_not_move_rests():
     assert told([(1.0, 1)], moving=[False])["motion_type"] == "rest"
 

@@ -58,12 +58,12 @@ def intervals_of(seg_count: Array, seg_time: Array, seg_code: Array, dwell: floa
     return _intervals(np.asarray(seg_count), seg_time, seg_code, dwell)[0]
 
 
-def _intervals(count: Array, seg_time: Array, seg_code: Array, dwell: float) -> tuple[Intervals, list[str], Array]:
-    """The intervals; the different patterns among them, and which one each case has."""
+def _intervals(count: Array, seg_time: Array, seg_code: Array, dwell: float) -> tuple[Intervals, list[str], Array, Array]:
+    """The intervals; the different patterns among them, and which one each case has; how near an elastic run came to `dwell`."""
     K = max(int(count.max(initial=0)), 1)
     time, code, valid = _packed(count, np.asarray(seg_time, float)[:, :K], np.asarray(seg_code, np.int8)[:, :K])
-    label = _labels(time, code, valid, dwell)
-    return _rotated(*_merged(time, label, valid))
+    label, nearest = _labels(time, code, valid, dwell)
+    return *_rotated(*_merged(time, label, valid)), nearest
 
 
 # From here on each case is a column: NumPy works along rows as long as the batch, not along many short ones.
@@ -99,14 +99,15 @@ def _sums(number: Array, weights: Array) -> Array:
     return np.bincount(flat, weights.ravel(), height * cases).reshape(height, cases)
 
 
-def _labels(time: Array, code: Array, valid: Array, dwell: float) -> Array:
-    """+1, 0, -1 for each segment, with short elastic runs told by the sign of v."""
+def _labels(time: Array, code: Array, valid: Array, dwell: float) -> tuple[Array, Array]:
+    """+1, 0, -1 for each segment, with short elastic runs told by the sign of v; and how near one of them came to `dwell`."""
     elastic = valid & (abs(code) == 1)
     if not elastic.any():
-        return np.sign(code)
+        return np.sign(code), np.full(time.shape[1], np.inf)
     number = _runs(elastic & ~_before(elastic, valid.sum(axis=0)))
     lasting = np.take_along_axis(_sums(number, np.where(elastic, time, 0.0)), number, axis=0)
-    return np.where(elastic & (lasting >= dwell), 0, np.sign(code))
+    nearest = np.where(elastic, abs(lasting - dwell), np.inf).min(axis=0)
+    return np.where(elastic & (lasting >= dwell), 0, np.sign(code)), nearest
 
 
 def _merged(time: Array, label: Array, valid: Array) -> tuple[Array, Array, Array]:
@@ -194,7 +195,8 @@ def type_of(
     Returns
     -------
     dict
-        motion_type, pattern (text), direction (+1, 0, -1), margin, stick_fraction, forward_fraction, backward_fraction.
+        motion_type, pattern (text), direction (+1, 0, -1), margin, stick_fraction, forward_fraction, backward_fraction. The margin is
+        `margin_force` or the length of the shortest interval, if that is less; of an elastic run it is how far it lasts from `dwell`.
 
     Examples
     --------
@@ -204,7 +206,7 @@ def type_of(
     """
     count, net = np.asarray(seg_count), np.asarray(net, float)
     codes = np.asarray(seg_code, np.int8)[:, : max(int(count.max(initial=0)), 1)]
-    merged, patterns, which = _intervals(count, seg_time, codes, dwell)
+    merged, patterns, which, nearest = _intervals(count, seg_time, codes, dwell)
     size = np.where(np.arange(codes.shape[1])[:, None] < count, abs(codes.T), 0)
     sliding, elastic = (size == 2).any(axis=0), (size == 1).any(axis=0)
     motion_type = np.array([_TYPES.get(p, "other") for p in patterns], "<U10")[which]
@@ -217,6 +219,7 @@ def type_of(
     fractions = {n: _added(np.where(merged.sign == s, merged.length, 0.0)) for n, s in (("stick", 0), ("forward", 1), ("backward", -1))}
     with np.errstate(invalid="ignore"):
         told = {f"{n}_fraction": value / np.where(whole > 0, whole, np.nan) for n, value in fractions.items()}
-    shortest = np.where(merged.sign == _NONE, np.inf, merged.length).T.min(axis=0, initial=np.inf)
-    margin = np.where(whole > 0, np.minimum(shortest, margin_force), np.nan)
+    judged = (merged.sign != _NONE) & ((merged.sign != 0) | ~elastic[:, None])  # elastic rests are judged against dwell
+    shortest = np.where(judged, merged.length, np.inf).T.min(axis=0, initial=np.inf)
+    margin = np.where(whole > 0, np.minimum(np.minimum(shortest, nearest), margin_force), np.nan)
     return {"motion_type": motion_type, "pattern": pattern, "direction": direction, "margin": margin, **told}

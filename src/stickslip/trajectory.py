@@ -68,6 +68,8 @@ class Trajectory:
         Versions and settings that make the run again.
     counts : dict
         Steps taken, rejected, and so on.
+    known_period : int, optional
+        Drive periods after which it repeats, where that is known beforehand: the run of a periodic orbit.
 
     Examples
     --------
@@ -90,6 +92,7 @@ class Trajectory:
     start: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
     counts: dict[str, Any] = field(default_factory=dict)
+    known_period: int | None = None
 
     # ---- time ----
     @property

@@ -42,7 +42,8 @@ class Motion:
         Sign of the net motion; 0 at rest and in presliding. A mirrored motion has the same type and direction -1.
     margin : float
         The smaller of the shortest interval in drive periods and the relative distance of the offered force to break-away where
-        that decides the type; 0 is on a border between types.
+        that decides the type; 0 is on a border between types. Under a dynamic law rest is what lasts `dwell`, so there it is how
+        far an elastic stretch is from lasting that long.
     stick_fraction, forward_fraction, backward_fraction : float
         Parts of the motion period.
     intervals : tuple of (start, length, sign)

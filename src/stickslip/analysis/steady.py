@@ -87,6 +87,8 @@ def period_number(run: Any) -> int | None:
     """
     if isinstance(run, Summary):
         return run.period if run.period.ndim else (int(run.period) or None)
+    if run.known_period is not None:
+        return int(run.known_period)
     y, tolerance = _strobe_points(run), strobe_tolerance(run)
     window = min(_settled_count(run), len(y) - 1)
     for p in range(1, min(LONGEST_PERIOD, window // 2) + 1):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -71,7 +71,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def run(self) -> Any:
         """One motion period, with its dense output."""
-        return flight(self.model, self.state, self.period, max(self.rtol, _RUNS))
+        return replace(flight(self.model, self.state, self.period, max(self.rtol, _RUNS)), known_period=self.period)
 
     @cached_property
     def multipliers(self) -> Array:
@@ -92,7 +92,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def motion(self) -> Motion:
         """What `ss.motion` says of it."""
-        return motion(flight(self.model, self.state, 3 * self.period, max(self.rtol, 1e-8)))
+        return motion(self.run)
 
     @property
     def type(self) -> str:
