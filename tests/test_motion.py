@@ -126,7 +126,7 @@ def test_the_margin_of_a_rest_that_nearly_counts_is_how_far_it_lasts_from_dwell(
 
 
 def test_the_margin_vanishes_on_both_sides_of_a_border_under_a_dynamic_law():
-    near = ss.sweep(ss.presets.piezo_rig, tilt_deg=1.7, amplitude=[0.56615e-3, 0.56628e-3])
+    near = ss.sweep(ss.presets.piezo_rig, tilt_deg=1.7, amplitude=[0.565e-3, 0.569e-3])
     assert near.motion_type.values.tolist() == ["I", "III"]
     assert (near.margin < 1e-3).all() and (near.margin > 0).all()
 
