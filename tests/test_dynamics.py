@@ -447,3 +447,9 @@ def test_a_doubled_branch_away_from_borders_has_one_word_and_its_runs_have_it_to
     orbit = branch.orbits[0]
     assert (ss.motion(orbit.run).type, ss.motion(orbit.run).period) == (orbit.type, 2) == ("other", 2)
     assert ss.mean_velocity(orbit.run) == orbit.mean_velocity
+
+
+@pytest.mark.slow
+def test_a_branch_that_hardly_gets_on_says_so_and_ends():
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=8.02e-4, stop=8.2e-4, f0=0.5, tilt_deg=1.7)
+    assert "changes abruptly" in branch.ended and len(branch.orbits) < 200 and "fold" in [s.kind for s in branch.special]

@@ -185,9 +185,10 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
         yield point
         small = small + 1 if step < _SMALL else 0
         if small > _PATIENCE:
+            steepest = abs(np.asarray(point.orbit.multipliers)).max()
             yield (
-                f"its last {small} steps were below {_SMALL:g} of the range, at {name} = {point.value:.9g}: the motion changes abruptly there "
-                f"(largest multiplier {abs(np.asarray(point.orbit.multipliers)).max():.3g}); follow it from the other side"
+                f"its last {small} steps were below {_SMALL:g} of the range, at {name} = {point.value:.9g}: "
+                f"the motion changes abruptly there (largest multiplier {steepest:.3g}); follow it from the other side"
             )
             return
         step = min(largest, step * (1.5 if found.iterations <= 3 else 1.0 if found.iterations <= 6 else 0.6))
