@@ -14,7 +14,7 @@ from stickslip.dynamics.orbits import states_of
 from stickslip.errors import Problems
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["UNDONE", "bifurcation", "checked_values", "periods_of", "steady_velocity", "strobe_attrs"]
+__all__ = ["UNDONE", "bifurcation", "checked_values", "periods_of", "steady_velocity", "strobe_attrs", "whole_motions"]
 
 Array = Any
 DIRECTIONS = ("up", "down")
@@ -184,8 +184,19 @@ def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
     4.0
     """
     points = ways.shape[-1]
-    count = np.where(period > 0, points - points % np.maximum(period, 1), points)
+    count = whole_motions(points, period)
     return np.where(np.arange(points) < count[..., None], ways, 0.0).sum(axis=-1) / (count * T)
+
+
+def whole_motions(points: int, period: Array) -> Array:
+    """How many of so many drive periods make whole motion periods; all where there is no period.
+
+    Examples
+    --------
+    >>> whole_motions(64, np.array([0, 1, 3])).tolist()
+    [64, 64, 63]
+    """
+    return np.where(period > 0, points - points % np.maximum(period, 1), points)
 
 
 def _misses(points: Array, scales: Array, p: int) -> Array:
