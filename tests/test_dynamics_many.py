@@ -20,6 +20,7 @@ from stickslip.analysis.closed_form import border_iii_iv
 from stickslip.cli import main
 from stickslip.dynamics.diagrams import periods_of
 from stickslip.dynamics.repeating import repetition
+from stickslip.identifying.parameters import parameters
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 FLIP = 0.0468108467  # mu0 of the upper flip at 0.6 mm
@@ -112,6 +113,38 @@ def test_wrong_numbers_of_threads_are_told_what_to_type():
     for many in (diagram, basins, exponents, chaos):
         with pytest.raises(ss.InputError, match="workers = 0; allowed is a whole number from 1"):
             many(workers=0)
+
+
+# makers ----------------------------------------------------------------------------------------------------------
+
+
+def two_laws(amplitude):
+    """A maker that changes the law along its parameter."""
+    law = ss.TanhCoulomb.example() if amplitude < 5e-4 else ss.DeadBand.example()
+    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(friction=law)
+
+
+def two_tracks(amplitude):
+    """A maker that changes a whole number along its parameter."""
+    track = ss.VaryingFriction(ss.Level(), depth=0.3, harmonic=1 if amplitude < 5e-4 else 2)
+    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(track=track)
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [(two_laws, "friction is TanhCoulomb for one and DeadBand for another"), (two_tracks, "track.harmonic is 1 for one and 2 for another")],
+    ids=["law", "harmonic"],
+)
+def test_a_maker_of_several_kinds_is_refused_and_the_kinds_are_named(make, told):
+    """Else all are computed with the equations of the first."""
+    values = [4e-4, 6e-4]
+    for act in (
+        lambda: ss.bifurcation(make, parameter="amplitude", values=values, settle=2, points=2, follow=False),
+        lambda: ss.sweep(make, amplitude=values, periods=2),
+        lambda: parameters(make, {"amplitude": (4e-4, 6e-4)}, None, {}, 1).batches(np.array([[0.0], [1.0]])),
+    ):
+        with pytest.raises(ss.InputError, match=f"{told}; allowed is one kind; give each kind by itself"):
+            act()
 
 
 # maps --------------------------------------------------------------------------------------------------------------
