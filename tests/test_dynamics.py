@@ -457,6 +457,22 @@ def test_sections_of_a_periodic_motion_are_points():
     assert len(np.unique(section.phase.values.round(6))) == 2, "one fall through v = 0 in each period, two of them different"
 
 
+@pytest.mark.parametrize(
+    ("act", "words", "count"),
+    [
+        (lambda run: ss.strobe(run, "x", settle=-3), "settle = -3; allowed is a whole number from 0 below the 4 drive periods", 2),
+        (lambda run: ss.strobe(run, settle=4), "settle = 4; .* type for example settle=2", 1),
+        (lambda run: ss.poincare(run, on="w", value="x", direction=2, settle=0.5), "on = 'w' is no column", 4),
+        (lambda run: ss.spectrum(run, "foo", harmonics=0, periods=5), "periods = 5; allowed is a whole number from 1 to the 4", 3),
+    ],
+)
+def test_wrong_orders_of_sections_are_told_what_to_type(act, words, count):
+    run = ss.solve(ss.presets.piezo_rig(law="coulomb", **RIG), periods=4)
+    with pytest.raises(ss.InputError, match=words) as told:
+        act(run)
+    assert len(told.value.problems) == count
+
+
 def test_lines_of_a_spectrum_add_up_to_the_power():
     """Parseval: the mean of v^2 is the sum of the lines; what lies beyond the 40th harmonic is below 1e-5 of it."""
     run = ss.solve(ss.presets.piezo_rig(mu0=0.04, **RIG), periods=200, rtol=1e-9)

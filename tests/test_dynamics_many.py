@@ -77,7 +77,8 @@ def test_stopping_leaves_the_rest_undone_and_says_so(workers, every_report):
     assert undone.any() and np.isnan(done.v.values[0][undone]).all() and np.isnan(done.mean_velocity.values[0][undone]).all()
     mapped = chaos(workers=workers, progress=lambda now: False)
     assert (mapped.period == -1).all() and np.isnan(mapped.exponent).all()
-    assert ss.plot.chaos_map(mapped) is not None
+    (mesh,) = ss.plot.chaos_map(mapped).collections
+    assert mesh.get_array().shape == mapped.period.shape and mesh.get_array().mask.all(), "nothing was computed, so no colour is shown"
     shared_out = basins(workers=workers, progress=lambda now: False)
     assert (shared_out.attractor == -1).all() and (shared_out.period == -1).all()
 
@@ -107,6 +108,15 @@ def test_an_interrupt_ends_the_threads(workers):
     with pytest.raises(KeyboardInterrupt):
         diagram(workers=workers, progress=interrupt)
     assert threading.active_count() == before
+
+
+def test_wrong_orders_of_exponents_are_told_what_to_type():
+    robot = ss.presets.piezo_rig(law="coulomb", **RIG)
+    with pytest.raises(ss.InputError) as told:
+        ss.largest_exponents(robot, periods=0, settle="x", workers=0)
+    assert len(told.value.problems) == 3 and "periods = 0; allowed is a whole number from 1" in str(told.value)
+    with pytest.raises(ss.InputError, match="'x' is no model"):
+        ss.largest_exponents("x")
 
 
 def test_wrong_numbers_of_threads_are_told_what_to_type():
