@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import describe, is_array, leaves
+from stickslip.fields import _same, describe, is_array, leaves, replace_leaf
 
-__all__ = ["Labels", "check_shape", "labels_of", "rows_of", "shape_of", "spread"]
+__all__ = ["Labels", "check_shape", "labels_of", "point_by_point", "rows_of", "shape_of", "spread", "stacked"]
 
 
 @dataclass(frozen=True)
@@ -98,3 +99,41 @@ def spread(value: Any, labels: Labels) -> Any:
         array = np.asarray(value.transpose(*present), float)
         value = array.reshape([value.sizes[d] if d in value.dims else 1 for d in labels.dims])
     return np.broadcast_to(np.asarray(value, float), labels.shape).ravel()
+
+
+def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], columns: dict[str, Any]) -> Any:
+    """The models of a maker that takes single numbers, one for each row of the columns (arrays of one length), put together."""
+    points = zip(*(values.tolist() for values in columns.values()), strict=True)
+    return stacked(what, [make(**fixed, **dict(zip(columns, point, strict=True))) for point in points])
+
+
+def stacked(what: str, models: list[Any]) -> Any:
+    """Models of one kind as one whose numbers are arrays; `InputError` if they are of several kinds.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> drives = [ss.Harmonic(amplitude=a, omega=200.0) for a in (1e-3, 2e-3)]
+    >>> stacked("sweep", drives).amplitude.tolist()
+    [0.001, 0.002]
+    """
+    import numpy as np
+
+    numbers = [name for name, _ in leaves(models[0])]
+    whole = [dict(leaves(model, kinds=True)) for model in models]
+    first, *others = ({n: v for n, v in each.items() if not (n in numbers and v is not None)} for each in whole)
+    for other in others:
+        _check_kind(what, first, other)
+    return replace_leaf(models[0], {name: np.array([float(each[name]) for each in whole]) for name in numbers})
+
+
+def _check_kind(what: str, one: dict[str, Any], other: dict[str, Any]) -> None:
+    """Refuse two models whose equations differ in more than their numbers; remarks, and functions made anew, tell no kinds apart."""
+    for name in {**one, **other}:
+        a, b = one.get(name), other.get(name)
+        field, is_class = name.removesuffix("__class__").removesuffix("."), name.endswith("__class__")
+        if _same(a, b) or field.endswith("notes") or (callable(a) and callable(b) and not is_class):
+            continue
+        a, b = (a.__name__, b.__name__) if is_class and a and b else (repr(a), repr(b))
+        told = f"{field or 'the model'} is {a} for one and {b} for another"
+        raise InputError(what, [f"the maker returns models of several kinds: {told}; allowed is one kind; give each kind by itself"])

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.forces import is_dynamic
+from stickslip.solvers import strobes
 from stickslip.summary import Summary
 
 __all__ = ["LONGEST_PERIOD", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
 
 #: Largest period number that is looked for.
-LONGEST_PERIOD = 16
+LONGEST_PERIOD = strobes.LONGEST
 
 
 def mean_velocity(run: Any) -> Any:
@@ -66,8 +67,8 @@ def _settled_count(run: Any) -> int:
 
 
 def strobe_tolerance(run: Any) -> float:
-    """How close strobe points must come to count as one, in their scales: 30 rtol, at most 1e-3; for exact arcs 1e-8."""
-    return min(30 * float(run.rtol), 1e-3) if is_dynamic(run.model.friction) else 1e-8
+    """How close the strobe points of a run must come to count as one, in their scales: by its method and its rtol."""
+    return strobes.strobe_tolerance(run.method, run.rtol)
 
 
 def period_number(run: Any) -> int | None:
@@ -89,39 +90,8 @@ def period_number(run: Any) -> int | None:
         return run.period if run.period.ndim else (int(run.period) or None)
     if run.known_period is not None:
         return int(run.known_period)
-    y, tolerance = _strobe_points(run), strobe_tolerance(run)
-    window = min(_settled_count(run), len(y) - 1)
-    for p in range(1, min(LONGEST_PERIOD, window // 2) + 1):
-        if _repeats(y[-1 - window :], p, tolerance):
-            return p
-    return None
-
-
-def _strobe_points(run: Any) -> Any:
-    """Strobe points over their scales: v over the velocity scale, z over the law's scale."""
-    model, z = run.model, run.strobe_z
-    v = run.strobe_v / (getattr(model, "free_velocity", model.velocity_scale) or 1.0)
-    if z is None:
-        return v[:, None]
-    scale = getattr(model.friction, "scale", None)
-    z = z.reshape(len(v), -1)
-    return np.column_stack([v, z / (scale(normal_load(model, 0.0, 0.0)) if scale else abs(z).max() or 1.0)])
-
-
-def _repeats(y: Any, p: int, tolerance: float) -> bool:
-    """Whether the points repeat after p, and have settled."""
-    n = len(y) - 1
-    tail = max(n // 4, p)
-    if abs(y[-tail:] - y[-tail - p : -p]).max() > tolerance:
-        return False
-    lag = p * max(n // (2 * p), 1)
-    late = abs(y[-p:] - y[-p - lag : -lag]).max()
-    if late > tolerance:
-        return False
-    if late <= 0.1 * tolerance or n < 2 * lag + p - 1:
-        return True
-    early = abs(y[-p - lag : -lag] - y[-p - 2 * lag : n + 1 - 2 * lag]).max()
-    return bool(late < early and late * late / (early - late) <= tolerance)
+    strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])
+    return strobes.period_of(run.model, strobe, strobe_tolerance(run), int(run.settle)) or None
 
 
 def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) -> Any:

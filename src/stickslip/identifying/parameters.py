@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.batch import stacked
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves, replace_leaf
+from stickslip.fields import leaves
 
 __all__ = ["Free", "Parameters"]
 
@@ -122,7 +123,8 @@ class Parameters:
         """
         made = [self.models(place) for place in places]
         good = [models for models in made if models is not None]
-        return np.array([models is not None for models in made], bool), [_stacked(list(each)) for each in zip(*good, strict=True)]
+        stacks = [stacked("identify", list(each)) for each in zip(*good, strict=True)]
+        return np.array([models is not None for models in made], bool), stacks
 
     def only(self, fixed: dict[str, float]) -> Parameters:
         """The same with some of the free parameters held."""
@@ -154,12 +156,6 @@ def parameters(
         problems.add('free names no parameter; type for example free={"mu0": (0.05, 0.5)}')
     problems.check()
     return Parameters(make, tuple(spread), fixed, dict(tied or {}))
-
-
-def _stacked(models: list[Any]) -> Any:
-    """Models of one kind as one whose numbers are arrays."""
-    tables = [dict(leaves(model)) for model in models]
-    return replace_leaf(models[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
 
 
 def _known(make: Any) -> list[str] | None:

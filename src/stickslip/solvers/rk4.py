@@ -178,7 +178,11 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         asked += count
         if march.done < asked:
             return {**strobes.NOTHING, "status": _NOT_A_NUMBER, "periods_run": march.done}
-        period = strobes.period_of(march.model, march.strobes, (0.1 if todo.auto else 30.0) * todo.rtol)
+        if todo.auto:  # whether to stop: closer, and over the later half of what was run so far
+            tolerance, settle = 0.1 * todo.rtol, march.done // 2
+        else:
+            tolerance, settle = strobes.strobe_tolerance(todo.method, todo.rtol), todo.settle
+        period = strobes.period_of(march.model, march.strobes, tolerance, settle)
         if period and todo.auto:
             break
     settle = march.done - period if todo.auto and period else todo.settle
