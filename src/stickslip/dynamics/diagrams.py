@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, shared
-from stickslip.dynamics.mapping import coordinates, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import coordinates, needs_model, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import Problems
 from stickslip.sweeps.progress import Watch
@@ -81,6 +81,7 @@ def bifurcation(
     """
     robots = family("bifurcation", make, (parameter,), fixed)
     values = _check(values, settle, points, workers)
+    needs_model("bifurcation", robots.robot(values[0]))
     at = coordinates(robots.robots(values))
     first = states_of(start, at)
     if follow:

@@ -264,4 +264,4 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False)
         )
     if driven and getattr(model, "period", None) is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
-        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism)"])
+        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])
