@@ -192,7 +192,7 @@ def strobes(values, rtol=1e-6, settle=0):
     model = SimpleNamespace(period=1.0, velocity_scale=1.0, friction=SimpleNamespace(rate=1, force=1))
     times = np.arange(float(len(v)))
     points = dict(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v))
-    return SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P")
+    return SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None)
 
 
 @pytest.mark.parametrize("p", [1, 2, 3, 8, 16])
