@@ -6,6 +6,7 @@ import pytest
 import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.identifying.driven import Motion, driven_force
+from stickslip.identifying.targets import target
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
 FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
@@ -398,3 +399,50 @@ def test_the_friction_of_every_law_is_found(law):
         abs(fit.values["friction.mu_plus"] - true) < 4.5 * fit.errors["friction.mu_plus"] and fit.errors["friction.mu_plus"] < 1e-3 * true
     )
     assert not fit.quality[0].suspicious
+
+
+# long records -----------------------------------------------------------------------------------------------------
+
+SLIPPERY = dict(tilt_deg=1.7, amplitude=6e-4)
+
+
+@pytest.fixture(scope="module")
+def period_two():
+    """P8: mu0 = .04 gives period two. A record of 6000 samples, and one of 25 000."""
+    return {n: ss.virtual_rig(rig(mu0=0.04, **SLIPPERY), noise=1e-4, seed=1, settle=150, periods=n) for n in (60, 250)}
+
+
+def test_a_long_record_of_period_two_tells_what_a_short_one_tells_and_more(period_two):
+    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, **SLIPPERY) for rec in period_two.values())
+    assert long.count < 5000 and short.count == 6000
+    for fit in (short, long):
+        assert abs(fit.values["mu0"] - 0.04) < 3 * fit.errors["mu0"] and not fit.quality[0].suspicious
+        assert fit.quality[0].rms == pytest.approx(1e-4, rel=0.03)  # of all samples: 6000 know it to 0.9 %
+        assert fit.problem.nuisances == 2 and not any("differ from the later ones" in note for note in fit.notes)  # phase and frequency
+    assert short.errors["mu0"] / long.errors["mu0"] == pytest.approx(np.sqrt(250 / 60), rel=0.05)
+
+
+def test_a_long_record_is_compared_over_its_own_period(period_two):
+    for rec in period_two.values():
+        found = ss.compare(rec, rig(mu0=0.04, **SLIPPERY), laws=["lugre"])
+        assert found["LuGre"].rms == pytest.approx(1e-4, rel=0.03) and found.record.phase[-1] > 1.9
+
+
+def test_averages_of_a_long_record_lose_neither_its_kinks_nor_a_frequency_that_is_off():
+    rec = ss.virtual_rig(rig(law="coulomb", **SLIPPERY), noise=1e-6, seed=2, periods=600, samples=97.3)
+    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", **SLIPPERY)
+    assert fit.count < 20_000 and abs(fit.values["mu0"] - 0.18) < 3 * fit.errors["mu0"] < 3e-7
+    seen = target(rec, "velocity", 1e-6, 32.7 * (1 + 1e-6), "record")
+    bent = target(rec, "velocity", None, 32.7 * (1 + 1e-4), "record")  # 0.012 periods in each part: all but rest is no noise
+    assert seen.sigma == 1e-6 and bent.sigma > 2 * target(rec, "velocity", None, 32.7, "record").sigma
+
+
+def test_a_long_record_that_does_not_repeat_is_cut_and_says_so():
+    t = np.arange(30_000) / 1000
+    v = np.sin(2 * np.pi * 10 * t) + np.sin(2 * np.pi * 10 * (np.sqrt(5) - 1) / 2 * t)
+    rec = ss.Record.of(t, {"v [m/s]": v})
+    seen = target(rec, "velocity", None, 10.0, "record", 0)
+    assert seen.count == 20_000 and seen.phase[-1] == pytest.approx(299.99)
+    assert "of 30000 samples only the last 20000 are compared" in seen.cut
+    found = ss.compare(rec, rig(mu0=0.04, **SLIPPERY), laws=["lugre"], frequency=10.0, settle=0)
+    assert seen.cut in found.notes

@@ -57,9 +57,18 @@ class Motion:
         return self.force[self.before :]
 
     @property
+    def weight(self) -> float:
+        """Every value is one sample."""
+        return 1.0
+
+    @property
     def count(self) -> int:
         """Number of values."""
         return len(self.force) - self.before
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left of all samples."""
+        return float(np.mean(rest**2))
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
