@@ -11,6 +11,7 @@ from stickslip.identifying.targets import target
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
 FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
 TWO = [5e-4, 8e-4]
+ONE = dict(tilt_deg=1.7, amplitude=6e-4)
 rig = ss.presets.piezo_rig
 
 
@@ -286,6 +287,15 @@ def test_fits_to_different_records_cannot_be_ranked(fit):
         ss.rank([fit, other])
 
 
+def test_fits_with_different_noise_cannot_be_ranked():
+    rec = ss.virtual_rig(rig(law="coulomb", **ONE), noise=1e-4, seed=1)
+    a, b, c = (ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", noise=s, **ONE) for s in (1e-3, 1e-5, None))
+    with pytest.raises(InputError, match="with the same noise=, or all without") as error:
+        ss.rank({"a": a, "b": b, "c": c})
+    assert len(error.value.problems) == 2 and "b was fitted with a noise of 1e-05 and a with a noise of 0.001" in str(error.value)
+    assert not ss.rank({"a": a, "the same": a}).decided
+
+
 def test_design_expects_the_errors_that_a_fit_then_has(fit):
     plan = ss.design(rig, free=TRUTH, experiments=[{"amplitude": A} for A in TWO], noise=1e-3, samples=2000, together=2, tilt_deg=1.7)
     for name, error in plan.best.errors.items():
@@ -403,17 +413,15 @@ def test_the_friction_of_every_law_is_found(law):
 
 # long records -----------------------------------------------------------------------------------------------------
 
-SLIPPERY = dict(tilt_deg=1.7, amplitude=6e-4)
-
 
 @pytest.fixture(scope="module")
 def period_two():
     """P8: mu0 = .04 gives period two. A record of 6000 samples, and one of 25 000."""
-    return {n: ss.virtual_rig(rig(mu0=0.04, **SLIPPERY), noise=1e-4, seed=1, settle=150, periods=n) for n in (60, 250)}
+    return {n: ss.virtual_rig(rig(mu0=0.04, **ONE), noise=1e-4, seed=1, settle=150, periods=n) for n in (60, 250)}
 
 
 def test_a_long_record_of_period_two_tells_what_a_short_one_tells_and_more(period_two):
-    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, **SLIPPERY) for rec in period_two.values())
+    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, **ONE) for rec in period_two.values())
     assert long.count < 5000 and short.count == 6000
     for fit in (short, long):
         assert abs(fit.values["mu0"] - 0.04) < 3 * fit.errors["mu0"] and not fit.quality[0].suspicious
@@ -424,13 +432,13 @@ def test_a_long_record_of_period_two_tells_what_a_short_one_tells_and_more(perio
 
 def test_a_long_record_is_compared_over_its_own_period(period_two):
     for rec in period_two.values():
-        found = ss.compare(rec, rig(mu0=0.04, **SLIPPERY), laws=["lugre"])
+        found = ss.compare(rec, rig(mu0=0.04, **ONE), laws=["lugre"])
         assert found["LuGre"].rms == pytest.approx(1e-4, rel=0.03) and found.record.phase[-1] > 1.9
 
 
 def test_averages_of_a_long_record_lose_neither_its_kinks_nor_a_frequency_that_is_off():
-    rec = ss.virtual_rig(rig(law="coulomb", **SLIPPERY), noise=1e-6, seed=2, periods=600, samples=97.3)
-    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", **SLIPPERY)
+    rec = ss.virtual_rig(rig(law="coulomb", **ONE), noise=1e-6, seed=2, periods=600, samples=97.3)
+    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", **ONE)
     assert fit.count < 20_000 and abs(fit.values["mu0"] - 0.18) < 3 * fit.errors["mu0"] < 3e-7
     seen = target(rec, "velocity", 1e-6, 32.7 * (1 + 1e-6), "record")
     bent = target(rec, "velocity", None, 32.7 * (1 + 1e-4), "record")  # 0.012 periods in each part: all but rest is no noise
@@ -444,5 +452,5 @@ def test_a_long_record_that_does_not_repeat_is_cut_and_says_so():
     seen = target(rec, "velocity", None, 10.0, "record", 0)
     assert seen.count == 20_000 and seen.phase[-1] == pytest.approx(299.99)
     assert "of 30000 samples only the last 20000 are compared" in seen.cut
-    found = ss.compare(rec, rig(mu0=0.04, **SLIPPERY), laws=["lugre"], frequency=10.0, settle=0)
+    found = ss.compare(rec, rig(mu0=0.04, **ONE), laws=["lugre"], frequency=10.0, settle=0)
     assert seen.cut in found.notes
