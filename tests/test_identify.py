@@ -183,6 +183,22 @@ def test_everything_wrong_with_the_arguments_is_reported_at_once():
         ss.identify(rec, rig, free={"f0": (0.05, 0.1)}, tilt_deg=1.7, amplitude=5e-4)
 
 
+def test_a_number_with_two_sources_is_an_error_that_names_both():
+    rec, bounds = records(1e-3), (0.1, 0.3)
+    with pytest.raises(InputError) as error:
+        ss.identify(
+            rec, rig, free={"mu0": bounds, "f0": bounds, "v_s": (1e-3, 1e-2), "v_s[0]": (1e-3, 1e-2), "amplitude[:]": (1e-4, 1e-3)},
+            tied={"f0": "mu0", "sigma2": "mu0"}, mu0=0.3, sigma2=0.1, amplitude=5e-4, tilt_deg=1.7,
+        )  # fmt: skip
+    told = "\n".join(error.value.problems)
+    assert len(error.value.problems) == 5 and "mu0 is free and given, as mu0 = 0.3" in told and "f0 is free and tied" in told
+    assert "v_s, for all records, and v_s[0]" in told and "sigma2 is tied and given" in told and "amplitude is free and given" in told
+    with pytest.raises(InputError, match=r"free names mu0\[0\] twice"):
+        ss.identify(rec, rig, free={"mu0[:]": bounds, "mu0[0]": bounds}, tilt_deg=1.7, amplitude=TWO)
+    fit = ss.identify(rec, rig, free={"mu0[1]": bounds}, mu0=0.18, tilt_deg=1.7, amplitude=TWO)  # the first record has the one given
+    assert fit.model(0).friction != fit.model(1).friction
+
+
 def test_the_fit_can_be_read_aloud(fit):
     text = fit.report()
     assert all(name in text for name in TRUTH) and "95 %" in text and "synthetic" in text and "LuGre" in repr(fit)
