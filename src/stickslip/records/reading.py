@@ -194,6 +194,9 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
     axes = _table_axes(raw) if raw.table else {}
     used = {id(axis) for axis in axes.values()}
+    for c in raw.columns:
+        for part in (c, c.axis) if c.axis else (c,):
+            part.values.setflags(write=False)  # nobody else has these arrays: channels share them
     named, found = _roles([c for c in raw.columns if id(c) not in used], roles), []
     for c in raw.columns:
         if id(c) in used:
