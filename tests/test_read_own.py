@@ -84,6 +84,20 @@ def test_a_measured_record_is_not_called_synthetic_when_it_is_saved(tmp_path):
     assert rec["v, left"].unit == "mm/s" and rec['the "raw" one'].unit is None
 
 
+def test_roles_that_no_name_tells_come_back(tmp_path):
+    t = np.arange(50) / 100
+    columns = {"F1 [N]": t, "F2, raw [N]": 2 * t, "v [m/s]": t, 'the "other" [m/s]': t, "x [m]": t}
+    roles = {"F1": "load", "F2, raw": "force", 'the "other"': "velocity"}
+    rec = ss.Record.of(t, columns, roles=roles)
+    path = rec.save(tmp_path / "a.csv")
+    again = ss.read(path)
+    assert {n: again[n].role for n in again} == {n: rec[n].role for n in rec} and again["load"].name == "F1" and again["v"].role is None
+    assert all(np.array_equal(again[n].values, rec[n].values) for n in rec)
+    typed = ss.read(path, roles={"F1": "force"})
+    assert typed["force"].name == "F1" and "load" not in typed  # what is typed says most
+    assert not ss.Record.of(t, {"v [m/s]": t}).save(tmp_path / "b.csv").read_text().startswith("#")  # where names tell, nothing is added
+
+
 def test_what_cannot_be_saved_is_said(tmp_path):
     t = np.arange(50) / 100
     rec = ss.Record.of(t, {"v [m/s]": np.sin(t)})

@@ -132,8 +132,8 @@ class Record:
     def save(self, path: str | Path) -> Path:
         """Write the channels to a CSV file that `ss.read` takes back with no options: units in the headings, every digit.
 
-        A synthetic record says so in its first line, and is one when it is read. What a channel is for is found again from its
-        name and unit.
+        A synthetic record says so in its first line, and is one when it is read. Where names and units do not tell what the channels
+        are for, lines before the table do.
 
         Parameters
         ----------
