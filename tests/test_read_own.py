@@ -108,3 +108,14 @@ def test_what_cannot_be_saved_is_said(tmp_path):
         rec.replace(channels={**rec.channels, "F": other}).save(tmp_path / "a.csv")
     with pytest.raises(InputError, match="that folder does not exist"):
         rec.save(tmp_path / "nowhere" / "a.csv")
+
+
+def test_no_column_is_lost_where_names_stand_twice(tmp_path):
+    """The third is not called after the second, which a column of the file has as its name."""
+    rows = np.arange(40.0).reshape(10, 4)
+    (tmp_path / "a.csv").write_text("t [s],x [mm],x (2) [mm],x [mm]\n" + "\n".join(",".join(map(str, row)) for row in rows))
+    rec = ss.read(tmp_path / "a.csv")
+    assert [rec[name].values[0] for name in ("x", "x (2)", "x (3)")] == [1.0, 2.0, 3.0]
+    assert any("names stand over several columns: the later ones are called 'x (3)'" in note for note in rec.notes)
+    with pytest.raises(InputError, match=r"columns names 'x' twice, the second time as 'x \[m\]'"):
+        ss.Record.of(rows[0], {"x [mm]": rows[0], "x [m]": rows[0]})

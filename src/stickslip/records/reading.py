@@ -175,13 +175,19 @@ def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
 
 def _name_all(raw: Raw) -> None:
     """A name for every column, and no name twice."""
-    seen: dict[str, int] = {}
-    named = []
-    for i, c in enumerate(raw.columns, start=1):
-        name = c.name or f"column {i}"
-        seen[name] = seen.get(name, 0) + 1
-        named.append(Column(name if seen[name] == 1 else f"{name} ({seen[name]})", c.unit, c.values, c.axis, c.role))
-    raw.columns = named
+    wanted = [c.name or f"column {i}" for i, c in enumerate(raw.columns, start=1)]
+    taken, seen, again = set(wanted), dict.fromkeys(wanted, 0), []
+    for i, (c, name) in enumerate(zip(raw.columns, wanted, strict=True)):
+        seen[name] += 1
+        while seen[name] > 1 and (called := f"{name} ({seen[name]})") in taken:
+            seen[name] += 1
+        if seen[name] > 1:
+            again.append(called)
+            taken.add(called)
+        raw.columns[i] = dataclasses.replace(c, name=called if seen[name] > 1 else name)
+    if again:
+        shown = ", ".join(repr(n) for n in again[:6]) + (", ..." if len(again) > 6 else "")
+        raw.notes.append(f"names stand over several columns: the later ones are called {shown}")
 
 
 def _take_roles(raw: Raw) -> None:
