@@ -58,6 +58,23 @@ def test_the_virtual_rig_checks_its_arguments_together():
     assert len(error.value.problems) == 4
 
 
+def test_harmonics_are_those_of_a_drive_of_several_harmonics():
+    robot = rig(tilt_deg=1.7, amplitude=5e-4)
+    rec = ss.virtual_rig(robot, harmonics=(0.05, 0.02), channels=("drive",))
+    w, A = robot.drive.omega, robot.drive.amplitude
+    turn = w * rec["drive"].t
+    wanted = A * w * (np.cos(turn) + 2 * 0.05 * np.cos(2 * turn) + 3 * 0.02 * np.cos(3 * turn))
+    assert abs(rec["drive"].values - wanted).max() < 1e-10 * A * w
+    truth = rec.source["truth"]
+    assert [truth[f"drive.amplitudes.{k}"] / A for k in range(3)] == pytest.approx([1.0, 0.05, 0.02])
+
+
+def test_harmonics_of_a_drive_that_is_not_harmonic_are_an_error_that_says_what_to_type():
+    robot = rig(tilt_deg=1.7, amplitude=5e-4).replace(drive=ss.TwoPhase.example())
+    with pytest.raises(InputError, match=r"the drive is TwoPhase; allowed is a Harmonic; .*ss\.MultiHarmonic\("):
+        ss.virtual_rig(robot, harmonics=(0.05, 0.02))
+
+
 # identify ---------------------------------------------------------------------------------------------------------
 
 
@@ -86,6 +103,15 @@ def test_intervals_by_three_methods_agree_where_the_likelihood_is_a_parabola():
     )  # the end of a 95 % interval from 100 repeats is known to 0.13 widths
     low, high = fit.interval("mu0", level=0.5)
     assert by["covariance"][0] < low < high < by["covariance"][1]
+
+
+def test_an_interval_says_which_options_its_method_has(fit):
+    with pytest.raises(InputError) as error:
+        fit.interval("mu", level=2.0, workers=2)
+    assert len(error.value.problems) == 3 and "did you mean 'mu0'?" in error.value.problems[0]
+    assert "'workers' is no option of covariance, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
+    with pytest.raises(InputError, match="'repeat' is no option of bootstrap, which has repeats, seed, workers"):
+        fit.interval("mu0", method="bootstrap", repeat=50)
 
 
 def test_profile_intervals_see_what_is_beyond_the_parabola(fit):
@@ -233,6 +259,22 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
         z = done.y[0, -1]
         theirs.append(law.force(v[k], z, law.rate(v[k], z, 10.0), 10.0))
     assert np.allclose(ours[1:400], theirs, atol=1e-6 * np.ptp(ours))
+
+
+def test_a_driven_law_that_holds_in_a_band_gives_what_was_measured_there():
+    law = ss.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
+    v, measured = np.array([0.0, 5e-4, -5e-4, 5e-4, 2e-3, -2e-3]), np.array([0.5, 1.7, -3.0, 9.0, 9.0, 9.0])
+    motion = Motion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "")
+    assert driven_force(law, motion)[:, 0] == pytest.approx([0.5, 1.7, -2.4, 1.8, 1.5, -2.1])
+    many = ss.Karnopp(np.array([0.15, 0.3]), 0.21, 0.38, 0.24, width=1e-3)
+    assert driven_force(many, motion, 2)[4].tolist() == [1.5, 3.0]
+
+
+def test_a_driven_law_of_several_states_is_the_same_alone_and_in_a_batch():
+    t, x = strokes()
+    motion = Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "").every(10)
+    alone, among = driven_force(ss.GMS.example(), motion), driven_force(ss.GMS.example(), motion, 3)
+    assert np.array_equal(among, np.tile(alone, 3)) and np.isfinite(alone).all() and np.ptp(alone) > 1
 
 
 def test_a_law_is_fitted_to_force_against_motion():
