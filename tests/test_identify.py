@@ -373,6 +373,29 @@ def test_design_finds_the_experiment_that_separates_laws():
     assert plan.best.settings == ({"amplitude": 5e-4},) and plan.best.separation > 5  # at 0.1 mm neither law moves the body
 
 
+def test_design_reports_everything_wrong_at_once():
+    with pytest.raises(InputError) as error:
+        ss.design(rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7)
+    told = "\n".join(error.value.problems)
+    assert len(error.value.problems) == 7 and "using = 'foo'; allowed is one of velocity, position" in told
+    for words in ("experiments is empty", "mu0 = (0.1, 0.3); allowed is the value", "did you mean 'mu0'", "noise = -1.0", "samples = 0"):
+        assert words in told
+    with pytest.raises(InputError, match=r"amplitude = 0\.0005; allowed is a list of values"):
+        ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": 5e-4}, noise=1e-3, tilt_deg=1.7)
+    with pytest.raises(InputError, match="together = 3 and there are 2 experiments"):
+        ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": TWO}, noise=1e-3, together=3, tilt_deg=1.7)
+
+
+def test_design_says_which_experiments_it_leaves_out_and_why():
+    steep = dict(free={"mu0": 0.18}, noise=1e-3, samples=200, amplitude=5e-4)
+    plan = ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, **steep)
+    assert [e.settings for e in plan.experiments] == [({"tilt_deg": 1.7},)]
+    (note,) = [note for note in plan.notes if "left out" in note]
+    assert note.startswith("tilt_deg = 30 is left out: ") and "beyond the friction angle" in note and note in str(plan)
+    with pytest.raises(InputError, match="1 of 2 experiments can be solved, and together = 2 are wanted"):
+        ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, together=2, **steep)
+
+
 # compare ----------------------------------------------------------------------------------------------------------
 
 

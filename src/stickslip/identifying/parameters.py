@@ -151,7 +151,8 @@ def parameters(
         if not callable(rule) and known is not None and rule not in known:
             problems.add(f"{name} is tied to {rule!r}, which is not known; {did_you_mean(str(rule), known)}")
     if not spread:
-        problems.add('free names no parameter; type for example free={"mu0": (0.05, 0.5)}')
+        example = "0.18" if what == "design" else "(0.05, 0.5)"
+        problems.add(f'free names no parameter; type for example free={{"mu0": {example}}}')
     problems.check()
     return Parameters(make, tuple(spread), fixed, dict(tied or {}))
 

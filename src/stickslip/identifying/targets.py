@@ -96,8 +96,8 @@ def target(
     phase = (t - t[0]) * f
     slips = frequency is None and phase[-1] > 2
     repeats = None if transient else period_number(rec, f)
-    found = Target(kind, phase, y, level, f, sigma is not None, label, np.ones(len(t)), slips, transient, said, None, repeats or 1)
-    return _fewer(found, repeats) if len(t) > MOST and kind == "velocity" and not transient else found
+    whole = Target(kind, phase, y, level, f, sigma is not None, label, np.ones(len(t)), slips, transient, said, None, repeats or 1)
+    return _fewer(whole, repeats) if len(t) > MOST and kind == "velocity" and not transient else whole
 
 
 def _fewer(target: Target, repeats: int | None) -> Target:
