@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.identifying.averages import MOST, averaged
 from stickslip.records import Record
-from stickslip.records.measures import LONGEST, period_number
+from stickslip.records.measures import LONGEST, _repeats, mean_velocity
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
 from stickslip.records.tones import _finite
@@ -84,8 +84,6 @@ def target(
     if not transient:
         rec, _, said = settled(rec, settle, frequency)
     if kind == "mean":
-        from stickslip.records.measures import mean_velocity
-
         found = mean_velocity(rec, frequency)
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
     t, y = _finite(rec[kind])
@@ -95,7 +93,7 @@ def target(
         level = 1e-6 * float(np.ptp(y)) or 1.0
     phase = (t - t[0]) * f
     slips = frequency is None and phase[-1] > 2
-    repeats = None if transient else period_number(rec, f)
+    repeats = None if transient else _repeats(phase, y if kind == "velocity" else np.gradient(y, t))
     whole = Target(kind, phase, y, level, f, sigma is not None, label, np.ones(len(t)), slips, transient, said, None, repeats or 1)
     return _fewer(whole, repeats) if len(t) > MOST and kind == "velocity" and not transient else whole
 
