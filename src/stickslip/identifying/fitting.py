@@ -43,7 +43,8 @@ def identify(
 ) -> Fit:
     """Fit the parameters of a robot, or of a friction law, to one or several records at once.
 
-    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. The search begins at many
+    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. Of more than 20 000 samples of a
+    velocity those at neighbouring phases of the motion are averaged, in five parts of the record apart. The search begins at many
     places of a Sobol sequence, judged in batches, and goes on from the best by trust-region steps.
 
     Parameters
@@ -162,6 +163,7 @@ def _driven(records: list[Any], of: Parameters, load: float | None, noise: float
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
     notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
+    notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
     if isinstance(problem, DrivenProblem):
         notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if m.flipped]
     return notes
