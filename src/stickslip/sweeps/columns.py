@@ -9,10 +9,15 @@ import numpy as np
 from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
-__all__ = ["BAD", "BETWEEN", "COLUMNS", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "filled", "flags", "words"]
+__all__ = [
+    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "filled", "flags", "joined",
+    "words",
+]  # fmt: skip
 
 Array = Any
 BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
+#: What the names of end states begin with, beside the columns of cases that others start from.
+END = "end."
 #: What a status code says; those from 100 on are a sweep's own.
 STATUSES: dict[int, str] = {
     **STATUS,
@@ -45,6 +50,25 @@ def _unknown(name: str, count: int) -> Array:
     """A column of cases that have no result yet."""
     nothing = {"motion_type": TYPES[0], "status": UNDONE}.get(name, np.nan if COLUMNS[name] == "f8" else None)
     return np.zeros(count, COLUMNS[name]) if nothing is None else np.full(count, nothing, COLUMNS[name])
+
+
+def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
+    """Columns of cases one after the other; where a part lacks one that another has, its cases have no result in it.
+
+    Examples
+    --------
+    >>> joined([{"status": np.array([100])}, {"status": np.array([0]), "margin": np.array([0.5])}])["margin"].tolist()
+    [nan, 0.5]
+    """
+    known = {name: values for part in parts for name, values in part.items()}
+    found = {}
+    for name, like in known.items():
+        found[name] = np.concatenate([part[name] if name in part else _lacking(name, len(part["status"]), like) for part in parts])
+    return found
+
+
+def _lacking(name: str, count: int, like: Array) -> Array:
+    return _unknown(name, count) if name in COLUMNS else np.full((count, *like.shape[1:]), np.nan)
 
 
 def coded(name: str, values: Array) -> Array:
