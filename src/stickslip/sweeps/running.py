@@ -17,7 +17,7 @@ from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
 from stickslip.sweeps.solving import Cancelled, solved
 
-__all__ = ["run_plan", "sweep", "tiles_of"]
+__all__ = ["carried_out", "run_plan", "sweep", "tiles_of"]
 
 Array = Any
 Done = tuple[int, dict[str, Array], dict[str, int]]
@@ -109,6 +109,21 @@ def sweep(
         "dwell": dwell,
     }
     plan = planned(make, designs, axes, start, continue_along, tile, **options)
+    return carried_out(plan, tile, workers, out, resume, shard, client, retries, progress)
+
+
+def carried_out(
+    plan: Plan,
+    tile: int | None = None,
+    workers: int = 1,
+    out: str | Path | None = None,
+    resume: bool = False,
+    shard: tuple[int, int] | str | None = None,
+    client: Any = None,
+    retries: int = 3,
+    progress: Callable[[Progress], Any] | None = None,
+) -> Any:
+    """The dataset of a plan, in memory or in a folder; arguments as for `sweep`."""
     problems = Problems("sweep")
     problems.whole("workers", workers, 1, example=2)
     if out is None and (resume or shard):
