@@ -167,6 +167,19 @@ class Touchy:
         return 1e5 * z + 100.0 * zdot
 
 
+@dataclass(frozen=True)
+class Broken:
+    """A law that never gives a number."""
+
+    mu: float
+
+    def rate(self, v, z, load):
+        return v
+
+    def force(self, v, z, zdot, load):
+        raise RuntimeError("not today")
+
+
 def test_a_failing_law_marks_its_own_cell():
     def maker(mu):
         return RIG(tilt_deg=0.0, amplitude=6e-4).replace(friction=Touchy(mu=mu))
@@ -225,6 +238,26 @@ def test_what_is_wrong_with_a_design_is_told():
     ):
         with pytest.raises(ss.InputError, match=told):
             bad()
+
+
+@pytest.mark.parametrize("shard", [None, "2/2"])
+def test_an_error_of_every_case_is_raised_with_a_folder_too(tmp_path, shard):
+    def maker(mu):
+        return RIG(tilt_deg=0.0, amplitude=6e-4).replace(friction=Broken(mu=mu))
+
+    with pytest.raises(ss.InputError, match="not today"):
+        sweep(maker, mu=[0.2, 0.3])
+    for resume in (False, True):
+        with pytest.raises(ss.InputError, match=r"not today(.|\n)*the folder .* is complete"):
+            sweep(maker, mu=[0.2, 0.3], out=tmp_path / "study", tile=1, shard=shard, resume=resume)
+    kept = ss.open_study(tmp_path / "study")
+    assert kept.status.values.tolist() == [101 if shard else 100, 100] and "not today" in kept.attrs["notes"]
+
+
+def test_a_map_that_is_stopped_at_once_says_nothing_is_computed(every_report):
+    axes = dict(amplitude=np.linspace(1e-4, 8e-4, 9), omega=np.linspace(60.0, 300.0, 9), tilt_deg=1.7)
+    grid = ss.map(RIG, refine=True, coarse=3, progress=lambda now: False, **axes)
+    assert (grid.status == 101).all()
 
 
 # starts, neighbours, results ------------------------------------------------------------------------------------------
@@ -290,19 +323,6 @@ def test_power_is_told_whatever_the_start_and_the_window(law):
     for name in ("drive_power", "cost_of_transport"):
         for grid in (followed.sel(way="up"), *waited):
             assert grid[name].values == pytest.approx(alone[name].values, rel=1e-4)
-
-
-@dataclass(frozen=True)
-class Broken:
-    """A law that never gives a number."""
-
-    mu: float
-
-    def rate(self, v, z, load):
-        return v
-
-    def force(self, v, z, zdot, load):
-        raise RuntimeError("not today")
 
 
 def test_following_goes_on_beside_a_law_that_fails():

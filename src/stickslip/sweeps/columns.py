@@ -10,7 +10,7 @@ from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
 __all__ = [
-    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "coded", "described", "empty", "filled", "flags", "joined",
+    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "coded", "described", "empty", "filled", "flags", "joined",
     "words",
 ]  # fmt: skip
 
@@ -34,6 +34,11 @@ COLUMNS: dict[str, str] = {
     "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "periods_run": "i4",
     "status": "i1",
 }  # fmt: skip
+
+
+def all_failed(status: Array) -> bool:
+    """Whether there are cases and every one of them failed with an error: then the law or the maker is wrong, and not some numbers."""
+    return len(status) > 0 and bool((status == FAILED).all())
 
 
 def empty(count: int) -> dict[str, Array]:

@@ -208,7 +208,7 @@ class Study:
 
     def _sweep_up(self) -> None:
         """Remove what a killed process left half written of our tiles."""
-        ours = {f".{file_of(self.folder, k).name}" for k in self._ours}
+        ours = {f".{file_of(self.folder, k).name}" for k in self.ours}
         try:
             for path in (self.folder / TILES).glob(".*.part"):
                 if path.name.split(".nc.")[0] + ".nc" in ours:
@@ -217,7 +217,8 @@ class Study:
             raise unwritable(self.folder / TILES / "x", error) from None
 
     @property
-    def _ours(self) -> range:
+    def ours(self) -> range:
+        """The tiles of our shard."""
         i, n = self.shard or (1, 1)
         return range(i - 1, self.plan.tiles, n)
 
@@ -226,13 +227,13 @@ class Study:
         """Our tiles that are there."""
         names = {p.name for p in (self.folder / TILES).iterdir()} if (self.folder / TILES).exists() else set()
         study = self.manifest["study"]
-        return tuple(k for k in self._ours if (p := file_of(self.folder, k)).name in names and tile_is_good(p, study))
+        return tuple(k for k in self.ours if (p := file_of(self.folder, k)).name in names and tile_is_good(p, study))
 
     @property
     def todo(self) -> Iterable[int]:
         """Our tiles that are not."""
         done = set(self.done)
-        return [k for k in self._ours if k not in done]
+        return [k for k in self.ours if k not in done]
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
         """Keep a tile."""

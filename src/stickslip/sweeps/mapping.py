@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError, Problems
 from stickslip.robot import Robot
-from stickslip.sweeps.columns import BETWEEN, COLUMNS, FAILED, empty
+from stickslip.sweeps.columns import BETWEEN, COLUMNS, all_failed, empty
 from stickslip.sweeps.datasets import dataset, labels_of, provenance_of
 from stickslip.sweeps.planning import SOLVER, Plan, planned
 from stickslip.sweeps.progress import Watch
@@ -112,7 +112,7 @@ class _Refined:
             self._compute(self._beside(changing, lines, finer))
             lines = finer
         self.columns["status"][~self.known & (self.kind != "")] = BETWEEN
-        if (self.columns["status"][self.known] == FAILED).all():
+        if all_failed(self.columns["status"][self.known]):
             raise InputError("map", list(self.notes))
         found = dataset(self.plan, {n: v.ravel() for n, v in self.columns.items()}, {"provenance": provenance_of(self.plan)}, self.notes)
         return found.assign_attrs(refined=json.dumps({"computed": int(self.known.sum()), "cases": self.plan.cases, "coarse": coarse}))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
@@ -11,7 +12,7 @@ from typing import Any
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.robot import Robot
-from stickslip.sweeps.columns import FAILED
+from stickslip.sweeps.columns import all_failed
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
@@ -92,6 +93,12 @@ def sweep(
         mean_velocity, motion_type, pattern, period, margin, fractions, extremes, drive_power, cost_of_transport and status, with units
         and names. With `out` it reads from the folder what is looked at.
 
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the arguments, at once, before the work begins. Also an error that every case makes, after it:
+        then the law or the maker is wrong. With `out` the folder is complete by then, and `open_study` reads it.
+
     Examples
     --------
     >>> import stickslip as ss
@@ -133,7 +140,7 @@ def carried_out(
     if out is None:
         return _in_memory(plan, tile, workers, client, retries, watch)
     from stickslip.sweeps.folder import Study
-    from stickslip.sweeps.opening import open_study
+    from stickslip.sweeps.opening import open_study, read_tile
 
     study = Study.begin(Path(out), plan, resume=resume, shard=shard)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
@@ -142,7 +149,11 @@ def carried_out(
         study.write(k, columns, notes)
         watch.finished(k, columns["status"])
     study.finish()
-    return open_study(out)
+    grid = open_study(out)
+    if study.ours and all(all_failed(read_tile(study.folder, study.manifest, k, ["status"])["status"]) for k in study.ours):
+        kept = f"the folder {str(out)!r} is complete and says so of every case; correct this, and give another folder"
+        raise InputError("sweep", [*json.loads(grid.attrs.get("notes", "{}")), kept])
+    return grid
 
 
 def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
@@ -175,7 +186,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
         for sentence, n in told.items():
             notes[sentence] = notes.get(sentence, 0) + n
         watch.finished(k, columns["status"])
-    if plan.cases and (whole["status"] == FAILED).all():
+    if all_failed(whole["status"]):
         raise InputError("sweep", list(notes))
     return whole, notes
 
