@@ -10,8 +10,8 @@ from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
 __all__ = [
-    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "coded", "described", "empty", "filled", "flags", "joined",
-    "words",
+    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "coded", "described", "empty", "filled",
+    "flags", "joined", "words",
 ]  # fmt: skip
 
 Array = Any
