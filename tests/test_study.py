@@ -375,3 +375,19 @@ def test_a_tile_travels_as_names_and_numbers():
         message(planned(lambda a: RIG(tilt_deg=1.0, amplitude=a), (), {"a": [1e-4]}, None, None, 7, **SOLVER), 0)
     robot = planned(RIG(tilt_deg=1.7, amplitude=4e-4), (), {"drive.amplitude": [4e-4, 5e-4]}, None, None, 7, **SOLVER)
     assert work(message(robot, 0))[0]["motion_type"].tolist() == solved(robot, 0)[0]["motion_type"].tolist()
+
+
+def test_a_mechanism_travels_too():
+    from stickslip.sweeps.cluster import message, work
+    from stickslip.sweeps.planning import SOLVER, planned
+    from stickslip.sweeps.solving import solved
+
+    law = ss.Coulomb(0.3, 0.3)
+    benches = [
+        (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, law), {}),
+        (ss.PulledMass(1.0, 2.0, 0.1, law), {"duration": 3.0}),
+        (ss.BlockOnBelt(1.0, 2.0, 0.1, law), {"duration": 3.0}),
+    ]
+    for bench, span in benches:
+        plan = planned(bench, (), {"damping": [0.01, 0.05]}, None, None, 7, **(SOLVER | span))
+        np.testing.assert_array_equal(work(message(plan, 0))[0]["displacement"], solved(plan, 0)[0]["displacement"])

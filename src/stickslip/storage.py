@@ -26,7 +26,7 @@ from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
 from stickslip.variables import VARIABLES
 
-__all__ = ["FORMAT", "moved_into_place", "read", "save", "to_mat", "unwritable"]
+__all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_mat", "unwritable"]
 
 #: Version of the file format; a reader refuses a newer one.
 FORMAT = 1
@@ -155,7 +155,7 @@ def _check_format(attrs: Any, path: Path) -> None:
 
 
 def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
-    robot = _class_of(attrs["robot"]).from_toml(attrs["robot"])
+    robot = from_text(attrs["robot"])
     if "law" not in attrs:
         return robot
     kept = json.loads(attrs["law"])
@@ -166,9 +166,9 @@ def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
     return robot.replace(friction=cls(**fields))
 
 
-def _class_of(text: str) -> Any:
-    """The class whose TOML this is."""
-    return MECHANISMS.get(tomllib.loads(text).get("mechanism", {}).get("kind"), Robot)
+def from_text(text: str) -> Any:
+    """The robot or the mechanism whose TOML this is."""
+    return MECHANISMS.get(tomllib.loads(text).get("mechanism", {}).get("kind"), Robot).from_toml(text)
 
 
 def _unknown_law(self: Any, *arguments: Any, **more: Any) -> Any:

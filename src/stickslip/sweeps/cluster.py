@@ -15,6 +15,7 @@ import numpy as np
 
 from stickslip.datasets import jsonable
 from stickslip.errors import InputError, StickslipError
+from stickslip.storage import from_text
 from stickslip.sweeps.axes import Column, Space
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
@@ -53,7 +54,7 @@ def message(plan: Plan, k: int) -> dict[str, Any]:
 
 
 def _named(make: Any) -> dict[str, Any]:
-    """Where a worker finds the maker: by import, or as the TOML text of a robot."""
+    """Where a worker finds the maker: by import, or as the TOML text of a robot or a mechanism."""
     if not callable(make):
         try:
             return {"toml": make.to_toml()}
@@ -90,9 +91,7 @@ def from_message(told: dict[str, Any]) -> Plan:
 
 def _found(make: dict[str, Any]) -> Any:
     if "toml" in make:
-        from stickslip.robot import Robot
-
-        return Robot.from_toml(make["toml"])
+        return from_text(make["toml"])
     found: Any = importlib.import_module(make["module"])
     for part in make["name"].split("."):
         found = getattr(found, part)
