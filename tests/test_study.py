@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import signal
@@ -189,6 +190,85 @@ def test_another_version_and_a_changed_maker_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(ss, "__version__", "9.9")
     with pytest.raises(ss.InputError, match=r"version of stickslip was 0.*, now it is 9.9"):
         ss.sweep(RIG, **axes, out=tmp_path / "other", resume=True)
+
+
+OWN = """
+from dataclasses import dataclass, field
+
+import stickslip as ss
+from stickslip.maths import cos, sin
+
+
+class Base:
+    def sliding(self, v, load):
+        return SLIDING
+
+
+@dataclass(frozen=True)
+class Mine(Base):
+    mu: float
+
+    def breakaway(self, load):
+        return -self.mu * load, self.mu * load
+
+
+@dataclass(frozen=True)
+class Shaken:
+    amplitude: float
+    omega: float
+    period = property(lambda self: 6.283185307179586 / self.omega)
+    velocity_scale = property(lambda self: self.amplitude * self.omega)
+
+    def position(self, t):
+        return self.amplitude * sin(self.omega * t)
+
+    def velocity(self, t):
+        return self.amplitude * self.omega * cos(self.omega * t)
+
+    def acceleration(self, t):
+        return DRIVEN
+
+
+@dataclass(frozen=True)
+class Slope:
+    def across(self, gravity):
+        return PRESSED
+
+    def along(self, gravity):
+        return 0.0 * gravity
+"""
+WRITTEN = {"SLIDING": "self.mu * load", "DRIVEN": "-self.amplitude * self.omega**2 * sin(self.omega * t)", "PRESSED": "gravity"}
+
+
+@pytest.mark.parametrize("changed", WRITTEN)
+@pytest.mark.parametrize("inside", [False, True], ids=["alone", "inside"])
+def test_another_text_of_a_part_of_ones_own_is_another_study(tmp_path, changed, inside):
+    """A law, a drive or a track, alone or inside one of ours, and what a class inherits."""
+    from stickslip.sweeps.manifest import identity
+    from stickslip.sweeps.planning import SOLVER, planned
+
+    def told(name, formulas):
+        path = tmp_path / f"{name}.py"
+        text = OWN
+        for place, formula in formulas.items():
+            text = text.replace(place, formula)
+        path.write_text(text)
+        spec = importlib.util.spec_from_file_location("own_parts", path)
+        own = importlib.util.module_from_spec(spec)
+        sys.modules["own_parts"] = own
+        spec.loader.exec_module(own)
+        law, drive, track = own.Mine(0.2), own.Shaken(5e-4, 200.0), own.Slope()
+        if inside:
+            law, drive, track = ss.Sum(law, ss.Viscous(0.1, 0.1)), ss.Reversed(drive), ss.VaryingFriction(track, depth=0.2)
+        robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=drive, friction=law, track=track)
+        return identity(planned(robot, (), {"gravity": [9.8, 9.81]}, None, None, None, **SOLVER))["robot"]
+
+    try:
+        first = told("first", WRITTEN)
+        assert told("again", WRITTEN) == first
+        assert told("other", WRITTEN | {changed: f"1.0 * {WRITTEN[changed]}"}) != first
+    finally:
+        sys.modules.pop("own_parts", None)
 
 
 def test_what_cannot_be_written_is_told(whole, tmp_path, monkeypatch):
