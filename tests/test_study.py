@@ -356,6 +356,57 @@ def test_export_to_each_format(whole, tmp_path):
         ss.export(whole, tmp_path / "grid.xlsx")
 
 
+def test_what_is_exported_comes_back_as_it_was(tmp_path):
+    """Words of any alphabet, values that are no words, columns of one's own, a part of the columns."""
+
+    def maker(amplitude, oil, wet):
+        return RIG(amplitude=amplitude, tilt_deg=1.7 if wet else 1.0, law="coulomb")
+
+    grid = ss.sweep(maker, amplitude=[4e-4, 6e-4], oil=["Öl", "масло"], wet=[None, True])
+    grid = grid.assign(
+        twice=2 * grid.mean_velocity, best=grid.mean_velocity.max("amplitude"), fast=grid.mean_velocity > 1e-3, named=("oil", ["µ", ""])
+    )
+    grid = grid.assign_coords(lubricated=("oil", [True, False]))
+    back = ss.open_study(ss.export(grid, tmp_path / "grid.nc"))
+    xr.testing.assert_identical(back.drop_attrs(deep=False), grid.drop_attrs(deep=False))
+    assert back.wet.values.tolist() == [None, True] and back.oil.values.tolist() == ["Öl", "масло"] and back.fast.dtype == bool
+    some = grid[["mean_velocity", "status"]].isel(amplitude=0)
+    xr.testing.assert_identical(ss.open_study(ss.export(some, tmp_path / "some.nc")).drop_attrs(deep=False), some.drop_attrs(deep=False))
+    kept = ss.sweep(maker, amplitude=[4e-4, 6e-4], oil=["Öl", "масло"], wet=[None, True], out=tmp_path / "study")
+    assert kept.wet.values.tolist() == [None, True] and kept.oil.values.tolist() == ["Öl", "масло"]
+
+
+def test_export_takes_any_dataset(tmp_path):
+    """Columns over different dimensions, without one that is ours, and no dimension at all."""
+    from scipy.io import loadmat
+
+    diagram = xr.Dataset(
+        {"mean_velocity": ("A", [0.1, 0.2]), "v": (("A", "point"), [[1.0, np.nan], [3.0, 4.0]], {"units": "m/s"})},
+        {"A": [3e-4, 4e-4], "oil": ("A", ["", "Öl"]), "wet": ("A", np.array([None, True], object))},
+    )
+    for data in (diagram, diagram[["v"]]):
+        lines = ss.export(data, tmp_path / "diagram.csv").read_text(encoding="utf-8").splitlines()
+        assert lines[0].startswith("A,point,oil,wet,") and lines[0].endswith("v [m/s]") and len(lines) == 5
+        assert lines[4].startswith("0.0004,1,Öl,True,") and lines[4].endswith("4.0") and lines[2].endswith("nan")
+    mat = loadmat(ss.export(diagram, tmp_path / "diagram.mat"), squeeze_me=True)
+    assert mat["v"].shape == (2, 2) and mat["oil"][1] == "Öl" and mat["wet"][0].size == 0 and mat["wet"][1]
+    plain = diagram.drop_vars("wet")
+    xr.testing.assert_equal(xr.load_dataset(ss.export(plain, tmp_path / "plain.nc")), plain)
+    with pytest.raises(ss.InputError, match="cannot be kept in a netCDF file"):
+        ss.export(diagram.assign(odd=("A", np.array([{}, []], object))), tmp_path / "diagram.nc")
+    one = xr.Dataset({"exponent": ((), -0.5)})
+    assert ss.export(one, tmp_path / "one.csv").read_text().splitlines() == ["exponent", "-0.5"]
+    for bad, told in (
+        (diagram.v, "a DataArray is given; allowed is a study folder"),
+        (xr.Dataset(), "no columns"),
+        (None, "None is given"),
+    ):
+        with pytest.raises(ss.InputError, match=told):
+            ss.export(bad, tmp_path / "bad.csv")
+    with pytest.raises(ss.InputError, match=r"export: cannot write .*that folder does not exist; make it first"):
+        ss.export(one, tmp_path / "nowhere" / "one.csv")
+
+
 def test_export_to_parquet_says_what_to_install(whole, tmp_path, monkeypatch):
     try:
         import pyarrow.parquet as pq

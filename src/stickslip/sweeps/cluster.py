@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.datasets import jsonable
 from stickslip.errors import InputError, StickslipError
+from stickslip.jsontext import plain
 from stickslip.storage import from_text
 from stickslip.sweeps.axes import Column, Space
 from stickslip.sweeps.planning import Plan
@@ -70,7 +70,7 @@ def _named(make: Any) -> dict[str, Any]:
 
 def _plain(name: str, value: Any) -> Any:
     if isinstance(value, (str, int, float, bool, type(None), np.generic)):
-        return jsonable(value)
+        return plain(value)
     raise InputError(
         "sweep", [f"{name} is a {type(value).__name__}, which a cluster is not sent; let the maker make it from numbers and words"]
     )

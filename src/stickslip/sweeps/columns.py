@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,8 @@ from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
 __all__ = [
-    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "coded", "described", "empty", "filled",
-    "flags", "joined", "words",
+    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "characters", "coded", "described", "empty",
+    "filled", "flags", "from_characters", "joined", "words",
 ]  # fmt: skip
 
 Array = Any
@@ -106,6 +107,34 @@ def words(name: str, values: Array) -> Array:
     return values
 
 
+def characters(values: Array) -> tuple[Array, str]:
+    """Values that are no numbers as UTF-8 characters along a last dimension; and how they are kept: as text, as JSON, or JSON of bools."""
+    values = np.char.decode(values) if values.dtype.kind == "S" else values
+    kept = {"U": "text", "b": "bool"}.get(values.dtype.kind, "json")
+    flat = values.ravel().tolist()
+    texts = flat if kept == "text" else [json.dumps(v, default=str, ensure_ascii=False) for v in flat]
+    raw = np.array([text.encode() for text in texts], "S")
+    return raw.view("S1").reshape(*values.shape, raw.dtype.itemsize), kept
+
+
+def from_characters(texts: Array, kept: str) -> Array:
+    """Values from their texts, an array of bytes or of words; the opposite of `characters`.
+
+    Examples
+    --------
+    >>> raw, kept = characters(np.array([None, True, "µ", 2.5], object))
+    >>> from_characters(raw.view(f"S{raw.shape[-1]}")[..., 0], kept).tolist()
+    [None, True, 'µ', 2.5]
+    """
+    told = [text.decode() if isinstance(text, bytes) else text for text in texts.ravel().tolist()]
+    values = np.empty(len(told), object)
+    for i, text in enumerate(told):  # one by one: a value may be a list
+        values[i] = text if kept == "text" else json.loads(text)
+    if kept == "bool" or all(isinstance(v, str) for v in values):
+        values = values.astype(bool if kept == "bool" else str)
+    return values.reshape(texts.shape)
+
+
 def flags(name: str) -> dict[str, Any]:
     """CF attributes of a column of codes: flag_values and flag_meanings, one word for each."""
     if name == "motion_type":
@@ -119,8 +148,10 @@ def flags(name: str) -> dict[str, Any]:
 
 
 def described(name: str) -> dict[str, Any]:
-    """Units, long name and symbol of a column."""
-    variable = VARIABLES[name]
+    """Units, long name and symbol of a column; nothing of one that is not ours."""
+    variable = VARIABLES.get(name)
+    if variable is None:
+        return {}
     told: dict[str, Any] = {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
     if name == "status":
         told["flag_meanings"] = "; ".join(f"{code}: {sentence}" for code, sentence in STATUSES.items())

@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip.errors import InputError, StickslipError
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import coded, described, empty, flags
+from stickslip.sweeps.columns import characters, coded, described, empty, flags
 from stickslip.sweeps.datasets import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, manifest
 from stickslip.sweeps.planning import Plan
@@ -96,11 +96,8 @@ def axes_file(labels: dict[str, Column]) -> bytes:
     for i, (name, column) in enumerate(labels.items()):
         values, dims, attrs = np.asarray(column.values), column.dims, {"coordinate": name}
         if values.dtype.kind not in "iuf":
-            kinds = "json" if values.dtype.kind == "O" else "text"
-            texts = np.array([json.dumps(v, default=str) if kinds == "json" else str(v) for v in values.ravel().tolist()], dtype=object)
-            raw = np.array([t.encode() for t in texts.tolist()], "S")
-            values = raw.view("S1").reshape(*values.shape, raw.dtype.itemsize)
-            dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kinds}
+            values, kept = characters(values)
+            dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kept}
         variables[name.replace(".", "_") if name not in dims else name] = (dims, values, attrs)
     return written(variables, {"stickslip_content": "axes of a study"})
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.datasets import jsonable
 from stickslip.fields import is_array, leaves
+from stickslip.jsontext import plain
 from stickslip.sweeps.columns import COLUMNS
 from stickslip.sweeps.datasets import attributes_of, maker_of, provenance_of
 from stickslip.sweeps.planning import Plan
@@ -45,7 +45,7 @@ def identity(plan: Plan) -> dict[str, str]:
     versions = provenance_of(plan)["versions"]
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
-    parts |= {name: jsonable(value) for name, value in plan.space.fixed.items()}
+    parts |= {name: plain(value) for name, value in plan.space.fixed.items()}
     parts |= {f"option {name}": value for name, value in plan.options.items()}
     parts |= {f"version of {name}": versions[name] for name in _DECISIVE}
     parts |= {"maker": maker_of(plan.make), "robot": _robot(plan), "start": digest(plan.start)}
