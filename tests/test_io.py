@@ -140,7 +140,10 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(run, tmp_path, monk
 
 
 def test_every_file_is_moved_into_place_when_it_is_whole(run, tmp_path, monkeypatch):
-    """Runs, datasets and pages: where the last step fails the old file is there as it was."""
+    """Runs, datasets, pages and figures: where the last step fails the old file is there as it was."""
+    from matplotlib.figure import Figure
+
+    from stickslip.cli.show import draw_to
     from stickslip.report import write
     from stickslip.storage import to_csv
 
@@ -151,6 +154,7 @@ def test_every_file_is_moved_into_place_when_it_is_whole(run, tmp_path, monkeypa
         "run.csv": lambda path: to_csv(run, path),
         "page.html": lambda path: write(path, ""),
     }
+    writers |= {f"figure{suffix}": lambda path: draw_to(path, Figure()) for suffix in (".png", ".svg", ".pdf")}
     writers |= {f"data{suffix}": lambda path: ss.export(data, path) for suffix in (".nc", ".mat", ".csv")}
 
     def full(*arguments, **more):

@@ -47,7 +47,7 @@ def targets(asked: Any) -> Targets:
 def finish(asked: Any, files: Targets, found: Outcome) -> int:
     """Draw, write and print what was found."""
     if files.figure is not None:
-        found.draw().figure.savefig(files.figure)
+        show.draw_to(files.figure, found.draw().figure)
     if files.out is not None:
         from stickslip.sweeps import export
 

@@ -76,9 +76,10 @@ def _draw(grid: Any, x: str | None, pictures: dict[str, Path | None]) -> None:
     from stickslip import plot
 
     for name, draw in (("figure", plot.motion_map), ("velocity", plot.velocity_map)):
-        if pictures[name] is not None:
+        path = pictures[name]
+        if path is not None:
             with plot.publication():
-                draw(grid, x=x).figure.savefig(pictures[name])
+                show.draw_to(path, draw(grid, x=x).figure)
 
 
 def _found(grid: Any) -> dict[str, Any]:

@@ -124,8 +124,7 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
         left, right = figure.subplots(1, 2)
         plot.velocity(run, ax=left)
         plot.phase(run, ax=right)
-        figure.savefig(path)
-    return path
+        return show.draw_to(path, figure)
 
 
 def _written(run: Any, path: Path | None) -> Path | None:
