@@ -192,10 +192,11 @@ def test_a_wrong_drive_is_seen_in_the_residuals():
 
 
 def test_parameters_that_data_confound_are_named():
-    """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same."""
-    fit = ss.identify(records(1e-3, amplitudes=[1.2e-3]), rig, free=FREE, tilt_deg=1.7, amplitude=1.2e-3)
-    assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in fit.warnings)
-    assert any(w.startswith("v_s is hardly told") for w in fit.warnings)
+    """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same, and f0 and v_s hardly anything."""
+    recs, given = records(1e-3, amplitudes=[1.2e-3]), dict(tilt_deg=1.7, amplitude=1.2e-3)
+    sliding = ss.identify(recs, rig, free={name: FREE[name] for name in ("mu0", "sigma2")}, **given)
+    assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in sliding.warnings)
+    assert any(w.startswith("v_s is hardly told") for w in ss.identify(recs, rig, free=FREE, **given).warnings)
 
 
 def test_everything_wrong_with_the_arguments_is_reported_at_once():

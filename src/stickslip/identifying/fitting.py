@@ -145,7 +145,7 @@ def _makes_laws(of: Parameters) -> bool:
     """Whether the models are laws and not robots, told from the first place between the bounds that makes one."""
     from scipy.stats import qmc
 
-    for place in qmc.Sobol(len(of.free), seed=0).random_base2(6):
+    for place in qmc.Sobol(len(of.free), rng=0).random_base2(6):
         try:
             return not hasattr(of.model(of.values(place), 0), "friction")
         except InputError:
