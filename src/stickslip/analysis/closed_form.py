@@ -203,9 +203,9 @@ class Periodic:
     Parameters
     ----------
     mean : array
-        Mean velocity over the period, in w = v/(A mu omega).
+        Mean velocity over the period, in w = v/(A mu omega); NaN where the motion did not repeat.
     forward, stick, backward : array
-        Fractions of the period.
+        Fractions of the period; NaN where the motion did not repeat.
     type : array of str
         "rest", "I", "II", "III", "IV" or "other".
     """
@@ -225,7 +225,8 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
     alpha_plus, alpha_minus : array
         Sliding friction over drive force, forwards and backwards, in any order of size; they broadcast.
     static : tuple of two arrays, optional
-        The same for break-away, if it is higher. Then two motions can live side by side; this is the one that starts from rest.
+        The same for break-away, if it is higher. Then two motions can live side by side; this is the one that starts from rest,
+        and next to frictionless it may need more periods than are run: NaN. Where it is no higher the formula holds.
     workers : int
         Threads.
 
@@ -240,7 +241,7 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
     parts = (alpha_plus, alpha_minus, *(static if static is not None else (alpha_plus, alpha_minus)))
     plus, minus, hold_plus, hold_minus = _checked(*parts)
     share = np.where(plus + minus > 0, minus / np.where(plus + minus > 0, plus + minus, 1.0), 0.5)
-    never = _never_rests(plus, minus, hold_plus, hold_minus) if static is None else np.zeros(plus.shape, bool)
+    never = _never_rests(plus, minus, hold_plus, hold_minus) & (hold_plus == plus) & (hold_minus == minus)
     result = {
         "mean": np.where(never, mean_without_rest(plus, minus), 0.0),
         "forward": np.where(never, share, 0.0),
@@ -266,6 +267,7 @@ def _by_arcs(rows: Array, workers: int) -> dict[str, Array]:
     for i in range(0, len(rows), _CHUNK):
         raw = solve_rows(np.ascontiguousarray(rows[i : i + _CHUNK]), _PERIODS, "auto", workers)
         told = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
-        mean = raw["displacement"] / (2 * np.pi * raw["window"])
-        parts.append((mean, told["forward_fraction"], told["stick_fraction"], told["backward_fraction"], told["motion_type"]))
+        numbers = (raw["displacement"] / (2 * np.pi * raw["window"]), *(told[f"{name}_fraction"] for name in ("forward", "stick", "backward")))
+        repeats = raw["period"] > 0
+        parts.append((*(np.where(repeats, n, np.nan) for n in numbers), np.where(repeats, told["motion_type"], "other")))
     return {name: np.concatenate(column) for name, column in zip(Periodic.__dataclass_fields__, zip(*parts, strict=True), strict=True)}
