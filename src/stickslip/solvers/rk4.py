@@ -90,11 +90,14 @@ class _March:
         """x, v and z at the starts of the periods, and at the end."""
         return np.concatenate(self.strobe)
 
+    def instants(self, every: int, first: int = 0) -> Any:
+        """Times of the nodes that are kept from period `first` on, one step in `every`, and of the end [s]."""
+        starts = np.arange(0, self.steps, every) / self.steps
+        return np.append((np.arange(first, self.done)[:, None] + starts).ravel(), self.done) * float(self.model.period)
+
     def pieces(self) -> PolynomialPieces:
         """Dense output from the kept nodes, for all periods done."""
-        T, n = float(self.model.period), self.kernel.states
-        starts = np.arange(0, self.steps, self.every) / self.steps
-        t = np.append((np.arange(self.done)[:, None] + starts).ravel(), self.done) * T
+        t, n = self.instants(self.every), self.kernel.states
         nodes = np.concatenate(self.nodes)
         y = np.concatenate([nodes[:, : n + 1], self.state[None, :]])
         slope = np.concatenate([nodes[:, n + 1 :], nodes[:1, n + 1 :]])
@@ -203,9 +206,10 @@ def _last(todo: Request, march: _March, period: int) -> tuple[int, Any, Any]:
     """Segments and extremes of one more motion period, at the instants of the steps."""
     march.nodes.clear()
     march.extremes = np.array([np.inf, -np.inf])
-    march.go(period, every=max(1, march.steps // 5000))
-    nodes = np.concatenate(march.nodes)
-    v, z = nodes[:, 1], nodes[:, 2 : 1 + march.kernel.states]
+    first, every = march.done, max(1, march.steps // 5000)
+    march.go(period, every)
+    t, nodes = march.instants(every, first), np.concatenate(march.nodes)
+    x, v, z = nodes[:, 0], nodes[:, 1], nodes[:, 2 : 1 + march.kernel.states]
     mode = np.where(v > 0, 1, -1) if is_dynamic(march.model.friction) else np.sign(v).astype(int)
-    codes = strobes.codes_of(march.model, v, z, mode, todo.slip_ratio)
+    codes = strobes.codes_of(march.model, v, z, mode, todo.slip_ratio, t[:-1], x)
     return strobes.segments_of(np.full(len(v), period * float(march.model.period) / len(v)), codes)
