@@ -10,7 +10,7 @@ from stickslip.errors import InputError
 from stickslip.forces import is_dynamic, normal_load
 from stickslip.summary import Summary
 
-__all__ = ["LONGEST_PERIOD", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
+__all__ = ["LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
 
 #: Largest period number that is looked for.
 LONGEST_PERIOD = 16
@@ -149,7 +149,7 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     >>> round(float(periodic_mean_velocity(robot)), 9)
     0.002014682
     """
-    closed = _closed(model) if not is_dynamic(model.friction) else None
+    closed = closed_mean_velocity(model)
     if closed is not None:
         return closed
     from stickslip.solvers import solve
@@ -158,8 +158,28 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     return np.where(many.period > 0, many.mean_velocity, np.nan)[()]
 
 
-def _closed(model: Any) -> Any:
-    """V = A mu omega times the closed mean of w; None where a case has no closed formula (it may slide down by itself)."""
+def closed_mean_velocity(model: Any) -> Any:
+    """V = A mu omega times the closed mean of w [m/s]; None where a case has no closed formula (it may slide down by itself).
+
+    Parameters
+    ----------
+    model : Robot
+        One robot, or a batch.
+
+    Returns
+    -------
+    float, array or None
+        NaN where the motion did not repeat.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.presets import coulomb_robot
+    >>> round(float(closed_mean_velocity(coulomb_robot(0.4, 0.5))), 15)
+    0.122475359974498
+    >>> closed_mean_velocity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)) is None  # LuGre
+    True
+    """
     from stickslip.analysis.closed_form import periodic
     from stickslip.batch import shape_of
     from stickslip.solvers.arcs import handles, reduced

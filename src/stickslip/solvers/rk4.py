@@ -15,7 +15,7 @@ import numpy as np
 
 from stickslip.batch import rows_of
 from stickslip.engine import rk4 as engine
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, SolveError, is_whole
 from stickslip.fields import replace_leaf
 from stickslip.forces import is_dynamic
 from stickslip.pieces import PolynomialPieces
@@ -25,10 +25,12 @@ from stickslip.solvers.request import Request
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["STEPS", "solve"]
+__all__ = ["ALLOWED", "STEPS", "allows", "solve"]
 
 #: Steps per drive period, if none are asked for.
 STEPS = 2000
+#: What may be asked for.
+ALLOWED = "a whole number of steps per period, 4 to 10000000"
 #: Steps that one call of the kernel does: it returns to Python so that Ctrl-C works.
 SLICE = 1_000_000
 #: Pieces of dense output per drive period; finer steps are thinned.
@@ -36,13 +38,22 @@ PIECES = 1000
 _NOT_A_NUMBER = 4
 
 
+def allows(steps: Any) -> bool:
+    """Whether this is a number of steps per period.
+
+    Examples
+    --------
+    >>> allows(2000), allows(3), allows(2000.0)
+    (True, False, False)
+    """
+    return is_whole(steps) and 4 <= steps <= 10_000_000
+
+
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked; the option ``steps`` is the number of steps in each drive period."""
     steps = todo.options.get("steps", STEPS)
-    if not isinstance(steps, (int, np.integer)) or isinstance(steps, bool) or not 4 <= steps <= 10_000_000:
-        raise InputError(
-            "solve", [f"steps = {steps!r}; allowed is a whole number of steps per period, 4 to 10000000; type for example steps={STEPS}"]
-        )
+    if not allows(steps):
+        raise InputError("solve", [f"steps = {steps!r}; allowed is {ALLOWED}; type for example steps={STEPS}"])
     kernel = engine.kernel(todo.model)
     rows = rows_of(todo.model, kernel.names)
     if todo.keep == "summary":
