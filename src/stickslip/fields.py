@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean
 
-__all__ = ["Record", "at_least", "describe", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
+__all__ = ["Record", "at_least", "checked", "describe", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
 
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
@@ -37,22 +37,39 @@ def is_array(value: Any) -> bool:
 
 def number(value: Any) -> Any:
     """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither."""
-    if isinstance(value, (bool, str, bytes)):
-        raise ValueError(f"{value!r} is not a number")
-    if isinstance(value, (int, float)):
-        return float(value)
-    if hasattr(value, "dims") and hasattr(value, "astype"):
-        return value.astype(float)
-    import numpy as np
-
+    if _only_looks_like_one(value):
+        raise ValueError(_refused(value))
     try:
+        if isinstance(value, (int, float)):
+            return float(value)
+        if hasattr(value, "dims") and hasattr(value, "astype"):
+            return value.astype(float)
+        import numpy as np
+
         array = np.array(value, dtype=float)
+    except OverflowError:
+        raise ValueError("an integer is too large for a number; the largest is 1.8e308") from None
     except (TypeError, ValueError):
-        raise ValueError(f"{value!r} is not a number") from None
+        raise ValueError(_refused(value)) from None
     if array.ndim == 0:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+def _refused(value: Any) -> str:
+    many = f"an array of shape {value.shape} and of type {value.dtype} is no array of numbers" if is_array(value) else ""
+    return many or f"{value!r} is not a number"
+
+
+def _only_looks_like_one(value: Any) -> bool:
+    """Whether NumPy would take it, or an entry of it, for a number that it is not: text, True and False, complex numbers, None."""
+    if isinstance(value, (list, tuple)):
+        return any(map(_only_looks_like_one, value))
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    if kind == "O" and is_array(value):
+        return any(map(_only_looks_like_one, getattr(value, "values", value).ravel().tolist()))
+    return value is None or isinstance(value, (bool, str, bytes, complex)) or kind in "bSUcMm"
 
 
 def _all(condition: Any) -> bool:
@@ -100,6 +117,49 @@ def at_least(bound: float) -> Rule:
     return rule
 
 
+def checked(name: str, value: Any, problems: Problems, rule: Rule | None, allowed: str, typed: str) -> Any:
+    """A finite number by its rule; what is wrong with it is noted and the value comes back as it was.
+
+    Parameters
+    ----------
+    name, allowed, typed : str
+        What the number is called, what `rule` allows in words, and what to type for example.
+    value : float or array
+        As it was given.
+    problems : Problems
+        Takes the sentence.
+    rule : callable or None
+        From value(s) to truth(s).
+
+    Returns
+    -------
+    float or array
+
+    Examples
+    --------
+    >>> problems = Problems("robot")
+    >>> checked("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.found
+    (2.0, [])
+    >>> _ = checked("mass", "2", problems, positive, "a positive mass [kg]", "mass=0.06")
+    >>> problems.found
+    ["mass: '2' is not a number; allowed is a positive mass [kg]; type for example mass=0.06"]
+    """
+    try:
+        value = number(value)
+    except ValueError as error:
+        problems.add(f"{name}: {error}; allowed is {allowed}; type for example {typed}")
+        return value
+
+    def allows(x: Any) -> Any:
+        return (abs(x) < float("inf")) & (rule is None or rule(x))
+
+    if is_array(value) and value.size == 0:
+        problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
+    elif not _all(allows(value)):
+        problems.add(f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {typed}")
+    return value
+
+
 class Record:
     """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
 
@@ -141,20 +201,7 @@ class Record:
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
         """A number by its field's rule; what is wrong with it is noted and the value comes back as it was."""
         rule, allowed = self._rules.get(field.name, (None, "a finite number"))
-        try:
-            value = number(value)
-        except ValueError as error:
-            problems.add(f"{name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
-            return value
-
-        def allows(x: Any) -> Any:
-            return (abs(x) < float("inf")) & (rule is None or rule(x))
-
-        if is_array(value) and value.size == 0:
-            problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
-        elif not _all(allows(value)):
-            problems.add(f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={_example(field)}")
-        return value
+        return checked(name, value, problems, rule, allowed, f"{field.name}={_example(field)}")
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
