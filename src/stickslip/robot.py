@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.drive import largest_velocity
+from stickslip.drives.drive import typical_velocity
 from stickslip.drives.turned import Reversed
 from stickslip.errors import Problems
 from stickslip.fields import Record, positive
@@ -98,7 +98,7 @@ class Robot(Record):
     @property
     def velocity_scale(self) -> Any:
         """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
-        return largest_velocity(self.drive)
+        return typical_velocity(self.drive)
 
     @property
     def free_velocity(self) -> Any:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from stickslip.errors import Problems
+from stickslip.errors import InputError, Problems
 from stickslip.fields import Record, _all, describe, is_array, number
 from stickslip.maths import maximum, pi
 
-__all__ = ["Drive", "PeriodicDrive", "agree", "given_numbers", "largest_velocity", "settled", "shown"]
+__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "settled", "shown", "typical_velocity"]
 
 _SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
 
@@ -49,8 +49,17 @@ class PeriodicDrive(Drive):
         return 1 / self.period
 
 
-def largest_velocity(drive: Any) -> Any:
-    """The largest relative velocity of any drive [m/s]: what it says itself, or what its velocity shows at a few instants."""
+def typical_velocity(drive: Any) -> Any:
+    """A relative velocity of the size of the largest one [m/s]: what the drive says itself, or the largest of a few instants.
+
+    Errors are measured against it. Of a sum of harmonics it is the root of 2 times the r.m.s., which is not the largest velocity.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Harmonic
+    >>> typical_velocity(Harmonic(amplitude=5e-4, omega=200.0))
+    0.1
+    """
     named = getattr(drive, "velocity_scale", None)
     if named is not None:
         return named
@@ -58,6 +67,39 @@ def largest_velocity(drive: Any) -> Any:
     for k in range(1, _SAMPLES):
         largest = maximum(largest, abs(drive.velocity(drive.period * (k / _SAMPLES))))
     return largest
+
+
+def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:
+    """The angular frequency [rad/s] of a drive that takes exactly one of omega [rad/s] and frequency [Hz].
+
+    Parameters
+    ----------
+    kind : str
+        The drive, for the error.
+    omega, frequency : float or array, or None
+        As they were given.
+    typed : str
+        What to type for example.
+
+    Returns
+    -------
+    float or array
+        Not yet checked where omega was given: the drive's own rules do that.
+
+    Examples
+    --------
+    >>> round(angular_frequency("Harmonic", None, 10.0, "type for example omega=205.46"), 6)
+    62.831853
+    """
+    if (omega is None) == (frequency is None):
+        given = "both" if omega is not None else "neither"
+        raise InputError(kind, [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; {typed}"])
+    if frequency is None:
+        return omega
+    try:
+        return 2 * pi * number(frequency)
+    except ValueError as error:
+        raise InputError(kind, [f"frequency: {error}; allowed is a positive frequency [Hz]; type frequency=32.7"]) from None
 
 
 def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, Any]:
