@@ -10,11 +10,27 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean
 
-__all__ = ["Record", "at_least", "checked", "describe", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
+if TYPE_CHECKING:
+    import inspect
+
+__all__ = [
+    "Record",
+    "arguments_of",
+    "at_least",
+    "checked",
+    "describe",
+    "is_array",
+    "is_number_field",
+    "is_tuple_field",
+    "leaves",
+    "number",
+    "positive",
+    "replace_leaf",
+]
 
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
@@ -233,18 +249,29 @@ class Record:
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
 
 
-def _check_arguments(cls: type, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
-    """Names that are not known or missing, said as one of our sentences."""
+def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
+    """What a record's class takes, by name: its fields, or what its own constructor takes instead of them.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Harmonic
+    >>> list(arguments_of(Harmonic))
+    ['amplitude', 'omega', 'frequency', 'notes']
+    """
     import inspect
 
-    known = list(inspect.signature(cls.__init__).parameters.values())[1:]  # type: ignore[misc]
+    return dict(list(inspect.signature(cls.__init__).parameters.items())[1:])  # type: ignore[misc]
+
+
+def _check_arguments(cls: type, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
+    """Names that are not known or missing, said as one of our sentences."""
+    known = arguments_of(cls)
     problems = Problems(cls.__name__)
-    names = [p.name for p in known]
     for name in kwargs:
-        if name not in names:
-            problems.add(f"{name!r} is not a field; {did_you_mean(name, names)}")
-    for p in known[len(args) :]:
-        if p.default is inspect.Parameter.empty and p.name not in kwargs and p.kind is not inspect.Parameter.VAR_KEYWORD:
+        if name not in known:
+            problems.add(f"{name!r} is not a field; {did_you_mean(name, known)}")
+    for p in list(known.values())[len(args) :]:
+        if p.default is p.empty and p.name not in kwargs and p.kind is not p.VAR_KEYWORD:
             problems.add(f"{p.name} is missing; type {p.name}=...")
     problems.check()
 
