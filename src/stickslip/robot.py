@@ -186,6 +186,11 @@ def mirrored(robot: Robot) -> Robot:
     robot : Robot
         Its law either has a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or is the same both ways.
 
+    Returns
+    -------
+    Robot
+        A new one. What is mirrored twice is the robot again.
+
     Examples
     --------
     >>> import stickslip as ss

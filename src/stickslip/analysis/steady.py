@@ -36,9 +36,11 @@ def mean_velocity(run: Any) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.batch import Labels
-    >>> bool(ss.mean_velocity(ss.trajectory.Summary(None, Labels(()), {"mean_velocity": np.array(2e-3)})) == 2e-3)
-    True
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> round(ss.mean_velocity(run), 9)
+    0.002014682
+    >>> round(float(run.x[-1] / run.t[-1]), 9)  # of the whole run, with the start from rest
+    0.00201604
     """
     if isinstance(run, Summary):
         return run.mean_velocity[()]
