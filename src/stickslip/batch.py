@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.errors import InputError, Problems
 from stickslip.fields import describe, is_array, leaves
 
-__all__ = ["Labels", "check_shape", "fitted", "labels_of", "rows_of", "shape_of", "spread"]
+__all__ = ["Labels", "check_shape", "labels_of", "labels_together", "rows_of", "shape_of", "spread"]
 
 
 @dataclass(frozen=True)
@@ -36,16 +36,16 @@ def check_shape(model: Any, problems: Problems) -> None:
 
 def labels_of(model: Any) -> Labels:
     """Shape and labels of the batch; `InputError` if the arrays do not fit together."""
-    return fitted(dict(leaves(model)), type(model).__name__)
+    return labels_together(dict(leaves(model)), type(model).__name__)
 
 
-def fitted(numbers: dict[str, Any], what: str) -> Labels:
+def labels_together(numbers: dict[str, Any], what: str) -> Labels:
     """Shape and labels of the batch that these numbers make together; `InputError` of `what` if they do not fit.
 
     Examples
     --------
     >>> import numpy as np
-    >>> fitted({"mu": 0.2, "tilt": np.zeros((3, 1)), "amplitude": np.zeros(2)}, "robot").shape
+    >>> labels_together({"mu": 0.2, "tilt": np.zeros((3, 1)), "amplitude": np.zeros(2)}, "robot").shape
     (3, 2)
     """
     arrays = {name: value for name, value in numbers.items() if is_array(value)}

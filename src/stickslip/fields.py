@@ -18,11 +18,13 @@ if TYPE_CHECKING:
     import inspect
 
 __all__ = [
+    "Frozen",
     "Record",
     "arguments_of",
     "at_least",
-    "checked",
+    "checked_number",
     "describe",
+    "everywhere",
     "is_array",
     "is_number_field",
     "is_tuple_field",
@@ -88,7 +90,15 @@ def _only_looks_like_one(value: Any) -> bool:
     return value is None or isinstance(value, (bool, str, bytes, complex)) or kind in "bSUcMm"
 
 
-def _all(condition: Any) -> bool:
+def everywhere(condition: Any) -> bool:
+    """Whether a condition on a number holds: of an array, for all of it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> everywhere(2.0 > 1), everywhere(np.array([2.0, 0.5]) > 1)
+    (True, False)
+    """
     return bool(condition.all()) if hasattr(condition, "all") else bool(condition)
 
 
@@ -133,7 +143,7 @@ def at_least(bound: float) -> Rule:
     return rule
 
 
-def checked(name: str, value: Any, problems: Problems, rule: Rule | None, allowed: str, typed: str) -> Any:
+def checked_number(name: str, value: Any, problems: Problems, rule: Rule | None, allowed: str, typed: str) -> Any:
     """A finite number by its rule; what is wrong with it is noted and the value comes back as it was.
 
     Parameters
@@ -154,9 +164,9 @@ def checked(name: str, value: Any, problems: Problems, rule: Rule | None, allowe
     Examples
     --------
     >>> problems = Problems("robot")
-    >>> checked("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.found
+    >>> checked_number("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.found
     (2.0, [])
-    >>> _ = checked("mass", "2", problems, positive, "a positive mass [kg]", "mass=0.06")
+    >>> _ = checked_number("mass", "2", problems, positive, "a positive mass [kg]", "mass=0.06")
     >>> problems.found
     ["mass: '2' is not a number; allowed is a positive mass [kg]; type for example mass=0.06"]
     """
@@ -171,12 +181,12 @@ def checked(name: str, value: Any, problems: Problems, rule: Rule | None, allowe
 
     if is_array(value) and value.size == 0:
         problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
-    elif not _all(allows(value)):
+    elif not everywhere(allows(value)):
         problems.add(f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {typed}")
     return value
 
 
-class Record:
+class Frozen:
     """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
 
     _rules: ClassVar[dict[str, tuple[Rule, str]]] = {}  # field -> (rule, what is allowed)
@@ -217,7 +227,7 @@ class Record:
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
         """A number by its field's rule; what is wrong with it is noted and the value comes back as it was."""
         rule, allowed = self._rules.get(field.name, (None, "a finite number"))
-        return checked(name, value, problems, rule, allowed, f"{field.name}={_example(field)}")
+        return checked_number(name, value, problems, rule, allowed, f"{field.name}={_example(field)}")
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -247,6 +257,9 @@ class Record:
                 part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
             parts[head] = part
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
+
+
+Record = Frozen  # until dynamics/ and identifying/ say so too: the name belongs to what was measured
 
 
 def arguments_of(cls: type) -> dict[str, inspect.Parameter]:

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from stickslip.batch import fitted
+from stickslip.batch import labels_together
 from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import _all, at_least, checked, describe, positive
+from stickslip.fields import at_least, checked_number, describe, everywhere, positive
 from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
@@ -111,14 +111,14 @@ def _numbers(arguments: dict[str, Any]) -> tuple[dict[str, Any], Problems]:
     rules |= dict.fromkeys(("amplitude", "sigma1", "sigma2"), (at_least(0.0), "zero or more"))
     for name in [name for name in arguments if name not in ("law", "incline")]:
         rule, allowed = rules.get(name, (positive, "a positive number"))
-        numbers[name] = checked(name, arguments[name], problems, rule, allowed, f"{name}={EXAMPLES.get(name, '1.0')}")
+        numbers[name] = checked_number(name, arguments[name], problems, rule, allowed, f"{name}={EXAMPLES.get(name, '1.0')}")
     return numbers, problems
 
 
 def _check_shapes(numbers: dict[str, Any], law: str, problems: Problems) -> None:
     """Note arrays that do not fit together, of those that the law uses."""
     try:
-        fitted({name: value for name, value in numbers.items() if name not in LAWS_HERE[law]}, "piezo_rig")
+        labels_together({name: value for name, value in numbers.items() if name not in LAWS_HERE[law]}, "piezo_rig")
     except InputError as error:
         problems.include(error)
 
@@ -127,16 +127,16 @@ def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -
     """Folding needs mu_plus > 0: the track must be flatter than the friction angle."""
     import numpy as np
 
-    if law != "coulomb" and not _all(n["f0"] >= n["mu0"]):
+    if law != "coulomb" and not everywhere(n["f0"] >= n["mu0"]):
         problems.add(f"f0 = {describe(n['f0'])} is below mu0 = {describe(n['mu0'])}; allowed is f0 >= mu0; type for example f0=0.21")
     tilt, angle = n["tilt_deg"], np.degrees(np.arctan(n["mu0"]))
-    if incline == "folded" and not _all(abs(tilt) < angle):
+    if incline == "folded" and not everywhere(abs(tilt) < angle):
         problems.add(
             f"tilt_deg = {describe(n['tilt_deg'])} is at or beyond the friction angle atan(mu0) = {np.min(np.asarray(angle)):.4g} degrees, "
             "where the folded mu_plus is not positive; allowed is a smaller tilt; "
             'type incline="gravity" for a robot that slides down by itself'
         )
-    elif incline == "gravity" and not _all(abs(tilt) < 90):
+    elif incline == "gravity" and not everywhere(abs(tilt) < 90):
         problems.add(f"tilt_deg = {describe(n['tilt_deg'])}; allowed is between -90 and 90 degrees; type for example tilt_deg=1.7")
 
 

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Record, _all, describe, is_array, number
+from stickslip.fields import Frozen, describe, everywhere, is_array, number
 from stickslip.maths import maximum, pi
 
-__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "settled", "shown", "typical_velocity"]
+__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown", "typical_velocity"]
 
 _SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
 
 
-class Drive(Record):
+class Drive(Frozen):
     """Base of our drives. A user's own drive needs nothing from here."""
 
     breaks: ClassVar[Any] = ()  # instants in (0, period) at which the acceleration is not smooth [s]
@@ -113,14 +113,14 @@ def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, 
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is {allowed}")
             continue
-        if not _all((x > 0) & (x < float("inf"))):
+        if not everywhere((x > 0) & (x < float("inf"))):
             problems.add(f"{name} = {describe(x)}; allowed is {allowed}")
         else:
             taken[name] = x
     return taken
 
 
-def settled(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:
+def resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:
     """One number from whatever was given for it; `ways` says how, by the name of what is given, and its first name is the number's.
 
     Nothing given, or things that contradict each other, are noted.
@@ -149,4 +149,4 @@ def shown(value: Any) -> str:
 
 def agree(a: Any, b: Any) -> bool:
     """Whether two numbers given for one thing are the same, to nine digits."""
-    return bool(_all(abs(a - b) <= 1e-9 * abs(b)))
+    return bool(everywhere(abs(a - b) <= 1e-9 * abs(b)))
