@@ -162,6 +162,12 @@ def test_the_covering_set_covers():
         assert {row[column] for row in COVERING} == set(known)
 
 
+@pytest.mark.parametrize("method", ["rk4", "rodas4", "rodas5p"])
+def test_a_law_for_plain_numbers_only_is_not_compiled(method):
+    with pytest.raises(ss.InputError, match=rf"method = '{method}' is compiled, and Bristle is written for plain numbers only; type"):
+        solve(kinds.robot("bristle", "harmonic"), periods=2, method=method)
+
+
 def test_rk4_that_explodes_says_so(viscous):
     stiff = viscous.replace({"friction.c": 1e6})
     with pytest.raises(ss.SolveError, match=r"period \d+ of 50.*steps=10"):

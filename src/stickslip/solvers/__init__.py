@@ -98,6 +98,9 @@ def solve(
 def _solver(todo: Request) -> Callable[[Request], Any]:
     """The function that does what was asked."""
     name, law = todo.method, todo.model.friction
+    if getattr(law, "scalar_only", False) and name in ("rk4", "rodas4", "rodas5p"):
+        kind = type(law).__name__
+        raise InputError("solve", [f'method = {name!r} is compiled, and {kind} is written for plain numbers only; type method="auto"'])
     if name == "auto":
         name = "dop853" if getattr(law, "scalar_only", False) else "rosenbrock" if is_dynamic(law) else "exact"
     if name == "exact":
