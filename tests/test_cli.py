@@ -140,6 +140,19 @@ def test_check_prints_its_verdict(capsys):
     assert strict(call(capsys, "check", *ROBOT, "periods=40", "--no-scipy", "--json")[1])["digits"] >= 9
 
 
+def test_check_takes_what_it_can_of_a_mechanisms_file(tmp_path, capsys):
+    """Arguments of other commands in [solve] are for them, and what has no period is not told to type a duration here."""
+    file = tmp_path / "bench.toml"
+    law = ss.Coulomb(0.3, 0.5)
+    pushed = ss.ForcedOscillator(mass=1.0, stiffness=0.0, damping=0.0, force=1.0, omega=0.7, friction=law)
+    file.write_text(pushed.to_toml() + "\n[solve]\nperiods = 20\nsamples = 100\n")
+    code, out, _ = call(capsys, "check", str(file), "--no-scipy")
+    assert code == 0 and "skipped: it is for Coulomb friction and a harmonic drive" in out
+    file.write_text(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law).to_toml() + "\n[solve]\nduration = 60.0\n")
+    code, _, err = call(capsys, "check", str(file))
+    assert code == 2 and err.startswith("stickslip: check: BlockOnBelt has no period, ")
+
+
 def test_sweep_prints_a_table_and_writes_it(tmp_path, capsys):
     words = ["sweep", "piezo_rig", "law=coulomb,coulomb-static", "tilt_deg=1.7", "amplitude=4e-4..6e-4:3"]
     code, out, _ = call(capsys, *words, "--out", str(tmp_path / "grid.nc"))

@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.errors import InputError, Problems
 from stickslip.fields import _same, describe, is_array, leaves, replace_leaf
 
-__all__ = ["Labels", "check_shape", "labels_of", "point_by_point", "rows_of", "shape_of", "spread", "stacked"]
+__all__ = ["Labels", "check_shape", "labels_of", "labels_together", "point_by_point", "rows_of", "shape_of", "spread", "stacked"]
 
 
 @dataclass(frozen=True)
@@ -19,10 +19,6 @@ class Labels:
     shape: tuple[int, ...]
     dims: tuple[str, ...] | None = None
     coords: dict[str, Any] | None = None
-
-
-def _arrays(model: Any) -> dict[str, Any]:
-    return {name: value for name, value in leaves(model) if is_array(value)}
 
 
 def shape_of(model: Any) -> tuple[int, ...]:
@@ -41,12 +37,24 @@ def check_shape(model: Any, problems: Problems) -> None:
 
 def labels_of(model: Any) -> Labels:
     """Shape and labels of the batch; `InputError` if the arrays do not fit together."""
-    arrays = _arrays(model)
+    return labels_together(dict(leaves(model)), type(model).__name__)
+
+
+def labels_together(numbers: dict[str, Any], what: str) -> Labels:
+    """Shape and labels of the batch that these numbers make together; `InputError` of `what` if they do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> labels_together({"mu": 0.2, "tilt": np.zeros((3, 1)), "amplitude": np.zeros(2)}, "robot").shape
+    (3, 2)
+    """
+    arrays = {name: value for name, value in numbers.items() if is_array(value)}
     if not arrays:
         return Labels(())
     labelled = {n: a for n, a in arrays.items() if hasattr(a, "dims")}
     if labelled:
-        return _labels_by_name(arrays, labelled, type(model).__name__)
+        return _labels_by_name(arrays, labelled, what)
     import numpy as np
 
     try:
@@ -54,7 +62,7 @@ def labels_of(model: Any) -> Labels:
     except ValueError:
         shapes = "; ".join(f"{n} has shape {np.shape(a)}" for n, a in arrays.items())
         raise InputError(
-            type(model).__name__,
+            what,
             [f"the shapes of the arrays do not broadcast: {shapes}; give arrays of one shape, or use xarray.DataArray with names"],
         ) from None
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.drives import DRIVES
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import describe, is_array, is_number_field
+from stickslip.fields import arguments_of, describe, is_array, is_number_field, is_tuple_field
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
@@ -114,24 +114,21 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> A
 
 def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
     """An instance from its arguments; every unknown, missing or bad one is noted."""
-    fields = dataclasses.fields(cls)
-    allowed = [f.name for f in fields] + (["frequency"] if where == "robot.drive" else [])
-    for name in [n for n in arguments if n not in allowed]:
-        problems.add(f"{where}.{name} is not known; {did_you_mean(name, allowed)}")
+    fields, taken = {f.name: f for f in dataclasses.fields(cls)}, arguments_of(cls)
+    for name in [n for n in arguments if n not in taken]:
+        problems.add(f"{where}.{name} is not known; {did_you_mean(name, taken)}")
         del arguments[name]
-    optional = {f.name for f in fields if f.default is not dataclasses.MISSING or f.default_factory is not dataclasses.MISSING}
-    for field in fields:
-        if "None" in str(field.type) and field.name not in arguments:
-            arguments[field.name] = None
-        either = field.name == "omega" and "frequency" in arguments
-        if field.name not in arguments and field.name not in optional and not either and field.name not in PARTS:
-            problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {field.metadata.get('example', '1.0')}")
-            arguments[field.name] = 1.0
+    for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in PARTS]:
+        if "None" in str(fields[name].type):
+            arguments[name] = None
+            continue
+        problems.add(f"{where}.{name} is missing; type for example {name} = {fields[name].metadata.get('example', '1.0')}")
+        arguments[name] = (1.0,) if is_tuple_field(fields[name]) else 1.0
     lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
     try:
         made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
     except InputError as error:
-        problems.include(error, f"{where}.")
+        problems.found += [f"{where}{'.' if sentence.startswith(tuple(taken)) else ': '}{sentence}" for sentence in error.problems]
         return None
     return None if lacking else made
 

@@ -11,7 +11,7 @@ from stickslip.forces import is_dynamic
 from stickslip.solvers import strobes
 from stickslip.summary import Summary
 
-__all__ = ["LONGEST_PERIOD", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
+__all__ = ["LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
 
 #: Largest period number that is looked for.
 LONGEST_PERIOD = strobes.LONGEST
@@ -37,9 +37,11 @@ def mean_velocity(run: Any) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.batch import Labels
-    >>> bool(ss.mean_velocity(ss.trajectory.Summary(None, Labels(()), {"mean_velocity": np.array(2e-3)})) == 2e-3)
-    True
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> round(ss.mean_velocity(run), 9)
+    0.002014682
+    >>> round(float(run.x[-1] / run.t[-1]), 9)  # of the whole run, with the start from rest
+    0.00201604
     """
     if isinstance(run, Summary):
         return run.mean_velocity[()]
@@ -121,7 +123,7 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     >>> round(float(periodic_mean_velocity(robot)), 9)
     0.002014682
     """
-    closed = _closed(model) if not is_dynamic(model.friction) else None
+    closed = closed_mean_velocity(model)
     if closed is not None:
         return closed
     from stickslip.solvers import solve
@@ -130,8 +132,28 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     return np.where(many.period > 0, many.mean_velocity, np.nan)[()]
 
 
-def _closed(model: Any) -> Any:
-    """V = A mu omega times the closed mean of w; None where a case has no closed formula (it may slide down by itself)."""
+def closed_mean_velocity(model: Any) -> Any:
+    """V = A mu omega times the closed mean of w [m/s]; None where a case has no closed formula (it may slide down by itself).
+
+    Parameters
+    ----------
+    model : Robot
+        One robot, or a batch.
+
+    Returns
+    -------
+    float, array or None
+        NaN where the motion did not repeat.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.presets import coulomb_robot
+    >>> round(float(closed_mean_velocity(coulomb_robot(0.4, 0.5))), 15)
+    0.122475359974498
+    >>> closed_mean_velocity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)) is None  # LuGre
+    True
+    """
     from stickslip.analysis.closed_form import periodic
     from stickslip.batch import shape_of
     from stickslip.solvers.arcs import handles, reduced

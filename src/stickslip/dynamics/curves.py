@@ -23,7 +23,6 @@ __all__ = ["Curve", "Meeting", "special_curve"]
 
 Array = Any
 _SLOPE = 1e-5  # half the distance of the differences that give multipliers along a curve, in scales
-_STEP = 1e-4  # of the differences by the unknowns of a curve
 
 
 class Meeting(NamedTuple):

@@ -84,7 +84,7 @@ def window_of(strobe: Any, settle: int, period: int) -> tuple[float, float]:
     return float(strobe[-1, 0] - strobe[-1 - count, 0]), float(count)
 
 
-def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any = 0.0, x: Any = 0.0, memory: Any = ()) -> Any:
+def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x: Any, memory: Any = ()) -> Any:
     """What the body does at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.segments`)."""
     if not is_dynamic(model.friction) or z.shape[1] == 0:
         return 2 * mode
