@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import _same, describe, is_array, leaves, replace_leaf
+from stickslip.fields import describe, is_array, leaves, replace_leaf, same
 
 __all__ = ["Labels", "check_shape", "labels_of", "labels_together", "point_by_point", "rows_of", "shape_of", "spread", "stacked"]
 
@@ -140,7 +140,7 @@ def _check_kind(what: str, one: dict[str, Any], other: dict[str, Any]) -> None:
     for name in {**one, **other}:
         a, b = one.get(name), other.get(name)
         field, is_class = name.removesuffix("__class__").removesuffix("."), name.endswith("__class__")
-        if _same(a, b) or field.endswith("notes") or (callable(a) and callable(b) and not is_class):
+        if same(a, b) or field.endswith("notes") or (callable(a) and callable(b) and not is_class):
             continue
         a, b = (a.__name__, b.__name__) if is_class and a and b else (repr(a), repr(b))
         told = f"{field or 'the model'} is {a} for one and {b} for another"

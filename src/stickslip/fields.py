@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Frozen",
-    "Record",
     "arguments_of",
     "at_least",
     "checked_number",
@@ -32,6 +31,7 @@ __all__ = [
     "number",
     "positive",
     "replace_leaf",
+    "same",
 ]
 
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
@@ -236,7 +236,7 @@ class Frozen:
         if type(other) is not type(self):
             return NotImplemented
         mine, theirs = dict(leaves(self, kinds=True)), dict(leaves(other, kinds=True))
-        return mine.keys() == theirs.keys() and all(_same(mine[k], theirs[k]) for k in mine)
+        return mine.keys() == theirs.keys() and all(same(mine[k], theirs[k]) for k in mine)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -257,9 +257,6 @@ class Frozen:
                 part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
             parts[head] = part
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
-
-
-Record = Frozen  # until dynamics/ and identifying/ say so too: the name belongs to what was measured
 
 
 def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
@@ -317,7 +314,7 @@ def _example(field: dataclasses.Field[Any]) -> str:
     return str(field.metadata.get("example", "1.0"))
 
 
-def _same(a: Any, b: Any) -> bool:
+def same(a: Any, b: Any) -> bool:
     if is_array(a) or is_array(b):
         import numpy as np
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
 from stickslip.solvers import strobes
 from stickslip.summary import Summary
 

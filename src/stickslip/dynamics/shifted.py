@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.drives.around import Around
 from stickslip.dynamics.duals import variables
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Record
+from stickslip.fields import Frozen
 
 __all__ = ["ShiftedDrive", "ShiftedTrack", "shifted"]
 
@@ -64,7 +64,7 @@ class ShiftedDrive(Around):
 
 
 @dataclass(frozen=True, eq=False)
-class ShiftedTrack(Record):
+class ShiftedTrack(Frozen):
     """A track whose friction varies in time, as much ahead as the drive.
 
     Parameters
