@@ -315,6 +315,7 @@ def _example(field: dataclasses.Field[Any]) -> str:
 
 
 def same(a: Any, b: Any) -> bool:
+    """Whether two values of a field are the same, arrays number by number."""
     if is_array(a) or is_array(b):
         import numpy as np
 
