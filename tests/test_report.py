@@ -187,3 +187,11 @@ def test_the_command_takes_a_preset_a_saved_run_a_folder_and_a_file(run, tmp_pat
         assert told["bytes"] == (tmp_path / "page.html").stat().st_size > 10_000
     assert main(["report", "run.nc", "periods=3"]) == 2 and "is finished" in capsys.readouterr().err
     assert main(["report", "nothing.nc"]) == 2 and "there is no 'nothing.nc'" in capsys.readouterr().err
+
+
+def test_a_report_of_a_steady_motion_leaves_settling_out():
+    """The extremes of the page are those of the last period, not of the way there."""
+    run = ss.solve(ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4, omega=300.0), periods=60)
+    v = run.v[run.t >= (run.periods - 1) * run.period_time]
+    assert run.v.max() > 1.1 * v.max()
+    assert f"{1e3 * v.min():.6g} to {1e3 * v.max():.6g} mm/s".replace("-", "−") in run_page(run, "x")

@@ -11,7 +11,7 @@ from stickslip.drives.drive import largest_velocity
 from stickslip.drives.turned import Reversed
 from stickslip.errors import Problems
 from stickslip.fields import Record, positive
-from stickslip.forces import check_law
+from stickslip.forces import check_law, static_limits
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level
 
@@ -143,7 +143,7 @@ class Robot(Record):
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
         law_notes = getattr(self.friction, "notes", None)
         found = [*(getattr(self.drive, "notes", None) or ()), *([] if law_notes is None else law_notes(self.load(0.0, 0.0)))]
-        return found + _lifted(self)
+        return found + _slides(self) + _lifted(self)
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""
@@ -163,6 +163,26 @@ _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
     "track": "track=ss.Level()",
 }
+
+
+def _slides(robot: Robot) -> list[str]:
+    """A remark if gravity alone moves the body."""
+    load, pull = robot.load(0.0, 0.0), robot.total_mass * robot.track.along(robot.gravity)
+    limits = static_limits(robot.friction, load) if _any(pull != 0) else None
+    if limits is None or not (_any(pull > limits[1]) or _any(pull < limits[0])):
+        return []
+    import numpy as np
+
+    most = np.max(abs(np.asarray(pull / load)))
+    return [
+        f"the body slides by itself, and there may be no steady motion: gravity along the track reaches {most:.4g} of the load "
+        f"(tan(tilt)), and static friction holds {np.min(np.asarray(limits[1] / load)):.4g} forwards "
+        f"and {np.min(np.asarray(-limits[0] / load)):.4g} backwards"
+    ]
+
+
+def _any(condition: Any) -> bool:
+    return bool(condition.any()) if hasattr(condition, "any") else bool(condition)
 
 
 def _lifted(robot: Robot) -> list[str]:

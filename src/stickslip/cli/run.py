@@ -46,11 +46,11 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
     from stickslip.analysis.energy import energy
     from stickslip.analysis.motion import motion
-    from stickslip.analysis.steady import mean_velocity
+    from stickslip.analysis.steady import mean_velocity, velocity_range
     from stickslip.fields import leaves
 
     m, balance = motion(run), energy(run)
-    last = run.t >= run.pieces.t[-1] - (m.period or 1) * run.period_time * (1 + 1e-12)
+    slowest, fastest = velocity_range(run)
     told = {k: v for k, v in asdict(m).items() if k != "_twin"} | {"twin": m.twin}
     works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
     return {
@@ -60,8 +60,8 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "mean_velocity": mean_velocity(run),
         "motion": told,
         "period_time": run.period_time,
-        "velocity_max": float(run.v[last].max()),
-        "velocity_min": float(run.v[last].min()),
+        "velocity_max": fastest,
+        "velocity_min": slowest,
         "displacement": float(run.strobe_x[-1] - run.strobe_x[0]),
         "energy": {**works, "worst_residual": balance.worst},
         "status": run.status,

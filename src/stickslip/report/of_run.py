@@ -74,9 +74,10 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     """What there is to say, each with its unit."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.motion import motion
-    from stickslip.analysis.steady import mean_velocity
+    from stickslip.analysis.steady import mean_velocity, velocity_range
 
     m, balance = motion(run), energy(run)
+    slowest, fastest = (1e3 * v for v in velocity_range(run))
     work = float(balance.drive[balance.settle :].mean())
     period = "not found: the mean velocity still depends on the length of the run" if m.period is None else f"{m.period}"
     shares = ", ".join(f"{name} {100 * getattr(m, f'{name}_fraction'):.1f} %" for name in ("forward", "backward", "stick"))
@@ -85,7 +86,7 @@ def _facts(run: Any) -> list[tuple[str, str]]:
         ("motion type", f"{m.type} (pattern {m.pattern}, margin {m.margin:.3g})"),
         ("repeats after [drive periods]", period),
         ("parts of a period", shares),
-        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s".replace("-", "−")),
+        ("velocity", f"{slowest:.6g} to {fastest:.6g} mm/s".replace("-", "−")),
         ("drive period", f"{1e3 * run.period_time:.6g} ms"),
         ("work of the drive in a period", f"{1e6 * work:.6g} µJ"),
         ("worst residual of the energy balance", f"{balance.worst:.1e}"),
