@@ -195,3 +195,31 @@ def test_a_report_of_a_steady_motion_leaves_settling_out():
     v = run.v[run.t >= (run.periods - 1) * run.period_time]
     assert run.v.max() > 1.1 * v.max()
     assert f"{1e3 * v.min():.6g} to {1e3 * v.max():.6g} mm/s".replace("-", "−") in run_page(run, "x")
+
+
+def test_a_study_of_a_robot_keeps_the_robot_and_its_report_shows_it_and_lets_it_move(tmp_path, monkeypatch):
+    """In memory, in a folder and in a file; the folder can be resumed."""
+    monkeypatch.chdir(tmp_path)
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.5e-4, law="coulomb", incline="gravity")
+    axes = {"drive.omega": [180.0, 220.0], "drive.amplitude": 5e-4}
+    grids = [ss.sweep(robot, **axes), ss.sweep(robot, **axes, out="study")]
+    ss.export("study", "study.nc")
+    for grid in (*grids, ss.open_study("study.nc"), ss.sweep(robot, **axes, out="study", resume=True)):
+        assert ss.Robot.from_toml(grid.attrs["robot"]) == robot
+        numbers = json.loads(grid.attrs["numbers"])
+        assert numbers["drive.amplitude"] == 5e-4 and numbers["track.tilt"] == robot.track.tilt and "drive.omega" not in numbers
+        text = study_page(grid, "Mine")
+        assert re.search(r'<th scope="row">body_mass</th><td>0.06259 kg</td>', text) and 'id="moments"' in text
+        assert run_again(grid).model == robot.replace({"drive.omega": 220.0, "drive.amplitude": 5e-4})
+
+
+def test_a_study_tells_the_numbers_that_all_robots_of_a_maker_share():
+    """A maker of the user's own that takes one number at a time; what follows from an axis is not shared."""
+
+    def mine(tilt_deg, law):
+        return ss.presets.piezo_rig(tilt_deg=float(tilt_deg), amplitude=5e-4, law=law)
+
+    shared = json.loads(ss.sweep(mine, tilt_deg=[1.0, 2.0], law=["coulomb", "coulomb-static"]).attrs["numbers"])
+    assert shared == {"body_mass": 62.59e-3, "inner_mass": 9.48e-3, "drive.amplitude": 5e-4, "drive.omega": 65.4 * np.pi, "gravity": 9.81}
+    one = json.loads(ss.sweep(mine, tilt_deg=1.0, law="coulomb").attrs["numbers"])
+    assert one["friction.mu_plus"] == mine(1.0, "coulomb").friction.mu_plus

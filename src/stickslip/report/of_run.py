@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
-__all__ = ["moments", "run_page", "sources"]
+__all__ = ["moments", "numbers", "run_page", "sources"]
 
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
@@ -37,6 +38,8 @@ def run_page(run: Any, title: str, command: str = "") -> str:
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)
     """
+    from stickslip.fields import leaves
+
     return page(
         "run.html",
         title=title,
@@ -44,7 +47,7 @@ def run_page(run: Any, title: str, command: str = "") -> str:
         figures=_figures(run),
         library=chart_library(),
         moments=moments(run),
-        numbers=_numbers(run.model),
+        numbers=numbers(leaves(run.model)),
         notes=list(run.notes),
         toml=_toml(run),
         command=command,
@@ -108,13 +111,12 @@ def moments(run: Any) -> dict[str, Any]:
     return {name: [float(f"{factor * value:.6g}") for value in column] for name, (factor, column) in digits.items()}
 
 
-def _numbers(model: Any) -> list[tuple[str, str, str]]:
-    """Name, value with its unit, and meaning of every number; the unit is that of the docs' page on notation."""
-    from stickslip.fields import leaves
+def numbers(named: Iterable[tuple[str, Any]]) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and meaning of a robot's numbers; the unit is that of the docs' page on notation."""
     from stickslip.sweeps.naming import AXES
 
     found = []
-    for name, value in leaves(model):
+    for name, value in named:
         meaning, unit = AXES.get(name.rpartition(".")[2], ("", ""))
         found.append((name, f"{float(value):.10g} {'' if unit == '1' else unit}".rstrip(), meaning))
     return found
