@@ -416,3 +416,13 @@ def test_a_cache_that_cannot_be_written_compiles_in_memory(tmp_path):
     (tmp_path / "file").touch()
     done = process("run", *ROBOT, "periods=20", "method=rk4", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "file" / "cache"))
     assert done.returncode == 0 and "cannot be written; compiling" in done.stderr and strict(done.stdout)["method"] == "rk4"
+
+
+def test_a_map_says_its_law_and_whether_the_fastest_point_is_on_its_edge(capsys):
+    out = call(capsys, "map", "coulomb_robot", "alpha_plus=0.1..0.5:3", "alpha_minus=0.2..1.6:8")[1]
+    assert out.startswith("coulomb_robot: 24 cases with the law Coulomb\n")
+    assert "\nthat is on the edge of alpha_plus: a wider range may have a faster one" in out
+    inside = call(
+        capsys, "map", "piezo_rig", "law=coulomb", "tilt_deg=1.7", "mu0=0.17..0.2:2", "f0=0.21..0.3:2", "amplitude=6e-4", "--json"
+    )
+    assert strict(inside[1])["found"]["law"] == "Coulomb"

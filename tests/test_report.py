@@ -60,7 +60,7 @@ def test_the_charts_of_a_study_are_its_columns():
     made = cuts(grid, "alpha_plus", "alpha_minus")
     assert made["x"] == [0.2, 0.4, 0.6]
     for shown, minus in zip(made["curves"], (0.5, 0.9), strict=True):
-        wanted = [1e3 * grid.mean_velocity.sel(alpha_plus=plus, alpha_minus=minus).item() for plus in made["x"]]
+        wanted = [grid.mean_velocity.sel(alpha_plus=plus, alpha_minus=minus).item() for plus in made["x"]]
         assert shown["y"] == pytest.approx(wanted, rel=1e-5)
     line = grid.sel(alpha_minus=0.9)
     kinds = {one["label"]: one["y"] for one in along(line, "alpha_plus")["curves"][1:]}
@@ -223,3 +223,17 @@ def test_a_study_tells_the_numbers_that_all_robots_of_a_maker_share():
     assert shared == {"body_mass": 62.59e-3, "inner_mass": 9.48e-3, "drive.amplitude": 5e-4, "drive.omega": 65.4 * np.pi, "gravity": 9.81}
     one = json.loads(ss.sweep(mine, tilt_deg=1.0, law="coulomb").attrs["numbers"])
     assert one["friction.mu_plus"] == mine(1.0, "coulomb").friction.mu_plus
+
+
+def test_a_robot_without_dimensions_has_no_meters_in_its_results(tmp_path, monkeypatch, capsys):
+    """On the command line, in the dataset, in files and in reports; the same words say meters of a robot that has some."""
+    monkeypatch.chdir(tmp_path)
+    unit, rig = ["coulomb_robot", "alpha_plus=0.3..0.7:3", "alpha_minus=0.5..0.9:3"], ["piezo_rig", "law=coulomb", "tilt_deg=1..2:2"]
+    for words, meters in ((unit, False), ([*rig, "amplitude=4e-4..5e-4:2"], True)):
+        for command in ("map", "sweep"):
+            assert main([command, *words, "--out", "grid.nc"]) == 0
+            assert ("m/s" in capsys.readouterr().out) == meters
+        assert ss.open_study("grid.nc").mean_velocity.attrs["units"] == ("m/s" if meters else "1")
+        assert ("m/s" in study_page(ss.open_study("grid.nc"), "x").split("<main")[1].split('id="provenance"')[0]) == meters
+    assert main(["run", "coulomb_robot", "alpha_plus=0.5", "alpha_minus=0.9"]) == 0
+    assert not re.search(r"\d (m/s|s|J)\b", capsys.readouterr().out)

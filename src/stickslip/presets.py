@@ -13,7 +13,7 @@ from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
 
-__all__ = ["PRESETS", "piezo_beam_rig", "piezo_rig"]
+__all__ = ["DIMENSIONLESS", "PRESETS", "piezo_beam_rig", "piezo_rig"]
 
 #: Masses [kg] and LuGre numbers of the paper's rig (section 4).
 BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
@@ -250,3 +250,5 @@ def coulomb_robot(alpha_plus: Any, alpha_minus: Any) -> Robot:
 
 
 PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig, "coulomb_robot": coulomb_robot}
+#: Presets whose units are all 1: what they give is no number of meters or seconds.
+DIMENSIONLESS = ("coulomb_robot",)

@@ -43,8 +43,8 @@ class Energy:
     actuator : array (periods,)
         Work of the actuator, which also moves the inner mass against the body [J]; 0 for a mechanism.
     residual : array (periods,)
-        What is missing in the balance, over the larger of W_d and W_g for a robot, over the largest work of the run for a mechanism [-]; 0 if
-        nothing is.
+        What is missing in the balance, over the larger of W_d and W_g for a robot, over the largest work of the run for a
+        mechanism [-]; 0 if nothing is.
     settle : int
         How many periods belong to settling.
     """

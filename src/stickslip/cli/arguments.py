@@ -212,6 +212,13 @@ class Subject:
         """The robot itself."""
         return _builder(self.make)(self.arguments)
 
+    @property
+    def dimensionless(self) -> bool:
+        """Whether all units of its robots are 1."""
+        from stickslip.presets import DIMENSIONLESS
+
+        return getattr(self.make, "__name__", "") in DIMENSIONLESS
+
     def title(self) -> str:
         """What was asked for, in the words of the command line."""
         return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])

@@ -56,6 +56,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     return {
         "robot": study.title(),
         "law": type(run.model.friction).__name__,
+        "dimensionless": study.dimensionless,
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
         "motion": told,
@@ -81,14 +82,16 @@ def _told(record: dict[str, Any]) -> str:
     count = f"{m['period']} drive periods" if m["period"] != 1 else "1 drive period"
     twin = f"; with Coulomb friction {m['twin']}" if m["slip_ratio"] is not None and m["twin"] else ""
     versions = record["provenance"]["versions"]
+    per_second, second, joule = ("", "", "") if record["dimensionless"] else ("m/s", " s", " J")
+    low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
-        ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),
+        ("mean velocity", mean),
         ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
-        ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g} s"),
+        ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g}{second}"),
         ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),
-        ("velocity", f"{show.quantity(record['velocity_min'], 'm/s')} to {show.quantity(record['velocity_max'], 'm/s')}"),
-        ("energy per period", _works(work)),
+        ("velocity", f"{low} to {high}"),
+        ("energy per period", _works(work, joule)),
         ("energy balance", f"worst residual {work['worst_residual']:.1e}"),
         ("status", f"{record['status']}, {show.counted(record['periods'], 'period')} ({record['settle']} to settle)"),
         *(("note", note) for note in record["notes"]),
@@ -106,10 +109,12 @@ def _method(record: dict[str, Any]) -> str:
     return f"{record['method']} with {steps} steps per period" if steps else str(record["method"])
 
 
-def _works(work: dict[str, float]) -> str:
+def _works(work: dict[str, float], unit: str) -> str:
     """Works of one period; what is rounding is left out."""
     shown = {name: work[name] for name in ("drive", "gravity", "friction")}
-    return ", ".join(f"{name} {value:.4g} J" for name, value in shown.items() if abs(value) > 1e-12 * abs(work["drive"]) or name == "drive")
+    return ", ".join(
+        f"{name} {value:.4g}{unit}" for name, value in shown.items() if abs(value) > 1e-12 * abs(work["drive"]) or name == "drive"
+    )
 
 
 def _drawn(run: Any, path: Path | None) -> Path | None:

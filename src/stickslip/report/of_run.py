@@ -111,14 +111,14 @@ def moments(run: Any) -> dict[str, Any]:
     return {name: [float(f"{factor * value:.6g}") for value in column] for name, (factor, column) in digits.items()}
 
 
-def numbers(named: Iterable[tuple[str, Any]]) -> list[tuple[str, str, str]]:
+def numbers(named: Iterable[tuple[str, Any]], units: bool = True) -> list[tuple[str, str, str]]:
     """Name, value with its unit, and meaning of a robot's numbers; the unit is that of the docs' page on notation."""
     from stickslip.sweeps.naming import AXES
 
     found = []
     for name, value in named:
         meaning, unit = AXES.get(name.rpartition(".")[2], ("", ""))
-        found.append((name, f"{float(value):.10g} {'' if unit == '1' else unit}".rstrip(), meaning))
+        found.append((name, f"{float(value):.10g} {unit if units and unit != '1' else ''}".rstrip(), meaning))
     return found
 
 

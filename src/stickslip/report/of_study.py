@@ -8,6 +8,7 @@ from stickslip.report.charts import chart_library
 from stickslip.report.fastest import order, run_again
 from stickslip.report.html import page
 from stickslip.report.of_run import moments, numbers, sources
+from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 
 __all__ = ["study_page"]
@@ -90,7 +91,7 @@ def _numbers(grid: Any) -> list[tuple[str, str, str]]:
     import json
 
     found = json.loads(grid.attrs.get("numbers", "{}"))
-    return numbers((name, value) for name, value in found.items() if name not in grid.coords)
+    return numbers(((name, value) for name, value in found.items() if name not in grid.coords), units=bool(speeds(grid)[1]))
 
 
 def _counted(values: Any) -> list[tuple[str, int, float]]:

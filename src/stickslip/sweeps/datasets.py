@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.datasets import jsonable
 from stickslip.errors import InputError
+from stickslip.presets import DIMENSIONLESS
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import COLUMNS, described
 from stickslip.sweeps.naming import AXES
@@ -97,7 +98,8 @@ def assembled(dims: tuple[str, ...], columns: dict[str, Any], labels: dict[str, 
     """A dataset with units and names on everything."""
     import xarray as xr
 
-    data = {name: (dims, values, described(name)) for name, values in columns.items()}
+    unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
+    data = {name: (dims, values, described(name) | unitless) for name, values in columns.items()}
     coords = {name: (column.dims, _label(column.values), _told(name)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)
 
