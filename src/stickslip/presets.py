@@ -87,7 +87,7 @@ def piezo_rig(
         drive=Harmonic(amplitude=n["amplitude"], omega=n["omega"]),
         friction=friction,
         gravity=n["gravity"],
-        track=Level() if incline == "folded" else Incline(tilt=tilt),
+        track=Level.of_folded(tilt) if incline == "folded" else Incline(tilt=tilt),
     )
 
 
