@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean
 
-__all__ = ["Record", "at_least", "describe", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
+__all__ = ["Record", "at_least", "describe", "example_of", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
 
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
@@ -144,7 +144,7 @@ class Record:
         try:
             value = number(value)
         except ValueError as error:
-            problems.add(f"{name}: {error}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+            problems.add(f"{name}: {error}; allowed is {allowed}; type for example {field.name}={example_of(type(self), field)}")
             return value
 
         def allows(x: Any) -> Any:
@@ -153,7 +153,9 @@ class Record:
         if is_array(value) and value.size == 0:
             problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
         elif not _all(allows(value)):
-            problems.add(f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={_example(field)}")
+            problems.add(
+                f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={example_of(type(self), field)}"
+            )
         return value
 
     def _check(self, problems: Problems) -> None:
@@ -226,8 +228,9 @@ def _look_up(record: Any, path: str) -> Any:
     return _look_up(getattr(record, head), rest) if rest else getattr(record, head)
 
 
-def _example(field: dataclasses.Field[Any]) -> str:
-    return str(field.metadata.get("example", "1.0"))
+def example_of(cls: Any, field: dataclasses.Field[Any]) -> str:
+    """What to type for a number of a record: the example of its field, or that of its law."""
+    return str(field.metadata.get("example", getattr(cls, "_example", {}).get(field.name, "1.0")))
 
 
 def _same(a: Any, b: Any) -> bool:

@@ -73,7 +73,8 @@ def piezo_rig(
     numbers, problems = _numbers(locals())
     for name, value, allowed in (("law", law, LAWS_HERE), ("incline", incline, ("folded", "gravity"))):
         if value not in allowed:
-            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}; {did_you_mean(str(value), allowed)}")
+            near = did_you_mean(str(value), allowed)
+            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}" + (f"; {near}" if near.startswith("did") else ""))
     if not problems.found:
         _check_tilt(numbers, law, incline, problems)
     problems.check()

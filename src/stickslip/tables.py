@@ -8,8 +8,8 @@ import tomllib
 from typing import Any
 
 from stickslip.drives import DRIVES
-from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import describe, is_array, is_number_field
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.fields import describe, example_of, is_array, is_number_field
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
@@ -26,9 +26,16 @@ def _kind_name(part: str, record: Any) -> str:
         "to_toml",
         [
             f"{part} is a {type(record).__name__}, which a study file cannot name; "
-            f"allowed are {', '.join(PARTS[part])}. Keep it in a script instead"
+            f"allowed are {', '.join(PARTS[part])}. Keep the robot in a Python file, in a function that returns it: a study file with the "
+            f'line make = "{_file_of(record)}:rig" then runs the function rig with --allow-code'
         ],
     )
+
+
+def _file_of(record: Any) -> str:
+    """The Python file of a user's class, as far as its name tells."""
+    module = type(record).__module__.rpartition(".")[2]
+    return "mine.py" if module.startswith("__") else f"{module}.py"
 
 
 def to_table(record: Any) -> dict[str, Any]:
@@ -117,7 +124,8 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
     fields = dataclasses.fields(cls)
     allowed = [f.name for f in fields] + (["frequency"] if where == "robot.drive" else [])
     for name in [n for n in arguments if n not in allowed]:
-        problems.add(f"{where}.{name} is not known; {did_you_mean(name, allowed)}")
+        hint = other_words(name, arguments[name], allowed, " = ") or did_you_mean(name, allowed)
+        problems.add(f"{where}.{name} is not known; {hint}")
         del arguments[name]
     optional = {f.name for f in fields if f.default is not dataclasses.MISSING or f.default_factory is not dataclasses.MISSING}
     for field in fields:
@@ -125,8 +133,9 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
             arguments[field.name] = None
         either = field.name == "omega" and "frequency" in arguments
         if field.name not in arguments and field.name not in optional and not either and field.name not in PARTS:
-            problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {field.metadata.get('example', '1.0')}")
-            arguments[field.name] = 1.0
+            example = example_of(cls, field).replace("(", "[").replace(")", "]")
+            problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {example}")
+            arguments[field.name] = _read_back(example)
     lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
     try:
         made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
@@ -134,6 +143,14 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         problems.include(error, f"{where}.")
         return None
     return None if lacking else made
+
+
+def _read_back(example: str) -> Any:
+    """The value of an example, so that the other fields can be judged beside it; 1 of one that is no text of a study file."""
+    try:
+        return tomllib.loads(f"x = {example}")["x"]
+    except tomllib.TOMLDecodeError:
+        return 1.0
 
 
 def _stand_in(part: str) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.errors import InputError
 
-__all__ = ["FILES", "Outcome", "Targets", "add_targets", "finish", "targets"]
+__all__ = ["FILES", "Outcome", "Targets", "add_targets", "finish", "is_run", "targets"]
 
 #: Endings of the files.
 FILES = (".nc", ".mat", ".csv", ".parquet")
@@ -96,3 +96,16 @@ def _parquet(found: Any, path: Path) -> None:
     except ImportError:
         raise InputError("--out", ['Parquet needs pyarrow; type pip install "stickslip[parquet]", or give a .csv or .nc path']) from None
     pq.write_table(pa.Table.from_pandas(found.to_dataframe().reset_index(), preserve_index=False), path)
+
+
+def is_run(path: Path, command: str) -> bool:
+    """Whether a netCDF file is a run, and not the results of a sweep."""
+    import h5py
+
+    if not path.exists():
+        raise InputError(command, [f"there is no {str(path)!r}; give a .nc file of ours or a study folder"])
+    try:
+        with h5py.File(path) as file:
+            return "mean_velocity" not in file
+    except OSError as error:
+        raise InputError(command, [f"{str(path)!r} cannot be read: {error}; give a .nc file of ours or a study folder"]) from None

@@ -9,7 +9,7 @@ from stickslip.cli import show, timed
 from stickslip.cli.arguments import parser, subject
 from stickslip.errors import InputError
 
-__all__ = ["act"]
+__all__ = ["DATA", "act", "written_to"]
 
 FIGURES = (".png", ".svg", ".pdf")
 DATA = (".nc", ".mat", ".csv")
@@ -30,7 +30,7 @@ def act(command: str, words: list[str]) -> int:
     from stickslip.solvers import solve
 
     run = solve(robot, **study.options, keep="trajectory")
-    written = [str(path) for path in (_drawn(run, figure), _written(run, data)) if path is not None]
+    written = [str(path) for path in (_drawn(run, figure), written_to(run, data)) if path is not None]
     make, tell = (_record, _told) if robot.period is not None else (timed.record, timed.told)
     record = make(study, run, written)
     if asked.json:
@@ -133,7 +133,8 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
     return path
 
 
-def _written(run: Any, path: Path | None) -> Path | None:
+def written_to(run: Any, path: Path | None) -> Path | None:
+    """Write every column of a run to a .nc, .mat or .csv file; returns its path."""
     if path is None:
         return None
     if path.suffix.lower() == ".nc":

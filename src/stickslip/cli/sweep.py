@@ -213,7 +213,9 @@ def _ends(grid: Any) -> str:
 
 
 def _unperiodic(grid: Any, study: Any) -> list[str]:
-    """A sentence on the cases that ran to their end and did not repeat."""
+    """A sentence on the cases that ran to their end and did not repeat; none where nothing has a period to repeat after."""
+    if study.options.get("duration") is not None:
+        return []
     from stickslip.sweeps.planning import SOLVER as DEFAULTS
 
     number = int(((grid["period"] == 0) & (grid["status"] <= _SETTLED)).sum())

@@ -106,6 +106,7 @@ def _netcdf(grid: Any, path: Path) -> None:
             kind = coded(name, empty(1)[name] if name in COLUMNS else np.zeros(1, grid[name].dtype))
             made = file.create_variable(name, (*dims, *(("character",) if kind.ndim > 1 else ())), kind.dtype)
             made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
+            made.attrs["units"] = str(grid[name].attrs.get("units", "1"))
             for first in range(0, _size(grid), _ROWS):
                 for block in blocks_of(first, min(first + _ROWS, _size(grid)), shape):
                     made[(*block, *((slice(None),) if kind.ndim > 1 else ()))] = coded(name, np.asarray(grid[name][block].values))
