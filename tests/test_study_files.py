@@ -1,6 +1,7 @@
 """Study files: what they may say, that errors name their lines and come at once, and that code in them needs permission."""
 
 import json
+import re
 
 import pytest
 
@@ -116,3 +117,17 @@ def test_the_bench_takes_the_law_of_a_file_with_its_numbers(call):
     assert code == 0 and told["law"] == "Coulomb" and told["parameters"]["mu_minus"] == 0.2
     code, _, err = call("bench", "study.toml", "mu_pls=1", study=RIG + COULOMB)
     assert code == 2 and "is no number of Coulomb; did you mean 'mu_plus'?" in err
+
+
+@pytest.mark.parametrize("kind", ss.LAWS)
+def test_what_a_study_file_is_told_to_type_for_a_law_makes_one(kind):
+    """Each suggestion is a number of an ordinary contact, and all of them together are a law."""
+    text = f"{RIG}[robot.friction]\nkind = '{kind}'\n"
+    try:
+        ss.Robot.from_toml(text)
+    except ss.InputError as error:
+        told = [re.search(r"is missing; type for example (.*)", problem)[1] for problem in error.problems]
+        law = ss.Robot.from_toml(text + "\n".join(told)).friction
+        asked = {line.partition(" = ")[0] for line in told}
+        usual = {name: value for name, value in vars(type(law).example()).items() if name in asked and isinstance(value, float)}
+        assert {name: getattr(law, name) for name in usual} == usual
