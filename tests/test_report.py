@@ -235,5 +235,8 @@ def test_a_robot_without_dimensions_has_no_meters_in_its_results(tmp_path, monke
             assert ("m/s" in capsys.readouterr().out) == meters
         assert ss.open_study("grid.nc").mean_velocity.attrs["units"] == ("m/s" if meters else "1")
         assert ("m/s" in study_page(ss.open_study("grid.nc"), "x").split("<main")[1].split('id="provenance"')[0]) == meters
+    assert main(["report", "coulomb_robot", "alpha_plus=0.5", "alpha_minus=0.9", "--out", "run.html"]) == 0
+    assert "its units of mass, length and time are 1" in (tmp_path / "run.html").read_text(encoding="utf-8")
+    capsys.readouterr()
     assert main(["run", "coulomb_robot", "alpha_plus=0.5", "alpha_minus=0.9"]) == 0
     assert not re.search(r"\d (m/s|s|J)\b", capsys.readouterr().out)

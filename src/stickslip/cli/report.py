@@ -52,7 +52,7 @@ def _page(asked: Any, typed: str) -> tuple[str, str]:
     from stickslip.solvers import solve
 
     run = solve(robot, **study.options, keep="trajectory")
-    return run_page(run, asked.title or study.title(), typed), f"one run of {study.title()}"
+    return run_page(run, asked.title or study.title(), typed, study.dimensionless), f"one run of {study.title()}"
 
 
 def _kept(path: Path, title: str | None, typed: str) -> tuple[str, str]:

@@ -9,13 +9,15 @@ from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
-__all__ = ["moments", "numbers", "run_page", "sources"]
+__all__ = ["UNITLESS", "moments", "numbers", "run_page", "sources"]
 
+#: The remark on a page about robots whose units are all 1.
+UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
 
 
-def run_page(run: Any, title: str, command: str = "") -> str:
+def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False) -> str:
     """The page about a run of a robot.
 
     Parameters
@@ -25,6 +27,8 @@ def run_page(run: Any, title: str, command: str = "") -> str:
         What stands at its top.
     command : str
         What to type for the same page, if it was made by a command.
+    dimensionless : bool
+        Whether all units of the robot are 1; a remark says so.
 
     Returns
     -------
@@ -48,7 +52,7 @@ def run_page(run: Any, title: str, command: str = "") -> str:
         library=chart_library(),
         moments=moments(run),
         numbers=numbers(leaves(run.model)),
-        notes=list(run.notes),
+        notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
         toml=_toml(run),
         command=command,
         provenance=_provenance(run),

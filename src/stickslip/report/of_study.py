@@ -7,7 +7,7 @@ from typing import Any
 from stickslip.report.charts import chart_library
 from stickslip.report.fastest import order, run_again
 from stickslip.report.html import page
-from stickslip.report.of_run import moments, numbers, sources
+from stickslip.report.of_run import UNITLESS, moments, numbers, sources
 from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 
@@ -138,4 +138,5 @@ def _headed(grid: Any, name: str) -> str:
 def _notes(grid: Any) -> list[str]:
     import json
 
-    return [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
+    told = [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
+    return told if speeds(grid)[1] else [*told, UNITLESS]
