@@ -432,3 +432,134 @@ def test_a_cache_that_cannot_be_written_compiles_in_memory(tmp_path):
     (tmp_path / "file").touch()
     done = process("run", *ROBOT, "periods=20", "method=rk4", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "file" / "cache"))
     assert done.returncode == 0 and "cannot be written; compiling" in done.stderr and strict(done.stdout)["method"] == "rk4"
+
+
+def test_a_map_says_its_law_and_whether_the_fastest_point_is_on_its_edge(capsys):
+    out = call(capsys, "map", "coulomb_robot", "alpha_plus=0.1..0.5:3", "alpha_minus=0.2..1.6:8")[1]
+    assert out.startswith("coulomb_robot: 24 cases with the law Coulomb\n")
+    assert "\nthat is on the edge of alpha_plus: a wider range may have a faster one" in out
+    inside = call(
+        capsys, "map", "piezo_rig", "law=coulomb", "tilt_deg=1.7", "mu0=0.17..0.2:2", "f0=0.21..0.3:2", "amplitude=6e-4", "--json"
+    )
+    assert strict(inside[1])["found"]["law"] == "Coulomb"
+
+
+RIG = """[robot]
+body_mass = 0.06259
+inner_mass = 0.00948
+[robot.drive]
+kind = "harmonic"
+amplitude = 7e-4
+frequency = 25
+[robot.friction]
+kind = "lugre"
+mu_plus = 0.18
+mu_minus = 0.18
+f_plus = 0.21
+f_minus = 0.21
+sigma0 = 4e5
+sigma1 = 100.0
+sigma2 = 0.04
+v_s = 2e-3
+[robot.track]
+kind = "incline"
+tilt = 0.03
+"""
+BELT = """[mechanism]
+kind = "block_on_belt"
+mass = 1.0
+stiffness = 100.0
+speed = 0.1
+load = 10.0
+[mechanism.friction]
+kind = "coulomb"
+mu_plus = 0.2
+mu_minus = 0.2
+f_plus = 0.4
+f_minus = 0.4
+[solve]
+duration = 3.0
+"""
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """A folder with the study files of a robot on an incline and of a block that nothing drives."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("mine.toml", RIG), ("belt.toml", BELT)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def test_a_number_in_another_unit_or_under_another_name_is_told_what_to_type(files, capsys):
+    """Hertz and degrees are converted, and what is told to be typed is taken."""
+    code, _, err = call(capsys, "run", "mine.toml", "drive.frequency=30", "tilt_deg=1.7")
+    assert code == 2 and "type drive.omega=60pi for 30 Hz" in err and "type track.tilt=0.0296706 for 1.7 degrees" in err
+    assert call(capsys, "run", "mine.toml", "drive.omega=60pi", "track.tilt=0.0296706", "periods=5")[0] == 0
+    assert "drive.omega=40pi for 20 Hz" in call(capsys, "sweep", "mine.toml", "drive.frequency=20..30:3")[2]
+    bad = RIG.replace("mu_plus", "mu0").replace("tilt = 0.03", "tilt_deg = 1.7").replace("sigma0 = 4e5\n", "").replace("v_s = 2e-3\n", "")
+    (files / "bad.toml").write_text(bad, encoding="utf-8")
+    err = call(capsys, "run", "bad.toml")[2]
+    for words in (
+        "type mu_plus = 0.18 and mu_minus = 0.18", "type tilt = 0.0296706 for 1.7 degrees", "type for example sigma0 = 400000.0",
+        "type for example v_s = 0.002", "type for example mu_plus = 0.15",
+    ):  # fmt: skip
+        assert words in err
+    assert "f_plus = 0.21 is below" not in err, "what is missing is not judged"
+
+
+def test_init_sets_one_number_and_keeps_the_others_and_shows_how_an_incline_is_written(files, capsys):
+    assert call(capsys, "init", "q.toml", "--set", "amplitude=5e-4")[0] == 0
+    text = (files / "q.toml").read_text(encoding="utf-8")
+    wanted = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)
+    assert ss.Robot.from_toml(text) == wanted and "1.7 degrees folded in already" in text
+    inclined = text.replace('kind = "level"', "").replace('# kind = "incline"', 'kind = "incline"').replace("# tilt =", "tilt =")
+    assert ss.Robot.from_toml(inclined) == wanted.replace(track=ss.Incline(tilt=0.035))
+    assert call(capsys, "init", "b.toml", "--preset", "piezo_beam_rig")[0] == 0
+
+
+def test_export_takes_a_run_as_well_as_a_study(files, capsys):
+    assert call(capsys, "run", *ROBOT, "periods=5", "--data", "run.nc")[0] == 0
+    code, out, _ = call(capsys, "export", "run.nc", "run.csv")
+    assert code == 0 and "the run in run.nc" in out and (files / "run.csv").read_text().startswith("t [s],x [m]")
+    assert call(capsys, "export", "run.nc", "run.mat")[0] == 0
+    code, _, err = call(capsys, "export", "run.nc", "run.parquet")
+    assert code == 2 and "allowed are .nc, .mat, .csv" in err
+    with pytest.raises(ss.InputError, match=r"is a run; type ss.load"):
+        ss.open_study("run.nc")
+
+
+def test_what_counts_drive_periods_says_so_of_something_that_nothing_drives(files, capsys):
+    for command, words in (("bifurcation", ["speed=0.1..0.2:3"]), ("lyapunov", []), ("basins", ["v=-0.1..0.1:3"])):
+        code, _, err = call(capsys, command, "belt.toml", *words)
+        assert code == 2 and "BlockOnBelt has no period" in err and "ss.periodic_orbit" in err and "duration" not in err
+    code, out, _ = call(capsys, "sweep", "belt.toml", "speed=0.1,0.2")
+    assert code == 0 and "more periods" not in out
+
+
+def test_a_word_that_is_no_law_is_told_the_laws_once(capsys):
+    err = call(capsys, "run", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4", "law=dry")[2]
+    assert err.count("coulomb-static") == 1
+    assert "did you mean 'lugre'?" in call(capsys, "run", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4", "law=lugree")[2]
+
+
+def test_a_law_of_ones_own_is_told_how_commands_and_study_files_take_it(files, capsys):
+    lines = [
+        "from dataclasses import dataclass",
+        "import stickslip as ss",
+        "",
+        "@dataclass(frozen=True)",
+        "class Dry:",
+        "    mu: float = 0.2",
+    ]
+    lines += ["    def sliding(self, v, load):", "        return ss.maths.where(v > 0, self.mu * load, -self.mu * load)"]
+    lines += ["    def breakaway(self, load):", "        return -self.mu * load, self.mu * load"]
+    lines += ["def rig():", "    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=7e-4).replace(friction=Dry())"]
+    (files / "dry_rig.py").write_text("\n".join(lines), encoding="utf-8")
+    assert call(capsys, "run", "dry_rig.py:rig", "periods=5", "--data", "dry.nc")[0] == 0
+    code, _, err = call(capsys, "report", "dry.nc")
+    assert code == 2 and "as file.py:function" in err
+    with pytest.raises(ss.InputError, match=r'make = "dry_rig.py:rig" .*--allow-code'):
+        sys.modules["dry_rig"].rig().to_toml()
+    (files / "dry.toml").write_text('make = "dry_rig.py:rig"', encoding="utf-8")
+    assert call(capsys, "run", "dry.toml", "periods=5", "--allow-code")[0] == 0

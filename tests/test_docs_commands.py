@@ -4,6 +4,7 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stickslip as ss
@@ -44,6 +45,11 @@ def prepared(page):
         for name, amplitude in (("a.csv", 5e-4), ("b.csv", 8e-4)):
             rec = ss.virtual_rig(robot.replace({"drive.amplitude": amplitude}), noise=1e-4, seed=1, periods=8)
             rec.save(name)
+    if page.stem == "what-friction":  # its own Python code writes them
+        for i, amplitude in enumerate((5e-4, 8e-4)):
+            rec = ss.virtual_rig(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude, mu0=0.17, f0=0.22), noise=1e-3, seed=i, periods=8)
+            columns = np.column_stack([rec["velocity"].time, 1e3 * rec["velocity"].si])
+            np.savetxt(f"run{i}.csv", columns, delimiter=",", header="t [s],LDV [mm/s]", comments="")
     if page.stem == "on-a-cluster":
         for k in (1, 2):
             words = ["piezo_rig", "law=coulomb", "tilt_deg=0..6:9", "amplitude=1e-4..8e-4:9", "--tile", "40"]

@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
+from stickslip.analysis.steady import velocity_range
 
 ALPHAS = [(0.5, 1.2), (0.7, 0.9), (0.4, 0.8), (0.4, 0.5)]
 
@@ -52,3 +53,21 @@ def test_a_dynamic_run_balances_to_its_tolerance():
     run = lugre_run(ss.presets.piezo_rig(tilt_deg=2.7, amplitude=6.032e-4), 3, rtol=1e-6)
     e = ss.energy(run)
     assert e.worst < 1e-6 and (e.friction > 0).all()
+
+
+@pytest.mark.parametrize(
+    "law", [ss.Coulomb(0.18, 0.18), ss.LuGre(0.18, 0.18, 0.21, 0.21, 4e5, 100.0, 0.04, 2e-3)], ids=["coulomb", "lugre"]
+)
+def test_the_numbers_of_a_body_that_slides_by_itself_fit_together(law):
+    """Its mean velocity lies within its velocities, its balance is judged by the work of gravity, and a note says why it is not steady."""
+    robot = ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4, incline="gravity").replace(friction=law)
+    assert robot.notes == [note for note in robot.notes if "slides by itself" not in note]
+    run = ss.solve(robot.replace({"track.tilt": 1.0}), periods=30)
+    low, high = velocity_range(run)
+    e = ss.energy(run)
+    missing = e.drive + e.gravity - e.friction - e.kinetic
+    assert low < ss.mean_velocity(run) < high and (abs(e.gravity) > abs(e.drive)).all()
+    assert e.worst == abs(missing / e.gravity)[run.settle :].max() and e.worst < 1e-4
+    assert any("slides by itself" in note and "1.557 of the load" in note for note in run.notes)
+    assert any("slides by itself" in note for note in robot.replace({"track.tilt": -1.0}).notes)
+    assert any("slides by itself" in note for note in robot.replace({"track.tilt": np.array([0.0, 1.0])}).notes)

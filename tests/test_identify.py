@@ -411,6 +411,15 @@ def test_compare_finds_the_law_of_the_record_and_the_phase():
     assert found.record.mean_velocity == pytest.approx(0.003695830, abs=2e-5)
 
 
+def test_compare_says_why_a_law_that_fits_may_have_another_word_for_the_motion():
+    """A record of the very robot: the same motion to its noise, at rest by speed in the one and by force in the other."""
+    robot = ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4)
+    found = ss.compare(ss.virtual_rig(robot, noise=1e-6, seed=1), robot, laws=["lugre"])
+    said = [note for note in found.notes if "two words" in note]
+    assert found["LuGre"].r2 > 0.99999 and (found.record.type != found["LuGre"].type) == bool(said) and said
+    assert f"the record's type is {found.record.type}, LuGre {found['LuGre'].type}: " in said[0] and said[0] in str(found)
+
+
 def test_compare_takes_laws_of_any_kind_and_says_what_it_cannot():
     robot = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
     rec = ss.virtual_rig(robot, noise=1e-4)

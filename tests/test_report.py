@@ -60,7 +60,7 @@ def test_the_charts_of_a_study_are_its_columns():
     made = cuts(grid, "alpha_plus", "alpha_minus")
     assert made["x"] == [0.2, 0.4, 0.6]
     for shown, minus in zip(made["curves"], (0.5, 0.9), strict=True):
-        wanted = [1e3 * grid.mean_velocity.sel(alpha_plus=plus, alpha_minus=minus).item() for plus in made["x"]]
+        wanted = [grid.mean_velocity.sel(alpha_plus=plus, alpha_minus=minus).item() for plus in made["x"]]
         assert shown["y"] == pytest.approx(wanted, rel=1e-5)
     line = grid.sel(alpha_minus=0.9)
     kinds = {one["label"]: one["y"] for one in along(line, "alpha_plus")["curves"][1:]}
@@ -187,3 +187,56 @@ def test_the_command_takes_a_preset_a_saved_run_a_folder_and_a_file(run, tmp_pat
         assert told["bytes"] == (tmp_path / "page.html").stat().st_size > 10_000
     assert main(["report", "run.nc", "periods=3"]) == 2 and "is finished" in capsys.readouterr().err
     assert main(["report", "nothing.nc"]) == 2 and "there is no 'nothing.nc'" in capsys.readouterr().err
+
+
+def test_a_report_of_a_steady_motion_leaves_settling_out():
+    """The extremes of the page are those of the last period, not of the way there."""
+    run = ss.solve(ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4, omega=300.0), periods=60)
+    v = run.v[run.t >= (run.periods - 1) * run.period_time]
+    assert run.v.max() > 1.1 * v.max()
+    assert f"{1e3 * v.min():.6g} to {1e3 * v.max():.6g} mm/s".replace("-", "−") in run_page(run, "x")
+
+
+def test_a_study_of_a_robot_keeps_the_robot_and_its_report_shows_it_and_lets_it_move(tmp_path, monkeypatch):
+    """In memory, in a folder and in a file; the folder can be resumed."""
+    monkeypatch.chdir(tmp_path)
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.5e-4, law="coulomb", incline="gravity")
+    axes = {"drive.omega": [180.0, 220.0], "drive.amplitude": 5e-4}
+    grids = [ss.sweep(robot, **axes), ss.sweep(robot, **axes, out="study")]
+    ss.export("study", "study.nc")
+    for grid in (*grids, ss.open_study("study.nc"), ss.sweep(robot, **axes, out="study", resume=True)):
+        assert ss.Robot.from_toml(grid.attrs["robot"]) == robot
+        numbers = json.loads(grid.attrs["numbers"])
+        assert numbers["drive.amplitude"] == 5e-4 and numbers["track.tilt"] == robot.track.tilt and "drive.omega" not in numbers
+        text = study_page(grid, "Mine")
+        assert re.search(r'<th scope="row">body_mass</th><td>0.06259 kg</td>', text) and 'id="moments"' in text
+        assert run_again(grid).model == robot.replace({"drive.omega": 220.0, "drive.amplitude": 5e-4})
+
+
+def test_a_study_tells_the_numbers_that_all_robots_of_a_maker_share():
+    """A maker of the user's own that takes one number at a time; what follows from an axis is not shared."""
+
+    def mine(tilt_deg, law):
+        return ss.presets.piezo_rig(tilt_deg=float(tilt_deg), amplitude=5e-4, law=law)
+
+    shared = json.loads(ss.sweep(mine, tilt_deg=[1.0, 2.0], law=["coulomb", "coulomb-static"]).attrs["numbers"])
+    assert shared == {"body_mass": 62.59e-3, "inner_mass": 9.48e-3, "drive.amplitude": 5e-4, "drive.omega": 65.4 * np.pi, "gravity": 9.81}
+    one = json.loads(ss.sweep(mine, tilt_deg=1.0, law="coulomb").attrs["numbers"])
+    assert one["friction.mu_plus"] == mine(1.0, "coulomb").friction.mu_plus
+
+
+def test_a_robot_without_dimensions_has_no_meters_in_its_results(tmp_path, monkeypatch, capsys):
+    """On the command line, in the dataset, in files and in reports; the same words say meters of a robot that has some."""
+    monkeypatch.chdir(tmp_path)
+    unit, rig = ["coulomb_robot", "alpha_plus=0.3..0.7:3", "alpha_minus=0.5..0.9:3"], ["piezo_rig", "law=coulomb", "tilt_deg=1..2:2"]
+    for words, meters in ((unit, False), ([*rig, "amplitude=4e-4..5e-4:2"], True)):
+        for command in ("map", "sweep"):
+            assert main([command, *words, "--out", "grid.nc"]) == 0
+            assert ("m/s" in capsys.readouterr().out) == meters
+        assert ss.open_study("grid.nc").mean_velocity.attrs["units"] == ("m/s" if meters else "1")
+        assert ("m/s" in study_page(ss.open_study("grid.nc"), "x").split("<main")[1].split('id="provenance"')[0]) == meters
+    assert main(["report", "coulomb_robot", "alpha_plus=0.5", "alpha_minus=0.9", "--out", "run.html"]) == 0
+    assert "its units of mass, length and time are 1" in (tmp_path / "run.html").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert main(["run", "coulomb_robot", "alpha_plus=0.5", "alpha_minus=0.9"]) == 0
+    assert not re.search(r"\d (m/s|s|J)\b", capsys.readouterr().out)

@@ -1,6 +1,7 @@
 """Study files: what they may say, that errors name their lines and come at once, and that code in them needs permission."""
 
 import json
+import re
 
 import pytest
 
@@ -168,3 +169,17 @@ def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):
     monkeypatch.setattr("stickslip.checking.shape_of", int)  # a robot is no number
     code, _, err = call("check", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4")
     assert code == 1 and "TypeError" in err and "This is an error of stickslip itself" in err
+
+
+@pytest.mark.parametrize("kind", ss.LAWS)
+def test_what_a_study_file_is_told_to_type_for_a_law_makes_one(kind):
+    """Each suggestion is a number of an ordinary contact, and all of them together are a law."""
+    text = f"{RIG}[robot.friction]\nkind = '{kind}'\n"
+    try:
+        ss.Robot.from_toml(text)
+    except ss.InputError as error:
+        told = [re.search(r"is missing; type for example (.*)", problem)[1] for problem in error.problems]
+        law = ss.Robot.from_toml(text + "\n".join(told)).friction
+        asked = {line.partition(" = ")[0] for line in told}
+        usual = {name: value for name, value in vars(type(law).example()).items() if name in asked and isinstance(value, float)}
+        assert {name: getattr(law, name) for name in usual} == usual

@@ -126,3 +126,24 @@ def test_mirroring_exchanges_forwards_and_backwards_also_where_none_is_given():
 
 def test_an_incline_is_folded_as_it_always_was():
     assert fold(0.18, math.radians(1.7)) == pytest.approx((0.150255, 0.209587), abs=1e-6)
+
+
+def test_a_tilt_that_was_folded_into_a_replaced_law_is_not_lost_without_a_word():
+    """The numbers stay what they are: the track is level, as it always was."""
+    rigs = {incline: ss.presets.piezo_rig(tilt_deg=3, amplitude=7e-4, incline=incline) for incline in ("folded", "gravity")}
+    isotropic = ss.LuGre(0.18, 0.18, 0.21, 0.21, 4e5, 100.0, 0.04, 2e-3)
+
+    def said(robot):
+        return [note for note in robot.notes if "folded" in note]
+
+    robot = rigs["folded"].replace(friction=isotropic)
+    assert said(robot) and "its tilt of 3 degrees" in said(robot)[0] and 'incline="gravity"' in said(robot)[0]
+    assert robot.track == ss.Level() and said(ss.solve(robot, periods=3).model) == said(robot)
+    assert said(robot.replace({"drive.amplitude": np.array([5e-4, 6e-4])}))
+    silent = [
+        rigs["folded"], rigs["gravity"].replace(friction=isotropic), rigs["folded"].replace({"friction.sigma0": 3e5}),
+        rigs["folded"].replace(friction=ss.Coulomb(0.13, 0.23)), robot.replace(track=ss.Level()),
+        ss.presets.piezo_rig(tilt_deg=0, amplitude=7e-4).replace(friction=isotropic),
+    ]  # fmt: skip
+    assert [said(other) for other in silent] == [[]] * len(silent)
+    assert rigs["folded"] == ss.Robot.from_toml(rigs["folded"].to_toml())

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
-__all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather", "is_whole"]
+__all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather", "is_whole", "other_words"]
 
 
 class StickslipError(Exception):
@@ -104,3 +105,38 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     small = {word.lower(): word for word in known}
     near = [small[word] for word in difflib.get_close_matches(str(name).lower(), small, n=1, cutoff=0.55)]
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+
+
+def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") -> str | None:
+    """What to type for a number under a name or in a unit that is another one here; None for a name of which nothing is known.
+
+    Examples
+    --------
+    >>> other_words("tilt_deg", 1.7, ["track.tilt"])
+    'angles are in radians here; type track.tilt=0.0296706 for 1.7 degrees'
+    >>> other_words("drive.frequency", 30, ["drive.omega"])
+    'the frequency is omega, in rad/s; type drive.omega=60pi for 30 Hz'
+    >>> other_words("mu0", 0.18, ["mu_plus", "mu_minus"], " = ")
+    'friction has a value for each direction here; type mu_plus = 0.18 and mu_minus = 0.18'
+    """
+    part, dot, last = name.rpartition(".")
+    known = [*known]
+
+    def typed(word: str, given: Any) -> str | None:
+        there = [k for k in known if k == f"{part}{dot}{word}"] or [k for k in known if k.rpartition(".")[2] == word]
+        return f"{there[0]}{equals}{given if isinstance(given, str) else f'{given:.6g}'}" if there else None
+
+    def given(usual: float) -> float:
+        return value if isinstance(value, (int, float)) else usual
+
+    if last in ("frequency", "freq", "f", "hz") and (
+        line := typed("omega", f"{2 * given(40.0):g}pi" if equals == "=" else 2 * math.pi * given(40.0))
+    ):
+        return f"the frequency is omega, in rad/s; type {line} for {given(40.0):g} Hz"
+    if last in ("tilt_deg", "angle_deg") and (line := typed("tilt", math.radians(given(1.7)))):
+        return f"angles are in radians here; type {line} for {given(1.7):g} degrees"
+    for words, symbol, usual in ((("mu", "mu0", "mu_k"), "mu", 0.18), (("f0", "mu_s", "fs"), "f", 0.21)):
+        sides = [typed(f"{symbol}_{side}", given(usual)) for side in ("plus", "minus")]
+        if last in words and all(sides):
+            return f"friction has a value for each direction here; type {sides[0]} and {sides[1]}"
+    return None

@@ -24,6 +24,7 @@ __all__ = [
     "checked_number",
     "describe",
     "everywhere",
+    "example_of",
     "is_array",
     "is_number_field",
     "is_tuple_field",
@@ -227,7 +228,7 @@ class Frozen:
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
         """A number by its field's rule; what is wrong with it is noted and the value comes back as it was."""
         rule, allowed = self._rules.get(field.name, (None, "a finite number"))
-        return checked_number(name, value, problems, rule, allowed, f"{field.name}={_example(field)}")
+        return checked_number(name, value, problems, rule, allowed, f"{field.name}={example_of(type(self), field)}")
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -310,8 +311,9 @@ def _look_up(record: Any, path: str) -> Any:
     return _look_up(getattr(record, head), rest) if rest else getattr(record, head)
 
 
-def _example(field: dataclasses.Field[Any]) -> str:
-    return str(field.metadata.get("example", "1.0"))
+def example_of(cls: Any, field: dataclasses.Field[Any]) -> str:
+    """What to type for a number of a record: the example of its field, or that of its law."""
+    return str(field.metadata.get("example", getattr(cls, "_example", {}).get(field.name, "1.0")))
 
 
 def same(a: Any, b: Any) -> bool:

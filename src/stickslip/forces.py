@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import Problems
+from stickslip.errors import InputError, Problems
 
 __all__ = [
     "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "is_dynamic", "law_force", "law_rate", "memories_of",
-    "normal_load", "offered_force", "passed_zero", "rest_velocity", "states_of", "wants_applied",
+    "normal_load", "offered_force", "passed_zero", "rest_velocity", "states_of", "static_limits", "wants_applied",
 ]  # fmt: skip
 
 _TINY = 1e-300  # a velocity that has a sign and nothing else
@@ -111,6 +111,18 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
             f"{kind}.breakaway(load=1) gives {limits!r}, less than its friction while it slides slowly ({slow[0]} and {slow[1]}); allowed "
             "is as much or more: a body that breaks away would be stopped at once; make breakaway at least as large as sliding near v = 0"
         )
+
+
+def static_limits(law: Any, load: Any) -> tuple[Any, Any] | None:
+    """Friction forces (backward, forward) up to which a law holds a body [N]; None of a law that does not say."""
+    if hasattr(law, "breakaway"):
+        try:
+            return law.breakaway(load)
+        except InputError:  # the stand-in for a law whose class is not known
+            return None
+    sides = [getattr(law, f"f_{side}", None) for side in ("minus", "plus")]
+    minus, plus = (getattr(law, f"mu_{s}", None) if f is None else f for s, f in zip(("minus", "plus"), sides, strict=True))
+    return None if minus is None or plus is None else (-minus * load, plus * load)
 
 
 # ---- models ----

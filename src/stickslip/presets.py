@@ -14,7 +14,7 @@ from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
 
-__all__ = ["PRESETS", "piezo_beam_rig", "piezo_rig"]
+__all__ = ["DIMENSIONLESS", "PRESETS", "piezo_beam_rig", "piezo_rig"]
 
 #: Masses [kg] and LuGre numbers of the paper's rig (section 4).
 BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
@@ -76,7 +76,8 @@ def piezo_rig(
     numbers, problems = _numbers(locals())
     for name, value, allowed in (("law", law, tuple(LAWS_HERE)), ("incline", incline, ("folded", "gravity"))):
         if value not in allowed:
-            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}; {did_you_mean(str(value), allowed)}")
+            near = did_you_mean(str(value), allowed)
+            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}" + (f"; {near}" if near.startswith("did") else ""))
     if not problems.found:
         _check_shapes(numbers, law, problems)
     if not problems.found:
@@ -90,7 +91,7 @@ def piezo_rig(
         drive=Harmonic(amplitude=n["amplitude"], omega=n["omega"]),
         friction=_friction(law, tilt if incline == "folded" else 0.0 * tilt, n),
         gravity=n["gravity"],
-        track=Level() if incline == "folded" else Incline(tilt=tilt),
+        track=Level.of_folded(tilt) if incline == "folded" else Incline(tilt=tilt),
     )
 
 
@@ -243,3 +244,5 @@ def coulomb_robot(alpha_plus: Any, alpha_minus: Any) -> Robot:
 
 
 PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig, "coulomb_robot": coulomb_robot}
+#: Presets whose units are all 1: what they give is no number of meters or seconds.
+DIMENSIONLESS = ("coulomb_robot",)

@@ -10,8 +10,8 @@ from stickslip.batch import check_shape, shape_of
 from stickslip.drives.drive import typical_velocity
 from stickslip.drives.turned import Reversed
 from stickslip.errors import Problems
-from stickslip.fields import Frozen, positive
-from stickslip.forces import check_law
+from stickslip.fields import Frozen, leaves, positive
+from stickslip.forces import check_law, static_limits
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level
 
@@ -143,7 +143,7 @@ class Robot(Frozen):
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
         law_notes = getattr(self.friction, "notes", None)
         found = [*(getattr(self.drive, "notes", None) or ()), *([] if law_notes is None else law_notes(self.load(0.0, 0.0)))]
-        return found + _lifted(self)
+        return found + _unfolded(self) + _slides(self) + _lifted(self)
 
     def to_toml(self) -> str:
         """The robot as TOML text, every digit kept; `from_toml` reads it back."""
@@ -163,6 +163,51 @@ _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
     "track": "track=ss.Level()",
 }
+
+
+def _unfolded(robot: Robot) -> list[str]:
+    """A remark if a law that is the same both ways took the place of one into which a tilt was folded."""
+    tilt = getattr(robot.track, "folded", 0.0)
+    if not _any(tilt != 0) or not _same_both_ways(robot.friction):
+        return []
+    import numpy as np
+
+    degrees = np.max(abs(np.degrees(np.asarray(tilt))))
+    return [
+        f"the track is level: its tilt of {degrees:.4g} degrees was folded into the friction law that this one took the place of; for a "
+        'tilt that stays, make the robot with incline="gravity"'
+    ]
+
+
+def _same_both_ways(law: Any) -> bool:
+    """Whether the numbers of a law are the same forwards and backwards."""
+    numbers = dict(leaves(law))
+    for name, backward in numbers.items():
+        if "_minus" in name:
+            forward = numbers.get(name.replace("_minus", "_plus"), numbers.get(name.replace("_minus", "")))
+            if forward is not None and _any(forward != backward):
+                return False
+    return True
+
+
+def _slides(robot: Robot) -> list[str]:
+    """A remark if gravity alone moves the body."""
+    load, pull = robot.load(0.0, 0.0), robot.total_mass * robot.track.along(robot.gravity)
+    limits = static_limits(robot.friction, load) if _any(pull != 0) else None
+    if limits is None or not (_any(pull > limits[1]) or _any(pull < limits[0])):
+        return []
+    import numpy as np
+
+    most = np.max(abs(np.asarray(pull / load)))
+    return [
+        f"the body slides by itself, and there may be no steady motion: gravity along the track reaches {most:.4g} of the load "
+        f"(tan(tilt)), and static friction holds {np.min(np.asarray(limits[1] / load)):.4g} forwards "
+        f"and {np.min(np.asarray(-limits[0] / load)):.4g} backwards"
+    ]
+
+
+def _any(condition: Any) -> bool:
+    return bool(condition.any()) if hasattr(condition, "any") else bool(condition)
 
 
 def _lifted(robot: Robot) -> list[str]:

@@ -174,7 +174,8 @@ def from_text(text: str) -> Any:
 
 def _unknown_law(self: Any, *arguments: Any, **more: Any) -> Any:
     what = f"this run used the law {self.name}({self.numbers}), which is not part of stickslip"
-    raise InputError("friction", [f"{what}; type ss.load(path, laws=[{self.name}]) with its class"])
+    hint = f"type ss.load(path, laws=[{self.name}]) with its class; a command takes the function that makes the robot, as file.py:function"
+    raise InputError("friction", [f"{what}; {hint}"])
 
 
 @dataclasses.dataclass(frozen=True)

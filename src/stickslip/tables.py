@@ -8,8 +8,8 @@ import tomllib
 from typing import Any
 
 from stickslip.drives import DRIVES
-from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import arguments_of, describe, is_array, is_number_field, is_tuple_field
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.fields import arguments_of, describe, example_of, is_array, is_number_field, is_tuple_field
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
@@ -26,9 +26,16 @@ def _kind_name(part: str, record: Any) -> str:
         "to_toml",
         [
             f"{part} is a {type(record).__name__}, which a study file cannot name; "
-            f"allowed are {', '.join(PARTS[part])}. Keep it in a script instead"
+            f"allowed are {', '.join(PARTS[part])}. Keep the robot in a Python file, in a function that returns it: a study file with the "
+            f'line make = "{_file_of(record)}:rig" then runs the function rig with --allow-code'
         ],
     )
+
+
+def _file_of(record: Any) -> str:
+    """The Python file of a user's class, as far as its name tells."""
+    module = type(record).__module__.rpartition(".")[2]
+    return "mine.py" if module.startswith("__") else f"{module}.py"
 
 
 def to_table(record: Any) -> dict[str, Any]:
@@ -116,14 +123,17 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
     """An instance from its arguments; every unknown, missing or bad one is noted."""
     fields, taken = {f.name: f for f in dataclasses.fields(cls)}, arguments_of(cls)
     for name in [n for n in arguments if n not in taken]:
-        problems.add(f"{where}.{name} is not known; {did_you_mean(name, taken)}")
+        hint = other_words(name, arguments[name], list(taken), " = ") or did_you_mean(name, taken)
+        problems.add(f"{where}.{name} is not known; {hint}")
         del arguments[name]
     for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in PARTS]:
         if "None" in str(fields[name].type):
             arguments[name] = None
             continue
-        problems.add(f"{where}.{name} is missing; type for example {name} = {fields[name].metadata.get('example', '1.0')}")
-        arguments[name] = (1.0,) if is_tuple_field(fields[name]) else 1.0
+        example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
+        problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
+        value = _read_back(example)
+        arguments[name] = (value,) if is_tuple_field(fields[name]) and not isinstance(value, (list, tuple)) else value
     lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
     try:
         made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
@@ -131,6 +141,14 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         problems.found += [f"{where}{'.' if sentence.startswith(tuple(taken)) else ': '}{sentence}" for sentence in error.problems]
         return None
     return None if lacking else made
+
+
+def _read_back(example: str) -> Any:
+    """The value of an example, so that the other fields can be judged beside it; 1 of one that is no text of a study file."""
+    try:
+        return tomllib.loads(f"x = {example}")["x"]
+    except tomllib.TOMLDecodeError:
+        return 1.0
 
 
 def _stand_in(part: str) -> Any:

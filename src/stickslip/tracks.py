@@ -23,6 +23,16 @@ class Level(Frozen):
     (9.81, 0.0)
     """
 
+    #: The tilt [rad] that a preset folded into the friction of its robot; no number of the robot, only known for a remark.
+    folded: ClassVar[Any] = 0.0
+
+    @classmethod
+    def of_folded(cls, tilt: Any) -> Level:
+        """A level track that remembers the tilt which stands in the friction coefficients."""
+        track = cls()
+        object.__setattr__(track, "folded", tilt)
+        return track
+
     def across(self, gravity: Any) -> Any:
         """Gravity that presses the body on the track [m/s^2]."""
         return gravity

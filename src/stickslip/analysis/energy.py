@@ -43,7 +43,8 @@ class Energy:
     actuator : array (periods,)
         Work of the actuator, which also moves the inner mass against the body [J]; 0 for a mechanism.
     residual : array (periods,)
-        What is missing in the balance, over W_d for a robot and over the largest work of the run for a mechanism [-]; 0 if nothing is.
+        What is missing in the balance, over the larger of W_d and W_g for a robot, over the largest work of the run for a
+        mechanism [-]; 0 if nothing is.
     settle : int
         How many periods belong to settling.
     """
@@ -178,5 +179,6 @@ def _residual(run: Any, works: dict[str, Array]) -> Array:
     missing = works["drive"] + works["gravity"] - works["friction"] - works["damping"] - works["kinetic"] - works["potential"]
     largest = np.max([abs(works[n]) for n in ("drive", "gravity", "friction", "damping", "kinetic", "potential")], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        base = np.where(works["drive"] != 0, works["drive"], largest) if hasattr(run.model, "drive") else np.max(largest)
+        given = np.where(abs(works["gravity"]) > abs(works["drive"]), works["gravity"], works["drive"])
+        base = np.where(given != 0, given, largest) if hasattr(run.model, "drive") else np.max(largest)
         return np.where(missing == 0, 0.0, missing / base)

@@ -10,7 +10,10 @@ from stickslip.errors import InputError
 from stickslip.solvers import strobes
 from stickslip.summary import Summary
 
-__all__ = ["LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance"]
+__all__ = [
+    "LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance",
+    "velocity_range",
+]  # fmt: skip
 
 #: Largest period number that is looked for.
 LONGEST_PERIOD = strobes.LONGEST
@@ -54,6 +57,38 @@ def mean_velocity(run: Any) -> Any:
     count = _settled_count(run)
     count -= count % (period_number(run) or 1)
     return float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count]))
+
+
+def velocity_range(run: Any) -> tuple[float, float]:
+    """Smallest and largest velocity of the steady motion: over its last motion period, or over the window of the mean where none is known.
+
+    Parameters
+    ----------
+    run : Trajectory
+
+    Returns
+    -------
+    tuple of float
+        Lowest and highest velocity at the instants of the columns [m/s]. `mean_velocity` lies between them.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=40)
+    >>> low, high = velocity_range(run)
+    >>> low < ss.mean_velocity(run) < high
+    True
+    """
+    needs_run("velocity_range", run)
+    if run.model.period is None:
+        return _extremes(run, run.window[0])
+    count = period_number(run) or _settled_count(run)
+    return _extremes(run, run.pieces.t[-1] - count * run.period_time * (1 + 1e-12))
+
+
+def _extremes(run: Any, since: float) -> tuple[float, float]:
+    v = run.v[run.t >= since]
+    return float(v.min()), float(v.max())
 
 
 def needs_run(what: str, run: Any) -> None:

@@ -13,11 +13,24 @@ from typing import Any, NoReturn
 from stickslip.cli.probing import probe, probe_axes
 from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
 from stickslip.cli.transcripts import commands_in, transcript
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
 
-__all__ = ["SOLVER", "Parser", "Subject", "parser", "parser_of", "settings", "subject", "value"]
+__all__ = [
+    "EXAMPLES",
+    "SOLVER",
+    "Parser",
+    "Subject",
+    "check_driven",
+    "parser",
+    "parser_of",
+    "settings",
+    "subject",
+    "value",
+    "without_default",
+]  # fmt: skip
 
-_EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "voltage": "60", "frequency": "32.7"}
+#: What to type for the arguments that presets have no default for.
+EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "voltage": "60", "frequency": "32.7"}
 
 
 _CATCHING: ContextVar[bool] = ContextVar("catching", default=False)
@@ -177,7 +190,7 @@ def settings(words: list[str], many: bool, problems: Problems) -> dict[str, Any]
         elif name in found:
             problems.add(f"{name} is given twice")
         elif not many and (".." in text or ("," in text)):
-            example = f"{name}={_EXAMPLES.get(name, '1.0')}"
+            example = f"{name}={EXAMPLES.get(name, '1.0')}"
             problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
         else:
             try:
@@ -215,6 +228,13 @@ class Subject:
             raise InputError(self.name, [f"it returns {made!r}; allowed is a Robot or a mechanism; type for example return ss.Robot(...)"])
         return made
 
+    @property
+    def dimensionless(self) -> bool:
+        """Whether all units of its robots are 1."""
+        from stickslip.presets import DIMENSIONLESS
+
+        return getattr(self.make, "__name__", "") in DIMENSIONLESS
+
     def title(self) -> str:
         """What was asked for, in the words of the command line."""
         return " ".join([self.name, *(f"{k}={v:.10g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.arguments.items())])
@@ -237,12 +257,12 @@ def subject(
     needed, known = _names(study.make)
     tried = {word.partition("=")[0] for word in words} | set(study.arguments)
     for missing in (n for n in needed if n not in tried):
-        problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={_EXAMPLES.get(missing, '1.0')}")
+        problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={EXAMPLES.get(missing, '1.0')}")
     options = {k: v for k, v in given.items() if k in solver}
     arguments = {k: v for k, v in given.items() if k not in solver}
     for word in arguments:
         if word not in known:
-            problems.add(f"{word!r} is not known; {_in_hertz(word, arguments[word], known) or did_you_mean(word, [*known, *solver])}")
+            problems.add(f"{word!r} is not known; {_in_other_words(word, arguments[word], known) or did_you_mean(word, [*known, *solver])}")
     axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
     options = _start({**study.options, **options})
     known_ones = {k: v for k, v in arguments.items() if k in known}
@@ -254,12 +274,12 @@ def subject(
     return Subject(name, study.make, {**arguments, **axes}, options)
 
 
-def _in_hertz(word: str, value: Any, known: Sequence[str]) -> str | None:
-    """What to type for a frequency in hertz where the robot takes an angular one."""
-    if word not in ("frequency", "freq", "f", "hz") or "omega" not in known:
-        return None
-    hertz = value if isinstance(value, (int, float)) else 40.0
-    return f"the frequency is omega, in rad/s; type omega={2 * hertz:g}pi for {hertz:g} Hz"
+def _in_other_words(word: str, value: Any, known: Sequence[str]) -> str | None:
+    """What to type for a number that the robot knows by another name, or in another unit."""
+    one = value[0] if isinstance(value, list) and value else value
+    if word.rpartition(".")[2] == "tilt_deg" and "track.tilt" not in known and "drive.omega" in known:
+        return 'this robot\'s track is level; a study file has an incline under [robot.track], as kind = "incline" and tilt = 0.03 [rad]'
+    return other_words(word, one, known)
 
 
 def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems: Problems) -> dict[str, Any]:
@@ -279,6 +299,21 @@ def _names(make: Any) -> tuple[list[str], list[str]]:
     from stickslip.fields import leaves
 
     return [], [path for path, _ in leaves(make)]
+
+
+def check_driven(command: str, name: str) -> None:
+    """Raise an `InputError` where a study file holds something that nothing drives, for a command that counts drive periods."""
+    model = found(name).make
+    if callable(model) or model.period is not None:
+        return
+    kind = type(model).__name__
+    why = f"{kind} has no period, and {command} goes by drive periods; give a robot or a mechanism with a drive"
+    raise InputError(command, [f"{why}; in Python ss.periodic_orbit finds the cycles of a {kind} and ss.continuation follows them"])
+
+
+def without_default(name: str) -> list[str]:
+    """The arguments for which a preset, a study file or a function has no default."""
+    return _names(found(name).make)[0]
 
 
 def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser, subject, values
+from stickslip.cli.arguments import check_driven, parser, subject, values
 from stickslip.cli.kept import Outcome, add_targets, finish, targets
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
@@ -28,6 +28,7 @@ def act(command: str, typed: list[str]) -> int:
     )
     add_targets(made, "the map", "the map")
     asked = made.parse_intermixed_args(typed)
+    check_driven(command, asked.robot)
     files = targets(asked)
     filed = {name: v for name, v in in_file(asked.robot).arguments.items() if _NAME.fullmatch(name)}
     starts = {**_starts([f"{name}={_text(v)}" for name, v in filed.items()]), **_starts(asked.settings)}

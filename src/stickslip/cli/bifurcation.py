@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from stickslip.cli.arguments import Subject, parser, subject
+from stickslip.cli.arguments import Subject, check_driven, parser, subject
 from stickslip.cli.kept import Outcome, add_targets, finish, targets
 from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError
@@ -25,6 +25,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--observable", default="v", metavar="NAME", help="what to draw: v, z, mean_velocity, ... (default v)")
     add_targets(made, "the diagram", "the diagram")
     asked = made.parse_intermixed_args(words)
+    check_driven(command, asked.robot)
     files = targets(asked)
     known = ("settle", "rtol", "workers", "start.x", "start.v", "start.z")
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import Parser, parser, subject
+from stickslip.cli.arguments import EXAMPLES, Parser, parser, subject, without_default
 from stickslip.cli.docstrings import about, meanings
 from stickslip.errors import InputError, Problems, did_you_mean
 
@@ -67,8 +68,9 @@ def _robot(asked: Any) -> Any:
         elif word is not None:
             changes[field] = known[word].example()
     problems.check()
-    usual = ["tilt_deg=1.7", "amplitude=5.525e-4"] if asked.preset in (None, "piezo_rig") and not asked.set else []
-    return subject(asked.preset or "piezo_rig", [*asked.set, *usual], solver=()).robot().replace(**changes)
+    preset, typed = asked.preset or "piezo_rig", [word.partition("=")[0] for word in asked.set]
+    usual = [f"{name}={EXAMPLES[name]}" for name in without_default(preset) if name in EXAMPLES and name not in typed]
+    return subject(preset, [*asked.set, *usual], solver=()).robot().replace(**changes)
 
 
 def commented(robot: Any) -> str:
@@ -97,11 +99,16 @@ def _table(record: Any, where: str) -> list[str]:
     import tomli_w
 
     from stickslip.tables import PARTS
+    from stickslip.tracks import Incline, Level
 
     told, lines, inner = meanings(type(record)), [_remarked(f"[{where}]", about(type(record)))], []
     kinds = {cls: name for part in PARTS.values() for name, cls in part.items()}
     if type(record) in kinds:
         lines.append(_remarked(f'kind = "{kinds[type(record)]}"', _others(where.rpartition(".")[2], PARTS)))
+    if type(record) is Level:
+        folded = f" (the friction has {math.degrees(record.folded):.4g} degrees folded in already)" if record.folded else ""
+        lines += [_remarked('# kind = "incline"', f"instead, for gravity along the track{folded}, with the next line:")]
+        lines += [_remarked("# tilt = 0.035", f"[rad] {meanings(Incline)['tilt']['meaning']}")]
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
         if dataclasses.is_dataclass(value):

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
+from stickslip.errors import InputError
 
-__all__ = ["FILES", "Outcome", "Targets", "add_targets", "finish", "targets"]
+__all__ = ["FILES", "Outcome", "Targets", "add_targets", "finish", "is_run", "targets"]
 
 #: Endings of the files.
 FILES = (".nc", ".mat", ".csv", ".parquet")
@@ -58,3 +59,16 @@ def finish(asked: Any, files: Targets, found: Outcome) -> int:
     else:
         print("\n".join([found.text, *(f"written to {path}" for path in written)]))
     return 0
+
+
+def is_run(path: Path, command: str) -> bool:
+    """Whether a netCDF file is a run, and not the results of a sweep."""
+    import h5py
+
+    if not path.exists():
+        raise InputError(command, [f"there is no {str(path)!r}; give a .nc file of ours or a study folder"])
+    try:
+        with h5py.File(path) as file:
+            return "mean_velocity" not in file
+    except OSError as error:
+        raise InputError(command, [f"{str(path)!r} cannot be read: {error}; give a .nc file of ours or a study folder"]) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser, subject, value
+from stickslip.cli.arguments import check_driven, parser, subject, value
 from stickslip.cli.kept import Outcome, add_targets, finish, targets
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
@@ -30,6 +30,7 @@ def act(command: str, words: list[str]) -> int:
     )
     add_targets(made, "how they converge, or the map", "how they converge, or the map")
     asked = made.parse_intermixed_args(words)
+    check_driven(command, asked.robot)
     return finish(asked, targets(asked), (_map if _several(asked) else _one)(asked))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -92,8 +93,16 @@ def _found(grid: Any) -> dict[str, Any]:
     found: dict[str, Any] = {"cases": int(V.size), "shares": shares}
     if np.isfinite(V.values).any():
         best = V.isel(_largest(abs(V)))
-        found["fastest"] = {str(d): float(best[d]) for d in V.dims} | {"mean_velocity": float(best)}
-    return found
+        found["fastest"] = {str(d): best[d].values.item() for d in V.dims} | {"mean_velocity": float(best)}
+        found["units"] = str(V.attrs.get("units", "1"))
+        found["at_the_edge_of"] = [str(d) for d in V.dims if _at_edge(V[d].values, best[d].values.item())]
+    kinds = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {})
+    return found | {"law": kinds.get("law")}
+
+
+def _at_edge(values: Any, value: Any) -> bool:
+    """Whether a value is the smallest or largest of an axis of numbers."""
+    return values.dtype.kind in "iuf" and len(values) > 1 and value in (values.min(), values.max())
 
 
 def _largest(values: Any) -> dict[str, int]:
@@ -105,11 +114,21 @@ def _largest(values: Any) -> dict[str, int]:
 
 
 def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
-    lines = [f"{name}: {show.counted(found['cases'], 'case')}"]
+    law = f" with the law {found['law']}" if found["law"] else ""
+    lines = [f"{name}: {show.counted(found['cases'], 'case')}{law}"]
     lines += [
         show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))
     ]
-    if "fastest" in found:
-        point = ", ".join(f"{k} = {v:.6g}" for k, v in found["fastest"].items() if k != "mean_velocity")
-        lines.append(f"fastest: {show.quantity(found['fastest']['mean_velocity'], 'm/s', 6)} at {point}")
-    return "\n".join([*lines, *(f"written to {path}" for path in written)])
+    return "\n".join([*lines, *_fastest(found), *(f"written to {path}" for path in written)])
+
+
+def _fastest(found: dict[str, Any]) -> list[str]:
+    """The fastest point, and whether a larger plane may have a faster one."""
+    if "fastest" not in found:
+        return []
+    point = ", ".join(
+        f"{k} = {v:.6g}" if isinstance(v, float) else f"{k} = {v}" for k, v in found["fastest"].items() if k != "mean_velocity"
+    )
+    unit, edges = found["units"].removeprefix("1"), " and ".join(found["at_the_edge_of"])
+    line = f"fastest: {show.quantity(found['fastest']['mean_velocity'], unit, 6)} at {point}"
+    return [line, f"that is on the edge of {edges}: a wider range may have a faster one"] if edges else [line]

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser, subject
+from stickslip.cli.kept import is_run
 from stickslip.errors import InputError
 
 __all__ = ["act"]
@@ -51,7 +52,7 @@ def _page(asked: Any, typed: str) -> tuple[str, str]:
     from stickslip.solvers import solve
 
     run = solve(robot, **study.options, keep="trajectory")
-    return run_page(run, asked.title or study.title(), typed), f"one run of {study.title()}"
+    return run_page(run, asked.title or study.title(), typed, study.dimensionless), f"one run of {study.title()}"
 
 
 def _kept(path: Path, title: str | None, typed: str) -> tuple[str, str]:
@@ -59,7 +60,7 @@ def _kept(path: Path, title: str | None, typed: str) -> tuple[str, str]:
     from stickslip.report.of_run import run_page
     from stickslip.report.of_study import study_page
 
-    if path.is_dir() or not _is_run(path):
+    if path.is_dir() or not is_run(path, "report"):
         from stickslip.sweeps import open_study
 
         grid = open_study(path)
@@ -68,16 +69,3 @@ def _kept(path: Path, title: str | None, typed: str) -> tuple[str, str]:
     from stickslip.io import load
 
     return run_page(load(path), title or path.name, typed), f"the run in {path}"
-
-
-def _is_run(path: Path) -> bool:
-    """Whether a netCDF file is a run, and not the results of a sweep."""
-    import h5py
-
-    if not path.exists():
-        raise InputError("report", [f"there is no {str(path)!r}; give a .nc file of ours, a study folder, or a robot"])
-    try:
-        with h5py.File(path) as file:
-            return "mean_velocity" not in file
-    except OSError as error:
-        raise InputError("report", [f"{str(path)!r} cannot be read: {error}; give a .nc file of ours or a study folder"]) from None

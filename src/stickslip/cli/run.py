@@ -9,7 +9,7 @@ from stickslip.cli import show, timed
 from stickslip.cli.arguments import parser, subject
 from stickslip.errors import InputError
 
-__all__ = ["act"]
+__all__ = ["DATA", "act", "written_to"]
 
 FIGURES = (".png", ".svg", ".pdf")
 DATA = (".nc", ".mat", ".csv")
@@ -30,7 +30,7 @@ def act(command: str, words: list[str]) -> int:
     from stickslip.solvers import solve
 
     run = solve(robot, **study.options, keep="trajectory")
-    written = [str(path) for path in (_drawn(run, figure), _written(run, data)) if path is not None]
+    written = [str(path) for path in (_drawn(run, figure), written_to(run, data)) if path is not None]
     make, tell = (_record, _told) if robot.period is not None else (timed.record, timed.told)
     record = make(study, run, written)
     if asked.json:
@@ -46,22 +46,23 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
 
     from stickslip.analysis.energy import energy
     from stickslip.analysis.motion import motion
-    from stickslip.analysis.steady import mean_velocity
+    from stickslip.analysis.steady import mean_velocity, velocity_range
     from stickslip.fields import leaves
 
     m, balance = motion(run), energy(run)
-    last = run.t >= run.pieces.t[-1] - (m.period or 1) * run.period_time * (1 + 1e-12)
+    slowest, fastest = velocity_range(run)
     told = {k: v for k, v in asdict(m).items() if k != "_twin"} | {"twin": m.twin}
     works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
     return {
         "robot": study.title(),
         "law": type(run.model.friction).__name__,
+        "dimensionless": study.dimensionless,
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
         "motion": told,
         "period_time": run.period_time,
-        "velocity_max": float(run.v[last].max()),
-        "velocity_min": float(run.v[last].min()),
+        "velocity_max": fastest,
+        "velocity_min": slowest,
         "displacement": float(run.strobe_x[-1] - run.strobe_x[0]),
         "energy": {**works, "worst_residual": balance.worst},
         "status": run.status,
@@ -81,14 +82,16 @@ def _told(record: dict[str, Any]) -> str:
     count = f"{m['period']} drive periods" if m["period"] != 1 else "1 drive period"
     twin = f"; with Coulomb friction {m['twin']}" if m["slip_ratio"] is not None and m["twin"] else ""
     versions = record["provenance"]["versions"]
+    per_second, second, joule = ("", "", "") if record["dimensionless"] else ("m/s", " s", " J")
+    low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
-        ("mean velocity", show.quantity(record["mean_velocity"], "m/s")),
+        ("mean velocity", mean),
         ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
-        ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g} s"),
+        ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g}{second}"),
         ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),
-        ("velocity", f"{show.quantity(record['velocity_min'], 'm/s')} to {show.quantity(record['velocity_max'], 'm/s')}"),
-        ("energy per period", _works(work)),
+        ("velocity", f"{low} to {high}"),
+        ("energy per period", _works(work, joule)),
         ("energy balance", f"worst residual {work['worst_residual']:.1e}"),
         ("status", f"{record['status']}, {show.counted(record['periods'], 'period')} ({record['settle']} to settle)"),
         *(("note", note) for note in record["notes"]),
@@ -106,10 +109,12 @@ def _method(record: dict[str, Any]) -> str:
     return f"{record['method']} with {steps} steps per period" if steps else str(record["method"])
 
 
-def _works(work: dict[str, float]) -> str:
+def _works(work: dict[str, float], unit: str) -> str:
     """Works of one period; what is rounding is left out."""
     shown = {name: work[name] for name in ("drive", "gravity", "friction")}
-    return ", ".join(f"{name} {value:.4g} J" for name, value in shown.items() if abs(value) > 1e-12 * abs(work["drive"]) or name == "drive")
+    return ", ".join(
+        f"{name} {value:.4g}{unit}" for name, value in shown.items() if abs(value) > 1e-12 * abs(work["drive"]) or name == "drive"
+    )
 
 
 def _drawn(run: Any, path: Path | None) -> Path | None:
@@ -127,7 +132,8 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
         return show.draw_to(path, figure)
 
 
-def _written(run: Any, path: Path | None) -> Path | None:
+def written_to(run: Any, path: Path | None) -> Path | None:
+    """Write every column of a run to a .nc, .mat or .csv file; returns its path."""
     if path is None:
         return None
     from stickslip.storage import save, to_csv, to_mat

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
+from stickslip.cli.kept import FILES, is_run
+from stickslip.cli.run import DATA, written_to
 
 __all__ = ["act"]
 
@@ -28,17 +31,32 @@ def _merge(command: str, words: list[str]) -> int:
 
 
 def _export(command: str, words: list[str]) -> int:
-    made = parser(command, "Write the results of a study to one file.", robot=False)
-    made.add_argument("folder", metavar="FOLDER", help="a study folder")
-    made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv or .parquet file")
+    made = parser(command, "Write the results of a study, or every column of a run, to one file.", robot=False)
+    made.add_argument("results", metavar="RESULTS", help="a study folder, the .nc file of a sweep, or the .nc file of a run")
+    made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv or (of a study) .parquet file")
     asked = made.parse_args(words)
-    target = show.writable("FILE", asked.file, (".nc", ".mat", ".csv", ".parquet"))
+    source = Path(asked.results).expanduser()
+    if source.is_file() and is_run(source, command):
+        return _export_run(source, show.writable("FILE", asked.file, DATA), asked.json)
+    target = show.writable("FILE", asked.file, FILES)
 
     from stickslip.sweeps import export, open_study
 
-    grid = open_study(asked.folder)
+    grid = open_study(source)
     export(grid, str(target))
     return _tell(grid, str(target), asked.json)
+
+
+def _export_run(source: Path, target: Path | None, as_json: bool) -> int:
+    from stickslip.io import load
+
+    run = load(source)
+    written = str(written_to(run, target))
+    if as_json:
+        show.print_json({"written": written, "instants": len(run.t)})
+    else:
+        print(f"the run in {source}: {show.counted(len(run.t), 'instant')}; written to {written}")
+    return 0
 
 
 def _tell(grid: Any, written: str, as_json: bool) -> int:

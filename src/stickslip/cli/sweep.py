@@ -173,7 +173,8 @@ def _column(grid: Any, name: Any) -> Any:
 def _headed(grid: Any, name: str) -> str:
     """A name and its unit, if it has one."""
     unit = grid[name].attrs.get("units", "1") if name in grid.variables else "1"
-    return name if unit in ("", "1") else f"{name} [{unit}]"
+    words = name.replace("mean_velocity", "mean velocity")
+    return words if unit in ("", "1") else f"{words} [{unit}]"
 
 
 def _told(grid: Any, study: Any, written: str | None) -> str:
@@ -184,7 +185,14 @@ def _told(grid: Any, study: Any, written: str | None) -> str:
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
-    head = [*(_headed(grid, d) for d in (*axes, *varying)), "mean velocity [m/s]", "type", "pattern", "period [drive periods]", "margin"]
+    head = [
+        *(_headed(grid, d) for d in (*axes, *varying)),
+        _headed(grid, "mean_velocity"),
+        "type",
+        "pattern",
+        "period [drive periods]",
+        "margin",
+    ]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.table(head, rows)]
     if cases > _SHOWN:
@@ -205,7 +213,9 @@ def _ends(grid: Any) -> str:
 
 
 def _unperiodic(grid: Any, study: Any) -> list[str]:
-    """A sentence on the cases that ran to their end and did not repeat."""
+    """A sentence on the cases that ran to their end and did not repeat; none where nothing has a period to repeat after."""
+    if study.options.get("duration") is not None:
+        return []
     from stickslip.sweeps.planning import SOLVER as DEFAULTS
 
     number = int(((grid["period"] == 0) & (grid["status"] <= _SETTLED)).sum())

@@ -48,7 +48,7 @@ def load(source: str, name: str, label: str) -> types.ModuleType:
     name : str
         Start of the file's name.
     label : str
-        What a person is told while it compiles, such as ``"LuGre x Harmonic"``.
+        What a person is told while it compiles, such as ``"LuGre × Harmonic"``.
     """
     key = f"{name}_{_digest(source)}"
     with _lock:

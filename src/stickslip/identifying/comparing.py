@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin, motion
 from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS
 from stickslip.identifying.problems import _best_phase, _curve
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
@@ -176,9 +177,11 @@ def compare(
     shifts = {label: _best_phase(seen, curve) for label, curve in curves.items()}
     rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
     best = min(rows, key=lambda row: row.rms).label
+    measured = _measured(record, seen, shifts[best])
+    notes = [*_notes(record, robot, seen, curves), *_words(measured, rows)]
     return Comparison(
-        _measured(record, seen, shifts[best]), rows, seen.sigma, seen.kind,
-        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *_notes(record, robot, seen, curves)),
+        measured, rows, seen.sigma, seen.kind,
+        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *notes),
     )  # fmt: skip
 
 
@@ -261,3 +264,12 @@ def _notes(record: Record, robot: Any, seen: Target, curves: dict[str, SteadyCur
         notes.append(f"the record's drive frequency is {seen.frequency:.6g} Hz and the robot's {given:.6g} Hz; compared by phase")
     notes += [f"{label}: the motion does not repeat within the run" for label, curve in curves.items() if not curve.settled]
     return notes
+
+
+def _words(measured: Row, rows: tuple[Row, ...]) -> list[str]:
+    """Why a record and a law that fits it may have two words for one motion."""
+    other = [f"{row.label} {row.type}" for row in rows if is_dynamic(row.model.friction) and row.type != measured.type]
+    if not other:
+        return []
+    rule = "a record counts as at rest below a speed, a law with inner states below a part of its sliding force"
+    return [f"the record's type is {measured.type}, {', '.join(other)}: {rule}, so one motion may have two words; judge by rms and R²"]

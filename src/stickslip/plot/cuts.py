@@ -46,7 +46,8 @@ def line_cut(grid: Any, along: str, at: dict[str, Any] | None = None, lines: Seq
     values = _values(part, rest, lines)
     axis = scaled(part, along)
     curves = [part.sel({rest[0]: v}, method="nearest") if rest else part for v in values]
-    factor, unit = prefix(*(c["mean_velocity"].fillna(0.0).values for c in curves))
+    unitless = part["mean_velocity"].attrs.get("units") == "1"
+    factor, unit = (1.0, "") if unitless else prefix(*(c["mean_velocity"].fillna(0.0).values for c in curves))
     with publication():
         ax = axes(ax, 2.2)
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
@@ -59,7 +60,7 @@ def line_cut(grid: Any, along: str, at: dict[str, Any] | None = None, lines: Seq
         _strips(ax, curves, axis.values)
         ax.set_xlim(axis.values.min(), axis.values.max())
         ax.set_xlabel(axis.label)
-        ax.set_ylabel(f"mean velocity $V$ ({unit}m/s)")
+        ax.set_ylabel("mean velocity $V$" if unitless else f"mean velocity $V$ ({unit}m/s)")
         if len(curves) > 1 or "way" in part.dims:
             title = plain_label(part, rest[0]) if rest else None
             ax.legend(

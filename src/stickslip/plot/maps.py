@@ -98,7 +98,7 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
     first, second = plane_of(grid, x, y)
     across, up = scaled(grid, first), scaled(grid, second)
     V = np.asarray(grid["mean_velocity"].transpose(second, first).values, float)
-    unitless = {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
+    unitless = grid["mean_velocity"].attrs.get("units") == "1" or {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
     factor, letter = (1.0, "") if unitless else prefix(V[np.isfinite(V)])
     unit = "" if unitless else f"{letter}m/s"
     V = V * factor

@@ -1,4 +1,4 @@
-"""The fastest cases of a study, and a run of the first of them where its maker is one of ours."""
+"""The fastest cases of a study, and a run of the first of them where the study says how to make its robot."""
 
 from __future__ import annotations
 
@@ -28,32 +28,51 @@ def order(grid: Any, most: int) -> list[dict[str, int]]:
 def run_again(grid: Any) -> Any:
     """A run of the fastest case; None if the study does not say how its robots were made, or if it does not move alike.
 
-    A study keeps its maker's name and the arguments. With a preset that is all; a function of the user is not looked for.
+    A study keeps the name of a preset, or the robot itself, and the arguments; that is all. A function of the user is not looked for.
     """
     from stickslip.errors import StickslipError
-    from stickslip.presets import PRESETS
     from stickslip.solvers import solve
 
-    maker: Any = PRESETS.get(str(grid.attrs.get("maker")))
     places = order(grid, 1)
-    if maker is None or not places or "way" in grid.dims:
+    if not places or "way" in grid.dims:
         return None
     case = grid.isel(places[0])
     try:
-        run = solve(maker(**_arguments(case, maker)), periods=int(case["periods_run"]) + 100, settle="auto", keep="trajectory")
+        robot = _robot(case)
+        if robot is None or robot.period is None:
+            return None
+        run = solve(robot, periods=int(case["periods_run"]) + 100, settle="auto", keep="trajectory")
     except StickslipError:
         return None
     return run if _alike(run, float(case["mean_velocity"])) else None
 
 
-def _arguments(case: Any, maker: Any) -> dict[str, Any]:
-    """The arguments of one case: what varied, and what did not."""
+def _robot(case: Any) -> Any:
+    """The robot of one case: by its preset, or the one that was given with its changes; None where neither is known."""
     import inspect
+
+    from stickslip.fields import leaves
+    from stickslip.presets import PRESETS
+    from stickslip.robot import Robot
+
+    maker: Any = PRESETS.get(str(case.attrs.get("maker")))
+    if maker is not None:
+        return maker(**_arguments(case, inspect.signature(maker).parameters))
+    if "robot" not in case.attrs or case.attrs.get("maker") != Robot.__name__:
+        return None
+    given = Robot.from_toml(case.attrs["robot"])
+    return given.replace(_arguments(case, dict(leaves(given))))
+
+
+def _arguments(case: Any, known: Any) -> dict[str, Any]:
+    """The arguments of one case that its maker knows: what varied, and what did not."""
     import json
 
-    known = inspect.signature(maker).parameters
     fixed = json.loads(case.attrs.get("fixed", "{}"))
-    return {**fixed, **{str(name): value.values.item() for name, value in case.coords.items() if name in known}}
+    return {
+        **{name: value for name, value in fixed.items() if name in known},
+        **{str(name): value.values.item() for name, value in case.coords.items() if name in known},
+    }
 
 
 def _alike(run: Any, velocity: float) -> bool:

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
 
-__all__ = ["moments", "run_page", "sources"]
+__all__ = ["UNITLESS", "moments", "numbers", "run_page", "sources"]
 
+#: The remark on a page about robots whose units are all 1.
+UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
 
 
-def run_page(run: Any, title: str, command: str = "") -> str:
+def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False) -> str:
     """The page about a run of a robot.
 
     Parameters
@@ -24,6 +27,8 @@ def run_page(run: Any, title: str, command: str = "") -> str:
         What stands at its top.
     command : str
         What to type for the same page, if it was made by a command.
+    dimensionless : bool
+        Whether all units of the robot are 1; a remark says so.
 
     Returns
     -------
@@ -37,6 +42,8 @@ def run_page(run: Any, title: str, command: str = "") -> str:
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)
     """
+    from stickslip.fields import leaves
+
     return page(
         "run.html",
         title=title,
@@ -44,8 +51,8 @@ def run_page(run: Any, title: str, command: str = "") -> str:
         figures=_figures(run),
         library=chart_library(),
         moments=moments(run),
-        numbers=_numbers(run.model),
-        notes=list(run.notes),
+        numbers=numbers(leaves(run.model)),
+        notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
         toml=_toml(run),
         command=command,
         provenance=_provenance(run),
@@ -74,9 +81,10 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     """What there is to say, each with its unit."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.motion import motion
-    from stickslip.analysis.steady import mean_velocity
+    from stickslip.analysis.steady import mean_velocity, velocity_range
 
     m, balance = motion(run), energy(run)
+    slowest, fastest = (1e3 * v for v in velocity_range(run))
     work = float(balance.drive[balance.settle :].mean())
     period = "not found: the mean velocity still depends on the length of the run" if m.period is None else f"{m.period}"
     shares = ", ".join(f"{name} {100 * getattr(m, f'{name}_fraction'):.1f} %" for name in ("forward", "backward", "stick"))
@@ -85,7 +93,7 @@ def _facts(run: Any) -> list[tuple[str, str]]:
         ("motion type", f"{m.type} (pattern {m.pattern}, margin {m.margin:.3g})"),
         ("repeats after [drive periods]", period),
         ("parts of a period", shares),
-        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s".replace("-", "−")),
+        ("velocity", f"{slowest:.6g} to {fastest:.6g} mm/s".replace("-", "−")),
         ("drive period", f"{1e3 * run.period_time:.6g} ms"),
         ("work of the drive in a period", f"{1e6 * work:.6g} µJ"),
         ("worst residual of the energy balance", f"{balance.worst:.1e}"),
@@ -107,15 +115,14 @@ def moments(run: Any) -> dict[str, Any]:
     return {name: [float(f"{factor * value:.6g}") for value in column] for name, (factor, column) in digits.items()}
 
 
-def _numbers(model: Any) -> list[tuple[str, str, str]]:
-    """Name, value with its unit, and meaning of every number; the unit is that of the docs' page on notation."""
-    from stickslip.fields import leaves
+def numbers(named: Iterable[tuple[str, Any]], units: bool = True) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and meaning of a robot's numbers; the unit is that of the docs' page on notation."""
     from stickslip.sweeps.naming import AXES
 
     found = []
-    for name, value in leaves(model):
+    for name, value in named:
         meaning, unit = AXES.get(name.rpartition(".")[2], ("", ""))
-        found.append((name, f"{float(value):.10g} {'' if unit == '1' else unit}".rstrip(), meaning))
+        found.append((name, f"{float(value):.10g} {unit if units and unit != '1' else ''}".rstrip(), meaning))
     return found
 
 

@@ -7,7 +7,8 @@ from typing import Any
 from stickslip.report.charts import chart_library
 from stickslip.report.fastest import order, run_again
 from stickslip.report.html import page
-from stickslip.report.of_run import moments, sources
+from stickslip.report.of_run import UNITLESS, moments, numbers, sources
+from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 
 __all__ = ["study_page"]
@@ -42,6 +43,8 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
         "study.html",
         title=title,
         axes=_axes(grid),
+        numbers=_numbers(grid),
+        toml=grid.attrs.get("robot", ""),
         shares=_counted(grid["motion_type"].values),
         ends=_ends(grid),
         figures=figures(grid),
@@ -81,6 +84,14 @@ def _axes(grid: Any) -> list[tuple[str, str]]:
             found.append((str(name), ", ".join(map(str, values))))
     fixed = json.loads(grid.attrs.get("fixed", "{}"))
     return [*found, *((name, str(value)) for name, value in fixed.items() if name not in grid.coords)]
+
+
+def _numbers(grid: Any) -> list[tuple[str, str, str]]:
+    """The numbers that the robots of all cases share, besides those that were asked for."""
+    import json
+
+    found = json.loads(grid.attrs.get("numbers", "{}"))
+    return numbers(((name, value) for name, value in found.items() if name not in grid.coords), units=bool(speeds(grid)[1]))
 
 
 def _counted(values: Any) -> list[tuple[str, int, float]]:
@@ -127,4 +138,5 @@ def _headed(grid: Any, name: str) -> str:
 def _notes(grid: Any) -> list[str]:
     import json
 
-    return [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
+    told = [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
+    return told if speeds(grid)[1] else [*told, UNITLESS]

@@ -7,36 +7,45 @@ from typing import Any
 from stickslip.plot.style import prefix
 from stickslip.report.charts import chart, curve
 
-__all__ = ["along", "chosen", "cuts", "together"]
+__all__ = ["along", "chosen", "cuts", "speeds", "together"]
 
 _LINES = 5
-_UP = ("mean velocity V", "mm/s")
 _TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
 
 
+def speeds(grid: Any) -> tuple[float, str]:
+    """By what to multiply the velocities of a study for a picture, and their unit then: "" where robots have no dimensions."""
+    return (1.0, "") if grid["mean_velocity"].attrs.get("units") == "1" else (1e3, "mm/s")
+
+
+def _up(grid: Any) -> tuple[str, str]:
+    return ("mean velocity V", speeds(grid)[1])
+
+
 def along(grid: Any, axis: str, label: str = "") -> dict[str, Any]:
-    """The mean velocity [mm/s] along the only axis, and the same by motion type, as points."""
+    """The mean velocity along the only axis, and the same by motion type, as points."""
     import numpy as np
 
     order, x, across = _axis(grid, axis)
-    v, kinds = 1e3 * grid["mean_velocity"].values[order], grid["motion_type"].values[order]
+    v, kinds = speeds(grid)[0] * grid["mean_velocity"].values[order], grid["motion_type"].values[order]
     curves = [curve("mean velocity", v, emphasis=True)]
     there = [(number, kind) for number, kind in enumerate(_TYPES) if kind in kinds]
     curves += [
         curve(kind, np.where(kinds == kind, v, np.nan), points=True, number=number, emphasis=kind == "rest") for number, kind in there
     ]
-    return chart(f"mean velocity along {axis}{label}", x, across, _UP, curves)
+    return chart(f"mean velocity along {axis}{label}", x, across, _up(grid), curves)
 
 
 def together(parts: list[tuple[str, Any]], axis: str) -> dict[str, Any]:
-    """The mean velocities [mm/s] of several studies along their only axis, each by its name."""
+    """The mean velocities of several studies along their only axis, each by its name."""
     order, x, across = _axis(parts[0][1], axis)
-    curves = [curve(name, 1e3 * part["mean_velocity"].values[order], number=i) for i, (name, part) in enumerate(parts)]
-    return chart(f"mean velocity along {axis}", x, across, _UP, curves)
+    factor = speeds(parts[0][1])[0]
+    curves = [curve(name, factor * part["mean_velocity"].values[order], number=i) for i, (name, part) in enumerate(parts)]
+    return chart(f"mean velocity along {axis}", x, across, _up(parts[0][1]), curves)
 
 
 def cuts(grid: Any, across: str, other: str, label: str = "") -> dict[str, Any]:
-    """The mean velocity [mm/s] along one axis of a plane, for up to five values of the other.
+    """The mean velocity along one axis of a plane, for up to five values of the other.
 
     Examples
     --------
@@ -46,11 +55,11 @@ def cuts(grid: Any, across: str, other: str, label: str = "") -> dict[str, Any]:
     >>> [one["label"] for one in found["curves"]], len(found["x"])
     (['alpha_minus 0.5', 'alpha_minus 0.9'], 11)
     """
-    plane = grid["mean_velocity"].transpose(across, other).values
+    plane = speeds(grid)[0] * grid["mean_velocity"].transpose(across, other).values
     order, x, along_it = _axis(grid, across)
     _, values, (name, unit) = _axis(grid, other, sort=False)
-    curves = [curve(f"{name} {values[i]:.4g} {unit}".rstrip(), 1e3 * plane[order, i], number=n) for n, i in enumerate(chosen(len(values)))]
-    return chart(f"mean velocity along {across} for values of {other}{label}", x, along_it, _UP, curves)
+    curves = [curve(f"{name} {values[i]:.4g} {unit}".rstrip(), plane[order, i], number=n) for n, i in enumerate(chosen(len(values)))]
+    return chart(f"mean velocity along {across} for values of {other}{label}", x, along_it, _up(grid), curves)
 
 
 def chosen(count: int) -> list[int]:

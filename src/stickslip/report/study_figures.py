@@ -67,27 +67,30 @@ def _lines(named: list[tuple[str, Any]], axis: str, ax: Any) -> None:
     """Mean velocities along one axis, a line for each part."""
     from stickslip.plot.maps import scaled
     from stickslip.plot.style import DASHES
+    from stickslip.report.study_charts import speeds
 
-    across = scaled(named[0][1], axis)
+    across, (factor, unit) = scaled(named[0][1], axis), speeds(named[0][1])
     for i, (name, part) in enumerate(named):
-        ax.plot(across.values, 1e3 * part["mean_velocity"].values, linestyle=DASHES[i % 7], label=name)
+        ax.plot(across.values, factor * part["mean_velocity"].values, linestyle=DASHES[i % 7], label=name)
     ax.set_xlabel(across.label)
-    ax.set_ylabel("mean velocity $V$ (mm/s)")
+    ax.set_ylabel(f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
     ax.legend()
 
 
 def _curve(grid: Any, ax: Any) -> None:
     """Mean velocity along one axis, a point for each case."""
     from stickslip.plot.maps import TYPE_COLOURS, scaled
+    from stickslip.report.study_charts import speeds
 
     (axis,) = _numeric(grid)
     across = scaled(grid, axis)
-    x, v, kinds = across.values, 1e3 * grid["mean_velocity"].values, grid["motion_type"].values
+    factor, unit = speeds(grid)
+    x, v, kinds = across.values, factor * grid["mean_velocity"].values, grid["motion_type"].values
     ax.plot(x, v, color="#333333", linewidth=0.7, zorder=1)
     for kind in dict.fromkeys(kinds):
         there = kinds == kind
         colour = TYPE_COLOURS.get(str(kind), "#888888")
         ax.scatter(x[there], v[there], s=14, color=colour, edgecolor="#333333", linewidth=0.4, label=str(kind), zorder=2)
     ax.set_xlabel(across.label)
-    ax.set_ylabel("mean velocity $V$ (mm/s)")
+    ax.set_ylabel(f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
     ax.legend(title="motion type")

@@ -70,7 +70,7 @@ def _kernel() -> Any:
 
     folder = files("stickslip.engine") / "kernels"
     names = ("coulomb_harmonic.py", "coulomb_harmonic_runs.py")
-    return load("\n\n".join((folder / n).read_text(encoding="utf-8") for n in names), "coulomb_harmonic", "Coulomb x Harmonic")
+    return load("\n\n".join((folder / n).read_text(encoding="utf-8") for n in names), "coulomb_harmonic", "Coulomb × Harmonic")
 
 
 def _rows(arcs: Arcs, v0: Array) -> tuple[Array, Array]:

@@ -44,7 +44,7 @@ def _kernel() -> Any:
     folder = files("stickslip.engine") / "kernels"
     names = ("coulomb_harmonic.py", "coulomb_harmonic_runs.py", "coulomb_orbits.py")
     text = "\n\n".join((folder / n).read_text(encoding="utf-8") for n in names)
-    return load(text, "coulomb_orbits", "Coulomb x Harmonic, periodic motions")
+    return load(text, "coulomb_orbits", "Coulomb × Harmonic, periodic motions")
 
 
 def orbit_rows(

@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.jsontext import plain
+from stickslip.presets import DIMENSIONLESS
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import COLUMNS, described
 from stickslip.sweeps.naming import AXES
 from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.robots import shared_numbers
 
 __all__ = ["assembled", "attributes_of", "dataset", "labels_of", "maker_of", "provenance_of"]
 
@@ -58,10 +61,26 @@ def labels_of(plan: Plan) -> dict[str, Column]:
 
 
 def attributes_of(plan: Plan) -> dict[str, Any]:
-    """Attributes of the dataset: the maker, and the arguments that do not vary."""
+    """Attributes of the dataset: the maker, the arguments that do not vary, and what is known of its robots.
+
+    `numbers` are those that all robots share; `robot` is the study file of a robot that was given as it is.
+    """
     fixed = {k: v if isinstance(v, (int, float, str, bool)) else str(v) for k, v in plan.space.fixed.items()}
     words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
-    return {**words, "maker": maker_of(plan.make), "fixed": json.dumps(plain(fixed))}
+    told = {
+        "maker": maker_of(plan.make),
+        "fixed": json.dumps(plain(fixed)),
+        "numbers": json.dumps(shared_numbers(plan.make, plan.space)),
+    }
+    return {**words, **told, **_robot_of(plan.make)}
+
+
+def _robot_of(make: Any) -> dict[str, str]:
+    """A robot or mechanism as the text of a study file; nothing of a function, or where a part is a class of the user's own."""
+    try:
+        return {} if callable(make) else {"robot": make.to_toml()}
+    except (AttributeError, InputError):
+        return {}
 
 
 def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: dict[str, int]) -> Any:
@@ -79,7 +98,8 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
     """A dataset of columns, given by their dimensions and values, with units and names on everything."""
     import xarray as xr
 
-    data = {name: (dims, values, described(name)) for name, (dims, values) in columns.items()}
+    unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
+    data = {name: (dims, values, described(name) | unitless) for name, (dims, values) in columns.items()}
     coords = {name: (column.dims, _label(column.values), _told(name)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)
 

@@ -71,8 +71,10 @@ def _open_file(path: Path) -> Any:
         raise InputError(
             "study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a .nc file that export wrote"]
         ) from None
-    if grid.attrs.pop("stickslip_content", None) != "sweep":
-        raise InputError("study", [f"{str(path)!r} was not written by export; open it with xarray.open_dataset"])
+    content = grid.attrs.pop("stickslip_content", None)
+    if content != "sweep":
+        what = "is a run; type ss.load(path)" if content == "trajectory" else "was not written by export; open it with xarray.open_dataset"
+        raise InputError("study", [f"{str(path)!r} {what}"])
     grid.attrs.pop("Conventions", None)
     read = {str(name): (tuple(map(str, grid[name].dims)), _decoded(str(name), grid[name])) for name in grid.variables}
     labels = {name: Column(dims, values) for name, (dims, values) in read.items() if name in grid.coords}

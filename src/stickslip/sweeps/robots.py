@@ -9,10 +9,11 @@ import numpy as np
 
 from stickslip.batch import point_by_point
 from stickslip.errors import InputError
+from stickslip.fields import leaves
 from stickslip.robot import Robot
 from stickslip.sweeps.axes import START, Space
 
-__all__ = ["Group", "groups_of", "refusals"]
+__all__ = ["Group", "groups_of", "refusals", "shared_numbers"]
 
 Array = Any
 
@@ -102,6 +103,21 @@ def _own_start(columns: dict[str, Array], fixed: dict[str, Any], places: Array) 
     """Start values that are axes."""
     varying = {n.partition(".")[2]: columns[n][places] for n in START if n in columns}
     return varying | {n.partition(".")[2]: fixed[n] for n in START if n in fixed}
+
+
+def shared_numbers(make: Any, space: Space) -> dict[str, float]:
+    """The numbers that the robots of all cases share, by their dotted names: what does not change along any axis.
+
+    It is judged on the first case and on the middle and the end of each axis through it.
+    """
+    points = {0}
+    for i, size in enumerate(space.shape):
+        stride = int(np.prod(space.shape[i + 1 :], dtype=np.int64))
+        points |= {stride * (size // 2), stride * (size - 1)}
+    groups, _ = groups_of(make, space, np.array(sorted(points)), None)
+    tables = [dict(leaves(group.robot)) for group in groups]
+    first = {name: np.ravel(value)[:1] for table in tables[:1] for name, value in table.items()}
+    return {n: float(v[0]) for n, v in first.items() if all(n in table and np.all(np.asarray(table[n]) == v) for table in tables)}
 
 
 def refusals(make: Any, space: Space) -> list[str]:

@@ -149,6 +149,7 @@ def _column(file: Any, name: str, values: Any) -> None:
     more = ("character",) if kind.ndim > 1 else ()
     made = file.create_variable(name, (*values.dims, *more), kind.dtype)
     made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
+    made.attrs["units"] = str(values.attrs.get("units", made.attrs["units"]))
     for first in range(0, _size(values), _ROWS):
         for block in blocks_of(first, min(first + _ROWS, _size(values)), values.shape):
             made[(*block, *(slice(None) for _ in more))] = coded(name, np.asarray(values[block].values))
