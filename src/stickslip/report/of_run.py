@@ -15,7 +15,7 @@ _LONGEST = 4  # drive periods that it shows at most
 
 
 def run_page(run: Any, title: str, command: str = "") -> str:
-    """The page about a run of a robot.
+    """The page about a run of a robot or of a mechanism.
 
     Parameters
     ----------
@@ -40,10 +40,11 @@ def run_page(run: Any, title: str, command: str = "") -> str:
     return page(
         "run.html",
         title=title,
-        rows=_facts(run),
+        driven=run.model.period is not None,
+        rows=_facts(run) if run.model.period is not None else _facts_of_mechanism(run),
         figures=_figures(run),
         library=chart_library(),
-        moments=moments(run),
+        moments=moments(run) if hasattr(run.model, "drive") else None,
         numbers=_numbers(run.model),
         notes=list(run.notes),
         toml=_toml(run),
@@ -58,15 +59,14 @@ def _figures(run: Any) -> list[Figure]:
     from stickslip import plot
     from stickslip.report import run_charts
 
-    force = "Drive force and friction force, with the forces of break-away."
+    driven = run.model.period is not None
+    speed = f"Velocity over {'three drive periods' if driven else 'the run'}; shaded where the contact sticks."
+    force = f"{'Drive force and friction' if hasattr(run.model, 'drive') else 'Friction'} force, with the forces of break-away."
+    phase = "Phase portrait without the drift; a circle at the start of each drive period." if driven else "Phase portrait."
     return [
-        Figure(
-            "Velocity over three drive periods; shaded where the body rests.",
-            svg(lambda ax: plot.velocity(run, ax=ax)),
-            run_charts.velocity(run),
-        ),
+        Figure(speed, svg(lambda ax: plot.velocity(run, ax=ax)), run_charts.velocity(run)),
         Figure(force, svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)),
-        Figure("Phase portrait without the drift; a circle at the start of each drive period.", svg(lambda ax: plot.phase(run, ax=ax))),
+        Figure(phase, svg(lambda ax: plot.phase(run, ax=ax))),
     ]
 
 
@@ -90,6 +90,27 @@ def _facts(run: Any) -> list[tuple[str, str]]:
         ("work of the drive in a period", f"{1e6 * work:.6g} µJ"),
         ("worst residual of the energy balance", f"{balance.worst:.1e}"),
         ("status", f"{run.status}, {run.periods} drive periods, {run.settle} of them to settle"),
+    ]
+
+
+def _facts_of_mechanism(run: Any) -> list[tuple[str, str]]:
+    """The same of a mechanism that nothing drives."""
+    from collections import Counter
+
+    from stickslip.analysis.energy import energy
+    from stickslip.analysis.segments import shares
+    from stickslip.analysis.steady import mean_velocity
+
+    balance, counts = energy(run), Counter(e.kind for e in run.events)
+    return [
+        ("mechanism", f"{type(run.model).__name__} with {type(run.model.friction).__name__} friction"),
+        ("mean velocity", f"{1e3 * mean_velocity(run):.6g} mm/s".replace("-", "−")),
+        ("parts of the time", ", ".join(f"{name} {100 * share:.1f} %" for name, share in shares(run).items())),
+        ("events", ", ".join(f"{name} {n}" for name, n in counts.items()) or "none"),
+        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s".replace("-", "−")),
+        ("work that came in, work of friction", f"{balance.drive.sum():.6g} J, {balance.friction.sum():.6g} J"),
+        ("residual of the energy balance", f"{balance.worst:.1e}"),
+        ("status", f"{run.status}, {float(run.pieces.t[-1] - run.pieces.t[0]):.6g} s"),
     ]
 
 
@@ -123,8 +144,10 @@ def _toml(run: Any) -> str:
     """The robot as a study file; empty if a part of it is the user's own class."""
     from stickslip.errors import InputError
 
+    length = float(run.pieces.t[-1] - run.pieces.t[0])
+    how = f"duration = {length!r}" if run.model.period is None else f"periods = {run.periods}\nsettle = {run.settle}"
     try:
-        return f"{run.model.to_toml()}\n[solve]\nperiods = {run.periods}\nsettle = {run.settle}\n"
+        return f"{run.model.to_toml()}\n[solve]\n{how}\n"
     except InputError:
         return ""
 
