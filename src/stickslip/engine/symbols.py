@@ -283,7 +283,7 @@ class Graph:
                 result, square, n = (result * square if n & 1 else result), (square * square if n > 1 else square), n >> 1
             return result
         side = self._side(a)
-        if side == "touches zero" or side == "a choice" and isinstance(power, Sym):
+        if side == "touches zero" or (side == "a choice" and isinstance(power, Sym)):
             blunt = _BLUNT if self.assumed else _BLUNT_LESS
             return a * self.call("exp", 0.5 * (power - 1.0) * self.call("log", a * a + blunt))
         if isinstance(power, Sym):

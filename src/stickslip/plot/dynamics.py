@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
-from stickslip.plot.style import COLOURS, INK, axes, prefix, publication
+from stickslip.plot.style import COLOURS, INK, axes, prefix, publication, symbols
 
 __all__ = ["basins", "bifurcation", "continuation", "convergence", "named", "scaled", "spectrum"]
 
@@ -21,7 +21,8 @@ _CLOUD = "#8A94A0"
 
 
 def named(text: str, unit: str, factor_prefix: str = "") -> str:
-    """An axis label with its unit; what has none shows none."""
+    """An axis label with its symbol and unit; what has no unit shows none."""
+    text = symbols(text)
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
 
 
