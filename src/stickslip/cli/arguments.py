@@ -15,7 +15,7 @@ from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
 from stickslip.cli.transcripts import commands_in, transcript
 from stickslip.errors import InputError, Problems, did_you_mean
 
-__all__ = ["SOLVER", "Parser", "Subject", "parser", "parser_of", "settings", "subject", "value"]
+__all__ = ["SOLVER", "Parser", "Subject", "names_of", "parser", "parser_of", "settings", "subject", "value"]
 
 _EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "voltage": "60", "frequency": "32.7"}
 
@@ -231,7 +231,7 @@ def subject(
         kept = {n: v for n, v in study.options.items() if strict or n in {word.partition(".")[0] for word in solver}}
         study = replace(study, arguments={n: v for n, v in study.arguments.items() if n not in own}, options=kept)
     given = {**_from_file(study.arguments, words, many, problems), **settings(words, many, problems)}
-    needed, known = _names(study.make)
+    needed, known = names_of(study.make)
     tried = {word.partition("=")[0] for word in words} | set(study.arguments)
     for missing in (n for n in needed if n not in tried):
         problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={_EXAMPLES.get(missing, '1.0')}")
@@ -268,7 +268,7 @@ def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems
     return {**found, **settings(several, many, problems)}
 
 
-def _names(make: Any) -> tuple[list[str], list[str]]:
+def names_of(make: Any) -> tuple[list[str], list[str]]:
     """The arguments that are needed, and all there are."""
     if callable(make):
         parameters = inspect.signature(make).parameters
