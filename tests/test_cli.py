@@ -416,3 +416,16 @@ def test_a_cache_that_cannot_be_written_compiles_in_memory(tmp_path):
     (tmp_path / "file").touch()
     done = process("run", *ROBOT, "periods=20", "method=rk4", "--json", STICKSLIP_CACHE_DIR=str(tmp_path / "file" / "cache"))
     assert done.returncode == 0 and "cannot be written; compiling" in done.stderr and strict(done.stdout)["method"] == "rk4"
+
+
+def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
+    from types import SimpleNamespace
+
+    from stickslip.cli.bifurcation import _left_out
+
+    def branch(period, *flips):
+        return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", value=value) for value in flips])
+
+    (note,) = _left_out("mu0", [branch(1, 0.0378), branch(2, 0.0382)])
+    assert "period 4 and more are not followed; they begin at mu0 = 0.0382" in note and "ss.continuation(...).doubled().doubled()" in note
+    assert _left_out("mu0", [branch(1)]) == _left_out("mu0", [branch(1, 0.0378), branch(2)]) == _left_out("mu0", []) == []
