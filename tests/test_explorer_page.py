@@ -289,9 +289,12 @@ def test_what_is_chosen_for_the_axes_is_shown_whole(page):
     page.open()
     map_ready(page)
     page.page.locator("#map-y").select_option("tilt_deg")
-    room = """found => { const pen = document.createElement("canvas").getContext("2d"), style = getComputedStyle(found); pen.font = style.font;
-        return found.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight)
-            - pen.measureText(found.selectedOptions[0].text).width; }"""
+    room = """found => {
+        const pen = document.createElement("canvas").getContext("2d"), style = getComputedStyle(found);
+        pen.font = style.font;
+        const sides = parseFloat(style.paddingLeft) + parseFloat(style.paddingRight);
+        return found.clientWidth - sides - pen.measureText(found.selectedOptions[0].text).width;
+    }"""
     for name in ("map-x", "map-y", "vary"):
         assert page.page.locator(f"#{name}").evaluate(room) >= 0, name
 
