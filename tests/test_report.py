@@ -198,6 +198,7 @@ def test_a_mechanism_that_nothing_drives_has_a_page_and_a_figure(tmp_path, capsy
     text = (tmp_path / "belt.html").read_text()
     assert "One run of one mechanism" in text and "duration = 20.0" in text and 'id="moments"' not in text
     assert text.count("data:image/svg+xml") == 3 and outside_addresses(text) == []
+    assert "0.1 m/s" in text and "0 N s/m" in text and "beam" not in text.split("<main")[1].split("<script")[0]
     charts = json.loads(re.search(r'id="charts">(.*?)</script>', text)[1])
     assert charts[0]["across"] == ["time t", "s"] and charts[0]["x"][-1] == 20.0
     assert min(charts[1]["curves"][0]["y"]) == pytest.approx(-1500, rel=1e-4)  # mN: where it breaks away

@@ -12,6 +12,11 @@ __all__ = ["moments", "run_page", "sources"]
 
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
+#: Numbers of mechanisms whose names mean something else in a robot.
+_OF_MECHANISMS = {
+    "damping": ("damping c", "N s/m"), "load": ("normal force", "N"), "force": ("amplitude of the force F", "N"),
+    "bias": ("constant part of the force F_0", "N"),
+}  # fmt: skip
 
 
 def run_page(run: Any, title: str, command: str = "") -> str:
@@ -133,9 +138,10 @@ def _numbers(model: Any) -> list[tuple[str, str, str]]:
     from stickslip.fields import leaves
     from stickslip.sweeps.naming import AXES
 
+    known = {} if hasattr(model, "drive") else _OF_MECHANISMS
     found = []
     for name, value in leaves(model):
-        meaning, unit = AXES.get(name.rpartition(".")[2], ("", ""))
+        meaning, unit = known.get(name) or AXES.get(name.rpartition(".")[2], ("", ""))
         found.append((name, f"{float(value):.10g} {'' if unit == '1' else unit}".rstrip(), meaning))
     return found
 
