@@ -23,8 +23,8 @@ DARK = ("I", "IV", "other")
 _PREFIXED = ("m", "V", "N", "s", "m/s", "N/m")  # units that take a prefix
 _SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to bear its name inside
 _FINE = 240  # points of each side of a map at which its regions are looked at
-_SPECK = 4  # cells: a smaller region has no border drawn around it
-_ROUNDED = 0.8  # cells over which the corners of cells are rounded off in a border
+_SPECK = (4, 0.001)  # cells, share of the map: a smaller region has no border drawn around it
+_ROUNDED = (0.8, 0.008)  # cells, share of a map's side: over the larger the corners of cells are rounded off in a border
 _ROW = 11.5  # height of a row of a legend [points]
 
 
@@ -242,9 +242,9 @@ def _rounded(codes: Any, count: int, cells: tuple[int, ...]) -> Any:
     """How much of the neighbourhood of each place belongs to each type; what would be a speck belongs to none."""
     from scipy.ndimage import gaussian_filter, label
 
-    width = [_ROUNDED * _FINE / max(n - 1, 1) for n in cells]
+    width = [_FINE * max(_ROUNDED[0] / max(n - 1, 1), _ROUNDED[1]) for n in cells]
     shares = np.array([gaussian_filter((codes == k).astype(float), width, mode="nearest") for k in range(count)])
-    least = _SPECK * _FINE**2 / np.prod([max(n - 1, 1) for n in cells])
+    least = _FINE**2 * max(_SPECK[0] / np.prod([max(n - 1, 1) for n in cells]), _SPECK[1])
     for k in 2 * list(range(count)):  # twice: what a speck was may become one of a neighbour
         parts, found = label(shares.argmax(axis=0) == k)
         sizes = np.bincount(parts.ravel(), minlength=found + 1)
