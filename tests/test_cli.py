@@ -563,3 +563,16 @@ def test_a_law_of_ones_own_is_told_how_commands_and_study_files_take_it(files, c
         sys.modules["dry_rig"].rig().to_toml()
     (files / "dry.toml").write_text('make = "dry_rig.py:rig"', encoding="utf-8")
     assert call(capsys, "run", "dry.toml", "periods=5", "--allow-code")[0] == 0
+
+
+def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
+    from types import SimpleNamespace
+
+    from stickslip.cli.bifurcation import _left_out
+
+    def branch(period, *flips):
+        return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", value=value) for value in flips])
+
+    (note,) = _left_out("mu0", [branch(1, 0.0378), branch(2, 0.0382)])
+    assert "period 4 and more are not followed; they begin at mu0 = 0.0382" in note and "ss.continuation(...).doubled().doubled()" in note
+    assert _left_out("mu0", [branch(1)]) == _left_out("mu0", [branch(1, 0.0378), branch(2)]) == _left_out("mu0", []) == []

@@ -57,7 +57,7 @@ def test_every_kind_of_guess_leads_to_the_same_cycle():
 def test_cycles_along_the_belts_speed():
     """At every point the closed period; the branch is a labelled dataset."""
     b = ss.continuation(belt(), parameter="speed", start=0.1, stop=0.4, step=0.2)
-    assert [ss.plot.continuation(b, quantity).lines[0].get_xdata()[0] for quantity in ("x", "duration")] == [0.1, 0.1]
+    assert [ss.plot.continuation(b, quantity).lines[0].get_xdata()[0] for quantity in ("x", "duration")] == [100.0, 100.0]  # mm/s
     with pytest.raises(ss.InputError, match="observable = 'pattern'; allowed is one of x, v, mean_velocity"):
         ss.plot.continuation(b, "pattern")
     for v, duration in zip(b.values, b.points.duration.values, strict=True):

@@ -274,6 +274,31 @@ def test_a_click_on_the_map_goes_there(page):
     assert abs(float(re.search(r": (−?[\d.]+) mm/s", told)[1].replace("−", "-")) * 1e-3 - page.velocity()) < 0.1 * abs(page.velocity())
 
 
+def test_a_robot_that_slides_away_does_not_leave_the_map_pale(page):
+    """Steeper than the friction angle a robot gains speed for ever; the colours are for the others."""
+    page.open("law=coulomb&also=&track=gravity&mu0=0.1&f0=0.1&tilt_deg=1.7&map=mean_velocity,tilt_deg,amplitude,-8,8,0,8e-4")
+    map_ready(page)
+    page.page.locator("#map-legend", has_text="and beyond").wait_for()
+    full = float(re.search(r"\n([\d.]+) mm/s and beyond", page.page.locator("#map-legend").inner_text())[1])
+    label = page.attribute("#map", "aria-label")
+    assert 1 < full < 0.2 * float(re.search(r"and ([\d.]+) mm/s$", label)[1])
+
+
+def test_what_is_chosen_for_the_axes_is_shown_whole(page):
+    """The text of a list that is closed, measured in its own letters."""
+    page.open()
+    map_ready(page)
+    page.page.locator("#map-y").select_option("tilt_deg")
+    room = """found => {
+        const pen = document.createElement("canvas").getContext("2d"), style = getComputedStyle(found);
+        pen.font = style.font;
+        const sides = parseFloat(style.paddingLeft) + parseFloat(style.paddingRight);
+        return found.clientWidth - sides - pen.measureText(found.selectedOptions[0].text).width;
+    }"""
+    for name in ("map-x", "map-y", "vary"):
+        assert page.page.locator(f"#{name}").evaluate(room) >= 0, name
+
+
 def test_a_drag_on_the_map_zooms_and_whole_goes_back(page):
     page.open()
     map_ready(page)

@@ -192,7 +192,7 @@ def test_the_motion_map_names_its_regions_and_draws_the_exact_borders(plane):
     ax = ss.plot.motion_map(plane)
     named = {text.get_text() for text in ax.texts} | {text.get_text() for text in ax.get_legend().get_texts()}
     assert {"rest", "I", "II", "III", "IV", "Coulomb, exact"} <= named
-    assert ax.get_xlabel() == "amplitude of the inner mass A (µm)" and "rad/s" in ax.get_ylabel()
+    assert ax.get_xlabel() == "amplitude of the inner mass $A$ (µm)" and "rad/s" in ax.get_ylabel()
     assert len(ax.lines) >= 8  # four borders, each with a white edge
     turned = ss.plot.motion_map(plane, x="omega", borders=False)
     assert "rad/s" in turned.get_xlabel() and not turned.lines
@@ -226,6 +226,48 @@ def test_the_velocity_map_marks_the_best_point(plane):
     i, j = np.unravel_index(np.argmax(plane.mean_velocity.values), (40, 40))
     assert star.get_xdata()[0] == pytest.approx(1e6 * plane.amplitude.values[i]) and star.get_ydata()[0] == plane.omega.values[j]
     assert f"{1e3 * float(plane.mean_velocity.max()):.3g} mm/s" in [t.get_text() for t in ax.texts]
+
+
+def test_both_maps_have_one_frame_and_say_the_law_and_what_stays(plane):
+    for draw in (ss.plot.motion_map, ss.plot.velocity_map):
+        for borders in (True, False):
+            ax = draw(plane, borders=borders)
+            assert ax.get_xlim() == pytest.approx((100, 800)) and ax.get_ylim() == pytest.approx((60, 300))
+            assert ax.get_title(loc="left") == "Coulomb, $θ$ = 1.7°"
+
+
+def test_names_of_regions_stand_inside_the_frame_of_a_coarse_map():
+    coarse = ss.map(RIG, amplitude=np.linspace(2e-4, 8e-4, 9), tilt_deg=np.linspace(0.5, 4, 9), law="coulomb")
+    ax = ss.plot.motion_map(coarse)
+    ax.figure.canvas.draw()
+    frame = ax.get_window_extent()
+    for text in ax.texts:
+        box = text.get_window_extent()
+        assert frame.x0 < box.x0 and box.x1 < frame.x1 and frame.y0 < box.y0 and box.y1 < frame.y1, text.get_text()
+
+
+def test_borders_in_the_velocity_map_are_named_and_lie_near_the_exact_ones(plane):
+    ax = ss.plot.velocity_map(plane)
+    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["border of motion types"]
+    exact = np.concatenate([np.column_stack([1e6 * b.x / 17.9, b.y / 6.15]) for b in ss.coulomb_borders(plane)])  # in cells
+    for line in ax.lines:
+        if line.get_marker() != "*":
+            drawn = np.column_stack(line.get_data()) / (17.9, 6.15)
+            away = np.sqrt(((drawn[::9, None] - exact[None]) ** 2).sum(axis=-1)).min(axis=1)
+            assert np.median(away) < 0.6 and away.max() < 2.5  # where three types meet, corners are rounded off most
+
+
+def test_specks_of_another_type_have_no_border(plane):
+    spotted = plane.copy(deep=True)
+    spotted["motion_type"][5, 5] = spotted["motion_type"][5, 6] = "other"
+    clean, dirty = (len(ss.plot.velocity_map(grid).lines) for grid in (plane, spotted))
+    assert clean == dirty
+
+
+def test_symbols_at_the_end_of_a_name_are_set_as_symbols():
+    grid = ss.sweep(RIG, v_s=[1e-3, 2e-3], mu0=[0.1, 0.2], amplitude=5e-4, tilt_deg=1.7, periods=3)
+    ax = ss.plot.velocity_map(grid)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("Stribeck velocity $v_{s}$ (mm/s)", "kinetic friction coefficient $μ_{0}$")
 
 
 def test_line_cuts(plane):

@@ -46,7 +46,7 @@ def test_phase_takes_the_drift_out_and_closes(run):
 
 def test_several_runs_share_the_axes_and_get_a_legend(run):
     ax = ss.plot.velocity([run, run], labels=["one", "two"])
-    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["one", "two"]
+    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["one", "two", "sticks"]
     with pytest.raises(ss.InputError, match="one for each run"):
         ss.plot.phase([run, run], labels=["one"])
 
@@ -76,3 +76,53 @@ def test_the_caller_keeps_axes_and_settings(run):
 def test_what_is_no_run_is_refused():
     with pytest.raises(ss.InputError, match="Trajectory"):
         ss.plot.velocity(3.0)
+
+
+# what nothing drives -------------------------------------------------------------------------------------------------
+
+
+def belt(**more):
+    law = ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)
+    return ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law, **more)
+
+
+def test_a_limit_cycle_is_a_closed_curve_of_displacement_and_velocity():
+    cycle = ss.periodic_orbit(belt())
+    ax = ss.plot.phase(cycle.run)
+    x, v = ax.lines[1].get_data()
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement $x$ (mm)", "velocity $v$ (mm/s)")
+    assert x[-1] == pytest.approx(x[0], rel=1e-9) and v[-1] == pytest.approx(v[0], abs=1e-9 * np.ptp(v))
+    assert v.max() == pytest.approx(100.0) and ax.get_legend() is None  # it rides the belt; no strobe points
+
+
+def test_a_pulled_mass_is_drawn_from_its_spring_and_as_long_as_asked():
+    run = ss.solve(ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)), duration=40.0)
+    cycle = 7.6112592541013  # s, analysis.oscillators.belt_period
+    assert np.ptp(ss.plot.phase(run, duration=cycle).lines[1].get_xdata()) < 600  # mm: no drift of 0.1 m/s
+    assert ss.plot.velocity(run).get_xlim() == (0.0, 40.0) and ss.plot.forces(run).get_xlabel() == "time $t$ (s)"
+    ax = ss.plot.velocity(run, duration=cycle)
+    assert ax.get_xlim()[1] == pytest.approx(cycle) and "t - 32.3887$ s" in ax.get_xlabel()
+    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["sticks"]
+    with pytest.raises(ss.InputError, match=r"periods = 3, but PulledMass has no drive period; type duration=10.0"):
+        ss.plot.velocity(run, periods=3)
+
+
+def test_bands_and_circles_are_named(run):
+    assert [t.get_text() for t in ss.plot.velocity(run).get_legend().get_texts()] == ["sticks"]
+    assert [t.get_text() for t in ss.plot.phase(run).get_legend().get_texts()] == ["start of a drive period"]
+
+
+def test_driven_and_undriven_runs_do_not_share_axes(run):
+    with pytest.raises(ss.InputError, match="some have none; draw them apart"):
+        ss.plot.phase([run, ss.solve(belt(), duration=5.0)])
+
+
+def test_branches_of_limit_cycles_are_drawn_by_how_long_they_take():
+    branch = ss.continuation(belt(), parameter="speed", start=0.08, stop=0.12)
+    ax = ss.plot.continuation([branch])
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("speed of the belt or of the pull $u$ (mm/s)", "duration of the cycle (s)")
+    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["limit cycle"]
+    assert ax.lines[0].get_ydata()[0] == pytest.approx(branch.orbits[0].duration)
+    still = ss.plot.continuation(branch, observable="mean_velocity")
+    assert still.get_ylabel() == "mean velocity $V$ (m/s)" and not np.nansum(abs(still.lines[0].get_ydata()))  # 0, not its rounding
+    assert ss.plot.continuation(branch, observable="x").get_ylabel() == "turning point of the spring $x$ (mm)"

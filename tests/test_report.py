@@ -240,3 +240,24 @@ def test_a_robot_without_dimensions_has_no_meters_in_its_results(tmp_path, monke
     capsys.readouterr()
     assert main(["run", "coulomb_robot", "alpha_plus=0.5", "alpha_minus=0.9"]) == 0
     assert not re.search(r"\d (m/s|s|J)\b", capsys.readouterr().out)
+
+
+def test_a_mechanism_that_nothing_drives_has_a_page_and_a_figure(tmp_path, capsys):
+    law = ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5)
+    file = tmp_path / "belt.toml"
+    file.write_text(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law).to_toml() + "\n[solve]\nduration = 20.0\n")
+    assert main(["run", str(file), "--figure", str(tmp_path / "belt.png")]) == 0 and (tmp_path / "belt.png").stat().st_size > 10_000
+    assert main(["report", str(file), "--out", str(tmp_path / "belt.html")]) == 0
+    text = (tmp_path / "belt.html").read_text()
+    assert "One run of one mechanism" in text and "duration = 20.0" in text and 'id="moments"' not in text
+    assert text.count("data:image/svg+xml") == 3 and outside_addresses(text) == []
+    assert "0.1 m/s" in text and "0 N s/m" in text and "beam" not in text.split("<main")[1].split("<script")[0]
+    charts = json.loads(re.search(r'id="charts">(.*?)</script>', text)[1])
+    assert charts[0]["across"] == ["time t", "s"] and charts[0]["x"][-1] == 20.0
+    assert min(charts[1]["curves"][0]["y"]) == pytest.approx(-1500, rel=1e-4)  # mN: where it breaks away
+
+
+def test_a_forced_oscillator_has_a_page():
+    law = ss.Coulomb(0.2, 0.2)
+    run = ss.solve(ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=law), periods=20)
+    assert "motion type" in run_page(run, "to and fro")

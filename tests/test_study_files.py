@@ -183,3 +183,60 @@ def test_what_a_study_file_is_told_to_type_for_a_law_makes_one(kind):
         asked = {line.partition(" = ")[0] for line in told}
         usual = {name: value for name, value in vars(type(law).example()).items() if name in asked and isinstance(value, float)}
         assert {name: getattr(law, name) for name in usual} == usual
+
+
+OWN = """\
+from dataclasses import dataclass
+import stickslip as ss
+from stickslip.maths import where
+
+@dataclass(frozen=True)
+class Mine:
+    mu: float
+
+    def sliding(self, v, load):
+        return where(v > 0, self.mu, -self.mu) * load
+
+    def breakaway(self, load):
+        return -self.mu * load, self.mu * load
+
+hard = Mine(0.6)
+
+def rig(amplitude, mu=0.2):
+    return ss.presets.piezo_rig(1.7, amplitude, incline="gravity").replace(friction=Mine(mu))
+"""
+
+
+@pytest.fixture
+def forgotten():
+    """Another test's file has the same name."""
+    import sys
+
+    sys.modules.pop("mine", None)
+    yield
+    sys.modules.pop("mine", None)
+
+
+def test_the_bench_gives_a_file_the_numbers_that_its_robot_takes(call, forgotten):
+    own = 'make = "mine.py:rig"\n[arguments]\namplitude = "4e-4..8e-4:5"\n'
+    rest = ("--only", "steady", "--json")
+    code, out, _ = call("bench", "a.toml", "--allow-code", "amplitude=6e-4", "mu=0.3", *rest, a=own, mine=OWN)
+    assert code == 0 and json.loads(out)["parameters"] == {"mu": 0.3}
+    preset = 'make = "piezo_rig"\n[arguments]\ntilt_deg = 1.7\namplitude = "4e-4..8e-4:5"\n'
+    code, out, _ = call("bench", "b.toml", "amplitude=6e-4", *rest, b=preset)
+    assert code == 0 and json.loads(out)["law"] == "LuGre"
+    code, _, err = call("bench", "a.toml", "amplitude=6e-4")
+    assert code == 2 and "--allow-code" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "mu"), [(["mine.py:Mine", "mu=0.5"], 0.5), (["mine.py:hard"], 0.6), (["mine.py:rig", "amplitude=6e-4"], 0.2)]
+)
+def test_the_bench_takes_a_law_of_ones_own(call, forgotten, words, mu):
+    code, out, _ = call("bench", *words, "--only", "steady", "--json", mine=OWN)
+    assert code == 0 and json.loads(out)["law"] == "Mine" and json.loads(out)["parameters"] == {"mu": mu}
+
+
+def test_the_bench_says_what_a_law_of_ones_own_lacks(call, forgotten):
+    assert "mu is missing; Mine has no default for it; type for example mu=1.0" in call("bench", "mine.py:Mine", mine=OWN)[2]
+    assert "did you mean 'coulomb'?; a law of your own is file.py:Name" in call("bench", "coulom")[2]

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load, offered_force, states_of
 from stickslip.segments import Intervals, intervals_of, type_of
 
-__all__ = ["Intervals", "Segments", "intervals_of", "raw_segments", "slip_ratio_at", "type_of"]
+__all__ = ["Intervals", "Segments", "intervals_of", "raw_segments", "shares", "slip_ratio_at", "type_of"]
 
 Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
@@ -40,6 +40,12 @@ def raw_segments(run: Any, period: int, slip_ratio: float) -> Segments:
     edges, index = clipped(run.pieces, start, end)
     margin = np.inf if is_dynamic(run.model.friction) else _force_margin(run, edges, index)
     return Segments(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), margin)
+
+
+def shares(run: Any) -> dict[str, float]:
+    """Parts of a whole run's time in which the contact slides forwards and backwards, and in which it sticks."""
+    lengths, modes = np.diff(run.pieces.t), np.asarray(run.pieces.mode)
+    return {name: float(lengths[modes == mode].sum() / lengths.sum()) for name, mode in (("forward", 1), ("backward", -1), ("stick", 0))}
 
 
 def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:

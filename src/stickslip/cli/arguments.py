@@ -16,16 +16,7 @@ from stickslip.cli.transcripts import commands_in, transcript
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 
 __all__ = [
-    "EXAMPLES",
-    "SOLVER",
-    "Parser",
-    "Subject",
-    "check_driven",
-    "parser",
-    "parser_of",
-    "settings",
-    "subject",
-    "value",
+    "EXAMPLES", "SOLVER", "Parser", "Subject", "check_driven", "names_of", "parser", "parser_of", "settings", "subject", "value",
     "without_default",
 ]  # fmt: skip
 
@@ -254,7 +245,7 @@ def subject(
         kept = {n: v for n, v in study.options.items() if strict or n in {word.partition(".")[0] for word in solver}}
         study = replace(study, arguments={n: v for n, v in study.arguments.items() if n not in own}, options=kept)
     given = {**_from_file(study.arguments, words, many, problems), **settings(words, many, problems)}
-    needed, known = _names(study.make)
+    needed, known = names_of(study.make)
     tried = {word.partition("=")[0] for word in words} | set(study.arguments)
     for missing in (n for n in needed if n not in tried):
         problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={EXAMPLES.get(missing, '1.0')}")
@@ -291,7 +282,7 @@ def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems
     return {**found, **settings(several, many, problems)}
 
 
-def _names(make: Any) -> tuple[list[str], list[str]]:
+def names_of(make: Any) -> tuple[list[str], list[str]]:
     """The arguments that are needed, and all there are."""
     if callable(make):
         parameters = inspect.signature(make).parameters
@@ -313,7 +304,7 @@ def check_driven(command: str, name: str) -> None:
 
 def without_default(name: str) -> list[str]:
     """The arguments for which a preset, a study file or a function has no default."""
-    return _names(found(name).make)[0]
+    return names_of(found(name).make)[0]
 
 
 def _builder(make: Any) -> Callable[[dict[str, Any]], Any]:

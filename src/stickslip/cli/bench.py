@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import parser, settings, subject
+from stickslip.cli.arguments import names_of, parser, settings, subject
+from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["act"]
@@ -15,8 +16,9 @@ __all__ = ["act"]
 #: Arguments of the bench itself; every other name is a number of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
 _MORE = """\
-LAW is the name of a friction law (see `stickslip laws`), `all`, or a study file, whose law with its numbers is meant. NAME=VALUE, such as
-mu_plus=0.2, is set in every law that has it; what is not set is as in the law's example. load, mass, stiffness and speed are those of
+LAW is the name of a friction law (see `stickslip laws`), `all`, a study file, whose law with its numbers is meant, or your own, as
+file.py:Name or module:Name of a law or of a function that makes a robot. NAME=VALUE, such as mu_plus=0.2, is set in every law that has
+it, and in every robot of a file or function; what is not set is as in the law's example. load, mass, stiffness and speed are those of
 the experiments.
 
 example: stickslip bench lugre dahl mu_plus=0.16 mu_minus=0.16 --figure laws.png"""
@@ -37,17 +39,17 @@ def act(command: str, words: list[str]) -> int:
     from stickslip.benching import bench
 
     tell = show.progress("experiments")
-    found = bench(
+    done = bench(
         laws if len(laws) > 1 else laws[0],
         experiments=asked.only,
         progress=None if tell is None else lambda what, done, whole: tell(done, whole),
         **own,
     )
-    written = [str(path) for path in (_drawn(found, figure),) if path is not None]
+    written = [str(path) for path in (_drawn(done, figure),) if path is not None]
     if asked.json:
-        show.print_json({**found.to_dict(), "written": written})
+        show.print_json({**done.to_dict(), "written": written})
     else:
-        print("\n".join([found.table, *(f"written: {path}" for path in written)]))
+        print("\n".join([done.table, *(f"written: {path}" for path in written)]))
     return 0
 
 
@@ -62,40 +64,66 @@ def _asked(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
     if not names:
         problems.add(f"no law is given; type for example stickslip bench lugre; known: {', '.join(LAWS)}")
     numbers = {name: value for name, value in given.items() if name not in OWN}
-    laws = [law for law in (_law(name, problems) for name in names) if law is not None]
-    known = {name: None for law in laws for name in _numbers(law)}
+    typed = {name: word for word in words if (name := word.partition("=")[0]) in numbers}
+    made = [_law(name, typed, problems) for name in names]
+    laws = [law for law, _ in made if law is not None]
+    known = {name: None for law in laws for name in _numbers(law)} | {name: None for _, taken in made for name in taken}
     for name in numbers:
         if laws and name not in known:
             kinds = " or ".join(type(law).__name__ for law in laws)
             problems.add(f"{name!r} is no number of {kinds}; {did_you_mean(name, [*known, *OWN])}")
-    made = [_changed(law, {k: v for k, v in numbers.items() if k in _numbers(law)}, problems) for law in laws]
+    changed = [_changed(law, {k: v for k, v in numbers.items() if k in _numbers(law)}, problems) for law in laws]
     problems.check()
-    return made, {name: value for name, value in given.items() if name in OWN}
+    return changed, {name: value for name, value in given.items() if name in OWN}
 
 
-def _law(word: str, problems: Problems) -> Any:
-    """The example of a law, or the law of a study file."""
+def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, list[str]]:
+    """The example of a law, or the law of a study file or of one's own code; and what the maker of its robot took of what was typed."""
     from stickslip.friction import LAWS
 
     if word.lower() in LAWS:
-        return LAWS[word.lower()].example()
-    if not word.lower().endswith(".toml"):
-        problems.add(f"{word!r} is no law; {did_you_mean(word, LAWS)}")
-        return None
+        return LAWS[word.lower()].example(), []
+    if ":" not in word and not word.lower().endswith(".toml"):
+        problems.add(f"{word!r} is no law; {did_you_mean(word, LAWS)}; a law of your own is file.py:Name")
+        return None, []
     try:
-        return subject(word, []).robot().friction
+        return _own(word, typed)
     except InputError as error:
         problems.include(error)
-        return None
+        return None, []
+
+
+def _own(word: str, typed: dict[str, str]) -> tuple[Any, list[str]]:
+    """A law, a law from its class and what was typed, or the law of a robot."""
+    make = found(word).make
+    if (hasattr(make, "sliding") and hasattr(make, "breakaway")) or (hasattr(make, "rate") and hasattr(make, "force")):
+        return (_instance(make, typed) if isinstance(make, type) else make), []
+    taken = [name for name in typed if name in names_of(make)[1]]
+    return subject(word, [typed[name] for name in taken]).robot().friction, taken
+
+
+def _instance(kind: Any, typed: dict[str, str]) -> Any:
+    """The law of a class, by its example if it has one."""
+    if hasattr(kind, "example"):
+        return kind.example()
+    needed, known = names_of(kind)
+    problems = Problems(kind.__name__)
+    for name in needed:
+        if name not in typed:
+            problems.add(f"{name} is missing; {kind.__name__} has no default for it; type for example {name}=1.0")
+    problems.check()
+    return kind(**settings([word for name, word in typed.items() if name in known], False, problems))
 
 
 def _numbers(law: Any) -> list[str]:
-    return list(inspect.signature(type(law)).parameters)
+    return names_of(type(law))[1]
 
 
 def _changed(law: Any, changes: dict[str, Any], problems: Problems) -> Any:
+    if not changes:
+        return law
     try:
-        return law.replace(changes) if changes else law
+        return law.replace(changes) if hasattr(law, "replace") else replace(law, **changes)
     except InputError as error:
         problems.include(error, f"{type(law).__name__}: ")
         return None

@@ -74,7 +74,14 @@ def _record(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> di
         for b in branches
     ]  # fmt: skip
     axes = {parameter: diagram[parameter].values, "direction": diagram.direction.values}
-    return {"robot": study.name, "parameter": parameter, "axes": axes, "columns": columns, "branches": followed}
+    return {
+        "robot": study.name,
+        "parameter": parameter,
+        "axes": axes,
+        "columns": columns,
+        "branches": followed,
+        "notes": _left_out(parameter, branches),
+    }
 
 
 def _told(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
@@ -87,7 +94,21 @@ def _told(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
     for b in branches:
         lines.append(f"branch of period {b.period}, {parameter} from {b.values[0]:.6g} to {b.values[-1]:.6g}: {b.ended}")
         lines += [f"  {s.kind:<12} {parameter} = {s.value:.10g}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
-    return "\n".join(lines)
+    return "\n".join([*lines, *(f"note: {note}" for note in _left_out(parameter, branches))])
+
+
+def _left_out(parameter: str, branches: list[Any]) -> list[str]:
+    """The doublings behind the last branch, which are not followed, and how to follow them."""
+    flips = [s.value for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
+    if not flips:
+        return []
+    count = branches[-1].period
+    where = " and ".join(f"{value:.6g}" for value in flips)
+    again = ".doubled()" * len(branches)
+    return [
+        f"motions of period {2 * count} and more are not followed; they begin at {parameter} = {where}; in Python "
+        f"ss.continuation(...){again} follows those of period {2 * count}"
+    ]
 
 
 def _stretches(values: Any, period: Any) -> str:

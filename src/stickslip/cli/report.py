@@ -43,10 +43,6 @@ def _page(asked: Any, typed: str) -> tuple[str, str]:
         return _kept(path, asked.title, typed)
     study = subject(asked.robot, asked.settings)
     robot = study.robot()
-    if robot.period is None:
-        raise InputError(
-            "report", [f"{type(robot).__name__} has no period; a report is about a periodic drive; type stickslip run instead"]
-        )
 
     from stickslip.report.of_run import run_page
     from stickslip.solvers import solve

@@ -7,7 +7,6 @@ from typing import Any
 
 from stickslip.cli import show, timed
 from stickslip.cli.arguments import parser, subject
-from stickslip.errors import InputError
 
 __all__ = ["DATA", "act", "written_to"]
 
@@ -24,8 +23,6 @@ def act(command: str, words: list[str]) -> int:
     figure, data = show.writable("--figure", asked.figure, FIGURES), show.writable("--data", asked.data, DATA)
     study = subject(asked.robot, asked.settings)
     robot = study.robot()
-    if robot.period is None and figure is not None:
-        raise InputError("--figure", [f"{type(robot).__name__} has no period, and these pictures show one; type --data run.nc instead"])
 
     from stickslip.solvers import solve
 

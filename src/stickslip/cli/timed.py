@@ -12,14 +12,11 @@ __all__ = ["record", "told"]
 
 def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     """Everything that the command says, by name, in SI units."""
-    import numpy as np
-
     from stickslip.analysis.energy import energy
+    from stickslip.analysis.segments import shares
     from stickslip.analysis.steady import mean_velocity
     from stickslip.fields import leaves
 
-    lengths, modes = np.diff(run.pieces.t), np.asarray(run.pieces.mode)
-    shares = {name: float(lengths[modes == mode].sum() / lengths.sum()) for name, mode in (("forward", 1), ("backward", -1), ("stick", 0))}
     balance = energy(run)
     return {
         "robot": study.title(),
@@ -28,7 +25,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "duration": float(run.pieces.t[-1] - run.pieces.t[0]),
         "mean_velocity": mean_velocity(run),
-        "shares": shares,
+        "shares": shares(run),
         "events": dict(Counter(e.kind for e in run.events)),
         "velocity_max": float(run.v.max()),
         "velocity_min": float(run.v.min()),

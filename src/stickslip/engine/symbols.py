@@ -14,6 +14,9 @@ from stickslip.errors import StickslipError
 
 __all__ = ["Condition", "Graph", "Sym", "TraceError"]
 
+_BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
+_BLUNT_LESS = 1e-32  # the same where slopes alone are wanted, also of deflections of a nanometre
+
 CONSTANT, CASE, STATE = 0, 1, 2  # what a node depends on: nothing, the case's numbers, the state or time
 
 
@@ -268,7 +271,10 @@ class Graph:
         return self.multiply(a, self._node("reciprocal", (b,)))
 
     def power(self, a: Sym, power: Any) -> Sym:
-        """a to a power: whole ones by multiplication, halves by the square root, others by exp and log."""
+        """a to a power: whole ones by multiplication, halves by the square root, others by exp and log.
+
+        Other powers than whole ones may have no slope where a base such as abs(v) touches zero: there they are rounded off.
+        """
         if isinstance(power, (int, float)) and float(power).is_integer() and abs(power) <= 16:
             if power < 0:
                 return self.divide(self.constant(1.0), self.power(a, -power))
@@ -276,9 +282,39 @@ class Graph:
             while n:
                 result, square, n = (result * square if n & 1 else result), (square * square if n > 1 else square), n >> 1
             return result
-        if power == 0.5:
+        side = self._side(a)
+        if side == "touches zero" or (side == "a choice" and isinstance(power, Sym)):
+            blunt = _BLUNT if self.assumed else _BLUNT_LESS
+            return a * self.call("exp", 0.5 * (power - 1.0) * self.call("log", a * a + blunt))
+        if isinstance(power, Sym):
+            if side == "both signs":
+                raise TraceError(
+                    f"a law takes what has the sign of {' '.join(sorted(self.varies(a)))} to a power that is a field; only what is never "
+                    "negative has such powers; write abs(v)**self.p, or v * abs(v)**(self.p - 1) where the sign is to stay"
+                )
+        elif power == 0.5:
             return self.call("sqrt", a)
         return self.call("exp", self.call("log", a) * power)
+
+    def _side(self, a: Sym) -> str:
+        """What is plain of a product's sign: "touches zero" from above, as abs(v) does, "both signs", as v, "a choice", as where makes."""
+        factors, sign = [a], 1.0
+        odd: list[Sym] = []  # factors that change sign and have no partner of the same sign
+        while factors:
+            factor = factors.pop()
+            if factor.op == "multiply":
+                factors += factor.args
+            elif factor.op == "constant" or factor.number in self.assumed:
+                sign *= math.copysign(1.0, self.assumed.get(factor.number, factor.value))
+            elif factor.level == STATE:
+                flag = factor.op == "flag" and factor.name[0] == "b"
+                of = self.guards[int(factor.name[1:])] if flag else factor
+                odd = [o for o in odd if o is not of] if any(o is of for o in odd) else [*odd, of]
+        if not odd and self.varies(a):
+            return "touches zero" if sign > 0 else "both signs"
+        if odd and all(o.op == "select" for o in odd):
+            return "a choice"
+        return "both signs" if odd and all(o.op == "variable" and o.name != "t" for o in odd) else ""
 
     def call(self, name: str, a: Sym) -> Sym:
         """A function of one argument."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
-from stickslip.plot.style import COLOURS, INK, axes, prefix, publication
+from stickslip.plot.style import COLOURS, INK, axes, prefix, publication, symbols
 
 __all__ = ["basins", "bifurcation", "continuation", "convergence", "named", "scaled", "spectrum"]
 
@@ -21,7 +21,8 @@ _CLOUD = "#8A94A0"
 
 
 def named(text: str, unit: str, factor_prefix: str = "") -> str:
-    """An axis label with its unit; what has none shows none."""
+    """An axis label with its symbol and unit; what has no unit shows none."""
+    text = symbols(text)
     return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
 
 
@@ -31,7 +32,12 @@ def scaled(values: Any, unit: str) -> tuple[float, str]:
 
 
 def continuation(
-    branch: Any, observable: str = "v", ax: Any = None, diagram: Any = None, labels: Sequence[str] | None = None, special: bool = True
+    branch: Any,
+    observable: str | None = None,
+    ax: Any = None,
+    diagram: Any = None,
+    labels: Sequence[str] | None = None,
+    special: bool = True,
 ) -> Any:
     """Branches of periodic orbits: stable parts as full lines, unstable ones dashed, special points marked.
 
@@ -41,14 +47,15 @@ def continuation(
     ----------
     branch : Branch or list of Branch
         From `stickslip.continuation`.
-    observable : str
-        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier".
+    observable : str, optional
+        A column of ``branch.points``: "v", "z", "mean_velocity", "margin", "largest_multiplier"; of limit cycles also "duration" and "x".
+        If not given, the velocity on the strobe, of limit cycles their duration.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     diagram : xarray.Dataset, optional
         From `stickslip.bifurcation`: its points are drawn below the branches.
     labels : list of str, optional
-        Names of the branches; their periods if not given.
+        Names of the branches; their periods if not given, of limit cycles the turns of the spring in one.
     special : bool
         Whether to mark special points. Borders of motion types are marked under set-valued laws only, where they need no threshold.
 
@@ -67,9 +74,11 @@ def continuation(
     if not branches or not all(hasattr(b, "points") and hasattr(b, "special") for b in branches):
         raise InputError("plot", [f"branch = {branch!r}; allowed is a Branch or a list of them, from ss.continuation"])
     parameter, across = branches[0].parameter, branches[0].points[branches[0].parameter]
+    cycles = branches[0].orbits[0].model.period is None
+    observable = observable or ("duration" if cycles else "v")
     shown = [_values(b, observable) for b in branches]
     told = branches[0].points[observable].attrs
-    unit = told.get("units", {"v": "m/s", "z": "m"}.get(observable, "1"))
+    unit = told.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
     up, mark = scaled(np.concatenate([s.ravel() for s in shown]), unit)
     right, side = scaled(across.values, across.attrs["units"])
     with publication():
@@ -77,14 +86,14 @@ def continuation(
         if diagram is not None:
             _cloud(ax, diagram, parameter, observable, right, up)
         for i, (b, values) in enumerate(zip(branches, shown, strict=True)):
-            name = labels[i] if labels is not None else f"period {b.period}"
+            name = labels[i] if labels is not None else _called(b.period, cycles)
             _line(ax, b, observable, values * up, right, up, COLOURS[i % 7], name)
         if observable == "largest_multiplier":
             ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
         if special:
             _marks(ax, branches, observable, right, up)
         ax.set_xlabel(named(across.attrs["long_name"], across.attrs["units"], side))
-        ax.set_ylabel(named(_WORDS.get(observable, told.get("long_name", observable)), unit, mark))
+        ax.set_ylabel(named((_OF_CYCLES if cycles else _WORDS).get(observable, told.get("long_name", observable)), unit, mark))
         handles, texts = ax.get_legend_handles_labels()
         order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
         ax.legend(
@@ -94,10 +103,22 @@ def continuation(
         return ax
 
 
+def _called(period: int, cycle: bool) -> str:
+    """What a branch is called."""
+    if cycle:
+        return "limit cycle" if period == 1 else f"limit cycle of {period} turns"
+    return f"period {period}"
+
+
 _WORDS = {
     "v": "velocity on the strobe $v$", "z": "bristle on the strobe $z$", "mean_velocity": "mean velocity $V$",
-    "largest_multiplier": "largest multiplier $|\\lambda|$", "margin": "margin of the motion type",
+    "largest_multiplier": "largest multiplier $|\\lambda|$", "margin": "margin of the motion type", "x": "position on the strobe $x$",
 }  # fmt: skip
+_OF_CYCLES = _WORDS | {
+    "v": "velocity at the turning point $v$", "x": "turning point of the spring $x$", "z": "bristle at the turning point $z$",
+    "duration": "duration of the cycle",
+}  # fmt: skip
+_ROUNDING = 1e-9  # of the velocity scale: a smaller mean velocity is rounding, and drawn as none
 
 
 def _values(branch: Any, observable: str) -> Any:
@@ -107,7 +128,10 @@ def _values(branch: Any, observable: str) -> Any:
         raise InputError("plot", [f"observable = {observable!r}; allowed is one of {', '.join(numbers)}"])
     first = branch.orbits[0]
     if observable not in first.names or branch.period == 1 or first.model.period is None:
-        return branch.points[observable].values.astype(float)[:, None]
+        values = branch.points[observable].values.astype(float)
+        if observable == "mean_velocity":
+            values[abs(values) < _ROUNDING * np.array([np.max(o.model.velocity_scale) for o in branch.orbits])] = 0.0
+        return values[:, None]
     return np.array([_strobed(orbit, observable) for orbit in branch.orbits])
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
 
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
 from stickslip.errors import InputError
-from stickslip.plot.style import INK, axes, prefix, publication
+from stickslip.plot.style import INK, axes, prefix, publication, symbols
 
 __all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 
@@ -19,7 +20,12 @@ TYPE_COLOURS: dict[str, str] = {
 }  # fmt: skip
 #: Types whose names are written in white.
 DARK = ("I", "IV", "other")
+_PREFIXED = ("m", "V", "N", "s", "m/s", "N/m")  # units that take a prefix
 _SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to bear its name inside
+_FINE = 240  # points of each side of a map at which its regions are looked at
+_SPECK = (4, 0.001)  # cells, share of the map: a smaller region has no border drawn around it
+_ROUNDED = (0.8, 0.008)  # cells, share of a map's side: over the larger the corners of cells are rounded off in a border
+_ROW = 11.5  # height of a row of a legend [points]
 
 
 def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, ax: Any = None) -> Any:
@@ -62,10 +68,11 @@ def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: b
         colours = ListedColormap([TYPE_COLOURS[name] for name in present])
         norm = BoundaryNorm(np.arange(len(present) + 1) - 0.5, len(present))
         ax.pcolormesh(across.values, up.values, codes, cmap=colours, norm=norm, shading="nearest", rasterized=True)
-        legend = [name for i, name in enumerate(present) if not _name_region(ax, across.values, up.values, codes == i, name)]
+        places = _places(codes, across, up)
+        legend = [name for i, name in enumerate(present) if not _name_region(ax, *places, i, name)]
         drawn = borders and _draw_borders(ax, grid, first, second, across, up)
         _legend(ax, legend, "Coulomb, exact" if drawn else None)
-        return _framed(ax, across, up)
+        return _framed(ax, grid, across, up)
 
 
 def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Any = None) -> Any:
@@ -111,11 +118,11 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
         bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
         bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless else f"mean velocity $V$ ({unit})")
         bar.outline.set_linewidth(0.5)
-        if borders:
-            _type_lines(ax, grid, first, second, across.values, up.values, INK if both else "white")
+        if borders and _type_lines(ax, grid, first, second, across, up):
+            _legend(ax, [], "border of motion types")
         if optimum and np.isfinite(V).any():
             _mark_best(ax, V, across, up, unit)
-        return _framed(ax, across, up)
+        return _framed(ax, grid, across, up)
 
 
 # ---- parts ----
@@ -130,36 +137,68 @@ def scaled(grid: Any, name: str) -> _Axis:
     """An axis of a dataset as it is drawn."""
     values, attrs = np.asarray(grid[name].values, float), grid[name].attrs
     unit = attrs.get("units", "1")
-    factor, letter = prefix(values) if unit in ("m", "V", "N", "kg", "s", "m/s", "N/m") and unit != "kg" else (1.0, "")
+    factor, letter = prefix(values) if unit in _PREFIXED else (1.0, "")
     shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({letter}{unit})"
-    return _Axis(values * factor, factor, attrs.get("long_name", name) + shown)
+    return _Axis(values * factor, factor, symbols(attrs.get("long_name", name)) + shown)
 
 
 def plain_label(grid: Any, name: str) -> str:
     """Name and unit of an axis, without a prefix."""
     unit = grid[name].attrs.get("units", "1")
     shown = "" if unit in ("1", "") else " (°)" if unit == "degrees" else f" ({unit})"
-    return grid[name].attrs.get("long_name", name) + shown
+    return symbols(grid[name].attrs.get("long_name", name)) + shown
 
 
 def _square(ax: Any) -> Any:
     return axes(ax, 2.9)
 
 
-def _framed(ax: Any, across: _Axis, up: _Axis) -> Any:
+def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
+    """The frame from the first values to the last, both axes' names, and what was mapped."""
+    for axis, limit in ((across, ax.set_xlim), (up, ax.set_ylim)):
+        if np.ptp(axis.values) > 0:
+            limit(axis.values.min(), axis.values.max())
     ax.set_xlabel(across.label)
     ax.set_ylabel(up.label)
     ax.spines[["top", "right"]].set_visible(True)
+    legend = ax.get_legend()
+    rows = 0 if legend is None else -(-len(legend.get_texts()) // 4)
+    ax.set_title(_mapped(grid), loc="left", fontsize=6.5, pad=4.0 + _ROW * rows)
     return ax
 
 
-def _name_region(ax: Any, x: Any, y: Any, mask: Any, name: str) -> bool:
+def _mapped(grid: Any) -> str:
+    """The law and the numbers that a map stays at, as far as its dataset says so."""
+    law = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {}).get("law", "")
+    fixed = json.loads(grid.attrs.get("fixed", "{}"))
+    told = [f"{n} = {v:.6g}" for n, v in fixed.items() if n not in grid.coords and isinstance(v, (int, float)) and not isinstance(v, bool)]
+    told += [_stays(grid[n], str(n)) for n in grid.coords if grid[n].ndim == 0 and grid[n].dtype.kind in "iuf"]
+    lines, width = [""], 70
+    for part in [law, *told] if law else told:
+        lines = [*lines[:-1], f"{lines[-1]}, {part}" if lines[-1] else part] if len(lines[-1]) + len(part) < width else [*lines, part]
+    return "\n".join(lines)
+
+
+def _stays(number: Any, name: str) -> str:
+    """A number that a map stays at, by its symbol if it has one, with its unit."""
+    unit, symbol = number.attrs.get("units", "1"), symbols(number.attrs.get("long_name", name)).rpartition(" ")[2]
+    factor, letter = prefix(float(number)) if unit in _PREFIXED else (1.0, "")
+    shown = "" if unit in ("1", "") else "°" if unit == "degrees" else f" {letter}{unit}"
+    return f"{symbol if symbol.startswith('$') else name} = {float(number) * factor:.6g}{shown}"
+
+
+def _places(codes: Any, across: _Axis, up: _Axis) -> tuple[Any, Any, Any]:
+    """The map as it is seen within its frame: places on both axes, and the code of the nearest cell at each."""
+    x, y = (np.linspace(axis.values.min(), axis.values.max(), _FINE) for axis in (across, up))
+    nearest = [abs(fine[:, None] - axis.values).argmin(axis=1) for fine, axis in ((x, across), (y, up))]
+    return x, y, codes[np.ix_(nearest[1], nearest[0])]
+
+
+def _name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
     """Write a type's name into the widest part of its largest region; False if there is no room."""
     from scipy.ndimage import distance_transform_edt
 
-    padded = np.pad(mask, 1)
-    rows, columns = mask.shape
-    depth = distance_transform_edt(padded, sampling=(1.0 / rows, 1.0 / columns))[1:-1, 1:-1]
+    depth = distance_transform_edt(np.pad(codes == code, 1))[1:-1, 1:-1] / _FINE
     i, j = np.unravel_index(np.argmax(depth), depth.shape)
     if depth[i, j] < _SMALLEST * (1 + 0.25 * max(len(name) - 3, 0)):
         return False
@@ -173,11 +212,14 @@ def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up
     except InputError:
         return False
     for curve in curves:
-        ax.plot(curve.x * across.factor, curve.y * up.factor, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
-        ax.plot(curve.x * across.factor, curve.y * up.factor, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
-    ax.set_xlim(across.values.min(), across.values.max())
-    ax.set_ylim(up.values.min(), up.values.max())
+        _border(ax, curve.x * across.factor, curve.y * up.factor)
     return bool(curves)
+
+
+def _border(ax: Any, x: Any, y: Any) -> None:
+    """A black line on a white one, which shows on every colour."""
+    ax.plot(x, y, color="white", linewidth=1.8, zorder=4, solid_capstyle="butt")
+    ax.plot(x, y, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
 
 
 def _legend(ax: Any, names: list[str], line: str | None) -> None:
@@ -192,13 +234,36 @@ def _legend(ax: Any, names: list[str], line: str | None) -> None:
         )
 
 
-def _type_lines(ax: Any, grid: Any, first: str, second: str, x: Any, y: Any, colour: str) -> None:
-    """Lines between the regions of different types."""
+def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
+    """Lines between the regions of different types, the corners of cells rounded off and specks left out; False if there are none."""
+    import contourpy
+
     types = np.asarray(grid["motion_type"].transpose(second, first).values)
-    for name in np.unique(types):
-        mask = (types == name).astype(float)
-        if 0 < mask.sum() < mask.size and min(mask.shape) > 1:
-            ax.contour(x, y, mask, levels=[0.5], colors=[colour], linewidths=0.5, zorder=3)
+    names, codes = np.unique(types, return_inverse=True)
+    if len(names) < 2 or min(types.shape) < 2:
+        return False
+    x, y, codes = _places(codes.reshape(types.shape), across, up)
+    shares, drawn = _rounded(codes, len(names), types.shape), False
+    for k in range(len(names) - 1):  # the last one's borders are those of the others
+        ahead = shares[k] - np.delete(shares, k, axis=0).max(axis=0)
+        for line in contourpy.contour_generator(x, y, ahead).lines(0.0):
+            _border(ax, *np.asarray(line).T)
+            drawn = True
+    return drawn
+
+
+def _rounded(codes: Any, count: int, cells: tuple[int, ...]) -> Any:
+    """How much of the neighbourhood of each place belongs to each type; what would be a speck belongs to none."""
+    from scipy.ndimage import gaussian_filter, label
+
+    width = [_FINE * max(_ROUNDED[0] / max(n - 1, 1), _ROUNDED[1]) for n in cells]
+    shares = np.array([gaussian_filter((codes == k).astype(float), width, mode="nearest") for k in range(count)])
+    least = _FINE**2 * max(_SPECK[0] / np.prod([max(n - 1, 1) for n in cells]), _SPECK[1])
+    for k in 2 * list(range(count)):  # twice: what a speck was may become one of a neighbour
+        parts, found = label(shares.argmax(axis=0) == k)
+        sizes = np.bincount(parts.ravel(), minlength=found + 1)
+        shares[k][np.isin(parts, 1 + np.flatnonzero(sizes[1:] < least))] = -1.0
+    return shares
 
 
 def _mark_best(ax: Any, V: Any, across: _Axis, up: _Axis, unit: str) -> None:

@@ -17,12 +17,15 @@ from stickslip.summary import Summary
 __all__ = ["forces", "limits", "phase", "rests", "sampled", "span", "velocity"]
 
 _POINTS = 1200  # per curve
+_MANY = 6000  # of a run that nothing drives, which is shown whole
 
 
 def _runs(run: Any) -> list[Any]:
     runs = list(run) if isinstance(run, (list, tuple)) else [run]
     if not runs or any(isinstance(r, Summary) or not hasattr(r, "pieces") for r in runs):
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
+    if len({r.model.period is None for r in runs}) > 1:
+        raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
     return runs
 
 
@@ -32,28 +35,42 @@ def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
     return list(labels) if labels is not None else [type(r.model.friction).__name__ for r in runs]
 
 
-def span(run: Any, periods: float) -> tuple[float, float]:
-    """The last `periods` whole drive periods of a run."""
+def span(run: Any, periods: float | None = None, duration: float | None = None) -> tuple[float, float]:
+    """The last `periods` whole drive periods of a run, or its last `duration` [s]; all of it where nothing drives."""
+    first, end = float(run.pieces.t[0]), float(run.pieces.t[-1])
+    if duration is not None:
+        if not duration > 0:
+            raise InputError("plot", [f"duration = {duration!r}; allowed is a positive time [s]; type duration=10.0"])
+        return max(end - duration, first), end
+    if run.model.period is None:
+        if periods is not None:
+            why = f"periods = {periods!r}, but {type(run.model).__name__} has no drive period"
+            raise InputError("plot", [f"{why}; type duration=10.0 [s] for the end of the run, or leave it out for all of it"])
+        return first, end
+    periods = 3 if periods is None else periods
     if not periods > 0:
         raise InputError("plot", [f"periods = {periods!r}; allowed is a positive number of drive periods; type periods=3"])
     end = float(run.strobe_times[-1])
-    return max(end - periods * run.period_time, float(run.pieces.t[0])), end
+    return max(end - periods * run.period_time, first), end
 
 
 def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
     """A column over a span, with a pair of points at each event, so that corners and jumps are sharp."""
+    driven = run.model.period is not None
     events = np.array([e.t for e in run.events if start < e.t < end])
-    grid = np.linspace(start, end, _POINTS)
-    just = 1e-9 * run.period_time
+    grid = np.linspace(start, end, _POINTS if driven else _MANY)
+    just = 1e-9 * (run.period_time if driven else end - start)
     t = np.sort(np.concatenate([grid, events - just, events]))
     return t, run.at(np.clip(t, start, end))[column]
 
 
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
-    """Where the body rests: exactly under a set-valued law, by the rule of `motion` under a dynamic one."""
+    """Where the contact sticks: exactly under a set-valued law, by the rule of `motion` under a dynamic one that is driven."""
     if not is_dynamic(run.model.friction):
         t, mode = run.pieces.t, np.asarray(run.pieces.mode)
         found = [(t[i], t[i + 1]) for i in np.flatnonzero(mode == 0)]
+    elif run.model.period is None:
+        return []  # a dynamic law never rests, and without a period the rule of `motion` has no clock
     else:
         told = motion(run)
         if told.type in ("rest", "presliding"):
@@ -65,30 +82,52 @@ def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
     return [(max(a, start), min(b, end)) for a, b in found if b > start and a < end]
 
 
-def _finish(ax: Any, runs: list[Any]) -> Any:
-    if len(runs) > 1:
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(runs), borderaxespad=0.2, columnspacing=1.4)
+def _finish(ax: Any, runs: list[Any], more: Sequence[Any] = ()) -> Any:
+    """A legend above the axes: of several runs their names, and what else wants a word."""
+    curves = ax.get_legend_handles_labels()[0] if len(runs) > 1 else []
+    if curves or more:
+        handles = [*curves, *more]
+        ax.legend(
+            handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(len(handles), 4), borderaxespad=0.2, columnspacing=1.4
+        )
     return ax
 
 
-def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float) -> None:
+def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float) -> list[Any]:
+    """Bands where the contact sticks, and the word for them in the legend."""
+    from matplotlib.patches import Patch
+
     for a, b in rests:
         ax.axvspan((a - start) * factor, (b - start) * factor, color=SHADE, linewidth=0, zorder=0)
+    return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label="sticks")] if rests else []
 
 
-def velocity(run: Any, periods: float = 3, ax: Any = None, labels: Sequence[str] | None = None) -> Any:
-    """Velocity of the body over the last drive periods; where the body sticks the background is shaded.
+def _time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit: str) -> None:
+    """A time axis that counts from the start of the first drive period shown."""
+    since = (
+        f"$t - {round(span[0] / run.period_time)}\\,T$" if run.model.period is not None else f"$t - {span[0]:.6g}$ s" if span[0] else "$t$"
+    )
+    ax.set_xlim(0.0, (span[1] - span[0]) * factor)
+    ax.set_xlabel(f"time {since} ({unit}s)")
+
+
+def velocity(
+    run: Any, periods: float | None = None, ax: Any = None, labels: Sequence[str] | None = None, duration: float | None = None
+) -> Any:
+    """Velocity of the body over the last drive periods; where its contact sticks the background is shaded.
 
     Parameters
     ----------
     run : Trajectory or list of Trajectory
         Of several runs the first one's rest is shaded.
-    periods : float
-        How many drive periods to show.
+    periods : float, optional
+        How many drive periods to show; 3 if not given.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     labels : list of str, optional
         Names of the runs; their laws' names if not given.
+    duration : float, optional
+        How much of the end of the runs to show [s], instead of `periods`. Where nothing drives, all of a run is shown if not given.
 
     Returns
     -------
@@ -102,27 +141,29 @@ def velocity(run: Any, periods: float = 3, ax: Any = None, labels: Sequence[str]
     'velocity $v$ (mm/s)'
     """
     runs = _runs(run)
-    names, spans = _labels(runs, labels), [span(r, periods) for r in runs]
+    names, spans = _labels(runs, labels), [span(r, periods, duration) for r in runs]
     curves = [sampled(r, *span, "v") for r, span in zip(runs, spans, strict=True)]
     time, seconds = prefix(*(b - a for a, b in spans))
     factor, unit = prefix(*(v for _, v in curves))
     with publication():
         ax = axes(ax)
-        _shade(ax, rests(runs[0], *spans[0]), spans[0][0], time)
+        shaded = _shade(ax, rests(runs[0], *spans[0]), spans[0][0], time)
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
         for i, ((t, v), (start, _), name) in enumerate(zip(curves, spans, names, strict=True)):
             ax.plot((t - start) * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-        ax.set_xlim(0.0, (spans[0][1] - spans[0][0]) * time)
-        ax.set_xlabel(f"time $t - {round(spans[0][0] / runs[0].period_time)}\\,T$ ({seconds}s)")
+        _time_axis(ax, runs[0], spans[0], time, seconds)
         ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
-        return _finish(ax, runs)
+        return _finish(ax, runs, shaded)
 
 
-def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequence[str] | None = None) -> Any:
+def phase(
+    run: Any, periods: float | None = None, ax: Any = None, labels: Sequence[str] | None = None, duration: float | None = None
+) -> Any:
     """Phase portrait: velocity against the displacement without its drift, with the strobe points marked.
 
     The mean motion over the periods shown is taken out, as the paper does ("subtracting the rigid displacements"), so that a
-    periodic motion gives a closed curve with one strobe point for each of its drive periods.
+    periodic motion gives a closed curve with one strobe point for each of its drive periods. Where nothing drives there are no strobe
+    points, and the displacement is that from the spring's far end, so that a limit cycle is a closed curve.
 
     Parameters
     ----------
@@ -133,6 +174,8 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
         Where to draw; a new figure if not given.
     labels : list of str, optional
         Names of the runs; their laws' names if not given.
+    duration : float, optional
+        How much of the end of the runs to show [s], for a mechanism that nothing drives; all if not given.
 
     Returns
     -------
@@ -147,7 +190,9 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
     """
     runs = _runs(run)
     names = _labels(runs, labels)
-    orbits = [_orbit(r, span(r, periods if periods is not None else _shown(r))) for r in runs]
+    if duration is not None and runs[0].model.period is not None:
+        raise InputError("plot", [f"duration = {duration!r}; a driven motion is shown for whole drive periods; type periods=3"])
+    orbits = [_orbit(r, span(r, _shown(r) if periods is None else periods, duration)) for r in runs]
     across, metres = prefix(*(s for s, _, _, _ in orbits))
     up, unit = prefix(*(v for _, v, _, _ in orbits))
     with publication():
@@ -157,20 +202,40 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
             ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
             marker = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
             ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
-        ax.set_xlabel(f"displacement without drift $x - Vt$ ({metres}m)")
+        ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}m)")
         ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
         ax.margins(0.06)
-        return _finish(ax, runs)
+        return _finish(ax, runs, [_strobe_word()] if runs[0].model.period is not None else [])
 
 
-def _shown(run: Any) -> int:
-    """One motion period, or what there is of 16 drive periods if none was found."""
+def _displacement(model: Any) -> str:
+    if model.period is not None:
+        return "displacement without drift $x - Vt$"
+    return "displacement from the pulled end $x - ut$" if hasattr(model, "far_end_velocity") else "displacement $x$"
+
+
+def _strobe_word() -> Any:
+    """What the circles are, for the legend."""
+    from matplotlib.lines import Line2D
+
+    style: Any = {"linestyle": "", "marker": "o", "markersize": 4, "color": "white", "markeredgecolor": INK, "markeredgewidth": 1.1}
+    return Line2D([], [], label="start of a drive period", **style)
+
+
+def _shown(run: Any) -> int | None:
+    """One motion period, or what there is of 16 drive periods if none was found; None where nothing drives."""
+    if run.model.period is None:
+        return None
     return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
 
 
 def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
-    """Displacement without drift and velocity over a span, and both at the strobe times."""
+    """Displacement without drift and velocity over a span, and both at the strobe times, of which there are none where nothing drives."""
     start, end = span
+    if run.model.period is None:
+        t, v = sampled(run, start, end, "v")
+        none = np.empty(0)
+        return sampled(run, start, end, "x")[1] - getattr(run.model, "far_end_velocity", 0.0) * t, v, none, none
     count = max(round((end - start) / run.period_time), 1)
     events = np.array([e.t for e in run.events if start < e.t < end])
     t = np.unique(np.concatenate([np.linspace(start, end, 400 * count + 1), events]))
@@ -181,16 +246,20 @@ def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
     return s - middle, found["v"], strobe["x"] - drift * (strobe["t"] - start) - middle, strobe["v"]
 
 
-def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
+def forces(run: Any, periods: float | None = None, ax: Any = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
+
+    Of a mechanism there is the friction force alone.
 
     Parameters
     ----------
     run : Trajectory
-    periods : float
-        How many drive periods to show.
+    periods : float, optional
+        How many drive periods to show; 2 if not given.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
+    duration : float, optional
+        How much of the end of the run to show [s], instead of `periods`. Where nothing drives, all of it is shown if not given.
 
     Returns
     -------
@@ -204,24 +273,26 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
     'friction force $R$'
     """
     (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
-    start, end = span(run, periods)
-    shown = {"drive force $-m\\ddot\\xi$": "drive_force", "friction force $R$": "friction_force"}
+    start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
+    shown = {"friction force $R$": "friction_force"}
+    if hasattr(run.model, "drive"):
+        shown = {"drive force $-m\\ddot\\xi$": "drive_force", **shown}
     curves = {name: sampled(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)
     factor, unit = prefix(*(f for _, f in curves.values()))
     with publication():
         ax = axes(ax)
-        _shade(ax, rests(run, start, end), start, time)
+        shaded = _shade(ax, rests(run, start, end), start, time)
         t, _ = next(iter(curves.values()))
         dashed = {"color": INK, "linewidth": 0.6, "linestyle": (0, (2, 2)), "zorder": 1}
         for i, limit in enumerate(limits(run, t)):
             ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
         for i, (name, (t, F)) in enumerate(curves.items()):
-            ax.plot((t - start) * time, F * factor, color=COLOURS[1 - i], linestyle="-", label=name, zorder=2 + i)
-        ax.set_xlim(0.0, (end - start) * time)
-        ax.set_xlabel(f"time $t - {round(start / run.period_time)}\\,T$ ({seconds}s)")
+            ax.plot((t - start) * time, F * factor, color=COLOURS[len(curves) - 1 - i], linestyle="-", label=name, zorder=2 + i)
+        _time_axis(ax, run, (start, end), time, seconds)
         ax.set_ylabel(f"force ({unit}N)")
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.2)
+        handles = [*ax.get_legend_handles_labels()[0], *shaded]
+        ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, columnspacing=1.2)
         return ax
 
 

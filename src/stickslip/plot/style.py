@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-__all__ = ["COLOURS", "WIDTH", "axes", "prefix", "publication"]
+__all__ = ["COLOURS", "WIDTH", "axes", "prefix", "publication", "symbols"]
 
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
@@ -76,6 +77,25 @@ def axes(ax: Any = None, height: float = 2.1) -> Any:
     import matplotlib.pyplot as plt
 
     return plt.subplots(figsize=(WIDTH, height))[1]
+
+
+_SYMBOL = re.compile(r"(?<!\S)([A-Za-zΑ-ω])_?([0-9a-z+-]?)$")
+
+
+def symbols(text: str) -> str:
+    """A name with the symbol at its end, as axes write it: the symbol in italics, with its index.
+
+    Examples
+    --------
+    >>> symbols("Stribeck velocity v_s"), symbols("tilt of the track θ"), symbols("rise")
+    ('Stribeck velocity $v_{s}$', 'tilt of the track $θ$', 'rise')
+    """
+
+    def typeset(found: re.Match[str]) -> str:
+        letter, index = found.groups()
+        return f"${letter}_{{{index.replace('-', '{-}')}}}$" if index else f"${letter}$"
+
+    return _SYMBOL.sub(typeset, text)
 
 
 def prefix(*arrays: Any) -> tuple[float, str]:

@@ -15,10 +15,15 @@ __all__ = ["UNITLESS", "moments", "numbers", "run_page", "sources"]
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 _MOMENTS = 480  # instants of the moving picture
 _LONGEST = 4  # drive periods that it shows at most
+#: Numbers of mechanisms whose names mean something else in a robot.
+_OF_MECHANISMS = {
+    "damping": ("damping c", "N s/m"), "load": ("normal force", "N"), "force": ("amplitude of the force F", "N"),
+    "bias": ("constant part of the force F_0", "N"),
+}  # fmt: skip
 
 
 def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False) -> str:
-    """The page about a run of a robot.
+    """The page about a run of a robot or of a mechanism.
 
     Parameters
     ----------
@@ -47,11 +52,12 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
     return page(
         "run.html",
         title=title,
-        rows=_facts(run),
+        driven=run.model.period is not None,
+        rows=_facts(run) if run.model.period is not None else _facts_of_mechanism(run),
         figures=_figures(run),
         library=chart_library(),
-        moments=moments(run),
-        numbers=numbers(leaves(run.model)),
+        moments=moments(run) if hasattr(run.model, "drive") else None,
+        numbers=numbers(leaves(run.model), mechanism=not hasattr(run.model, "drive")),
         notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
         toml=_toml(run),
         command=command,
@@ -65,15 +71,14 @@ def _figures(run: Any) -> list[Figure]:
     from stickslip import plot
     from stickslip.report import run_charts
 
-    force = "Drive force and friction force, with the forces of break-away."
+    driven = run.model.period is not None
+    speed = f"Velocity over {'three drive periods' if driven else 'the run'}; shaded where the contact sticks."
+    force = f"{'Drive force and friction' if hasattr(run.model, 'drive') else 'Friction'} force, with the forces of break-away."
+    phase = "Phase portrait without the drift; a circle at the start of each drive period." if driven else "Phase portrait."
     return [
-        Figure(
-            "Velocity over three drive periods; shaded where the body rests.",
-            svg(lambda ax: plot.velocity(run, ax=ax)),
-            run_charts.velocity(run),
-        ),
+        Figure(speed, svg(lambda ax: plot.velocity(run, ax=ax)), run_charts.velocity(run)),
         Figure(force, svg(lambda ax: plot.forces(run, ax=ax)), run_charts.forces(run)),
-        Figure("Phase portrait without the drift; a circle at the start of each drive period.", svg(lambda ax: plot.phase(run, ax=ax))),
+        Figure(phase, svg(lambda ax: plot.phase(run, ax=ax))),
     ]
 
 
@@ -101,6 +106,27 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     ]
 
 
+def _facts_of_mechanism(run: Any) -> list[tuple[str, str]]:
+    """The same of a mechanism that nothing drives."""
+    from collections import Counter
+
+    from stickslip.analysis.energy import energy
+    from stickslip.analysis.segments import shares
+    from stickslip.analysis.steady import mean_velocity
+
+    balance, counts = energy(run), Counter(e.kind for e in run.events)
+    return [
+        ("mechanism", f"{type(run.model).__name__} with {type(run.model.friction).__name__} friction"),
+        ("mean velocity", f"{1e3 * mean_velocity(run):.6g} mm/s".replace("-", "−")),
+        ("parts of the time", ", ".join(f"{name} {100 * share:.1f} %" for name, share in shares(run).items())),
+        ("events", ", ".join(f"{name} {n}" for name, n in counts.items()) or "none"),
+        ("velocity", f"{1e3 * run.v.min():.6g} to {1e3 * run.v.max():.6g} mm/s".replace("-", "−")),
+        ("work that came in, work of friction", f"{balance.drive.sum():.6g} J, {balance.friction.sum():.6g} J"),
+        ("residual of the energy balance", f"{balance.worst:.1e}"),
+        ("status", f"{run.status}, {float(run.pieces.t[-1] - run.pieces.t[0]):.6g} s"),
+    ]
+
+
 def moments(run: Any) -> dict[str, Any]:
     """The last motion period as plain numbers for the moving picture: times [ms], lengths [mm], velocities [mm/s], force [N]."""
     import numpy as np
@@ -115,13 +141,14 @@ def moments(run: Any) -> dict[str, Any]:
     return {name: [float(f"{factor * value:.6g}") for value in column] for name, (factor, column) in digits.items()}
 
 
-def numbers(named: Iterable[tuple[str, Any]], units: bool = True) -> list[tuple[str, str, str]]:
-    """Name, value with its unit, and meaning of a robot's numbers; the unit is that of the docs' page on notation."""
+def numbers(named: Iterable[tuple[str, Any]], units: bool = True, mechanism: bool = False) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and meaning of the numbers of a robot or mechanism; the unit is that of the docs' page on notation."""
     from stickslip.sweeps.naming import AXES
 
+    known = _OF_MECHANISMS if mechanism else {}
     found = []
     for name, value in named:
-        meaning, unit = AXES.get(name.rpartition(".")[2], ("", ""))
+        meaning, unit = known.get(name) or AXES.get(name.rpartition(".")[2], ("", ""))
         found.append((name, f"{float(value):.10g} {unit if units and unit != '1' else ''}".rstrip(), meaning))
     return found
 
@@ -130,8 +157,10 @@ def _toml(run: Any) -> str:
     """The robot as a study file; empty if a part of it is the user's own class."""
     from stickslip.errors import InputError
 
+    length = float(run.pieces.t[-1] - run.pieces.t[0])
+    how = f"duration = {length!r}" if run.model.period is None else f"periods = {run.periods}\nsettle = {run.settle}"
     try:
-        return f"{run.model.to_toml()}\n[solve]\nperiods = {run.periods}\nsettle = {run.settle}\n"
+        return f"{run.model.to_toml()}\n[solve]\n{how}\n"
     except InputError:
         return ""
 

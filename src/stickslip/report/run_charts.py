@@ -9,11 +9,9 @@ from stickslip.report.charts import chart, curve
 
 __all__ = ["forces", "velocity"]
 
-_TIME = ("time t", "ms")
-
 
 def velocity(run: Any) -> dict[str, Any]:
-    """Velocity over three drive periods [mm/s over ms], shaded where the body rests.
+    """Velocity over three drive periods [mm/s over ms], shaded where the contact sticks; over the whole run [s] where nothing drives.
 
     Examples
     --------
@@ -22,21 +20,35 @@ def velocity(run: Any) -> dict[str, Any]:
     >>> abs(max(velocity(run)["curves"][0]["y"]) - 1e3 * float(run.v.max())) < 1e-3
     True
     """
-    t, (v,), shade = _columns(run, 3, ("v",))
-    return chart("velocity of the body over three drive periods", t, _TIME, ("velocity v", "mm/s"), [curve("velocity", 1e3 * v)], shade)
+    t, (v,), shade, across = _columns(run, 3, ("v",))
+    shown = "over three drive periods" if run.model.period is not None else "over the run"
+    return chart(f"velocity of the body {shown}", t, across, ("velocity v", "mm/s"), [curve("velocity", 1e3 * v)], shade)
 
 
 def forces(run: Any) -> dict[str, Any]:
-    """Drive force and friction force over two drive periods [mN over ms]."""
-    t, (drive, friction), shade = _columns(run, 2, ("drive_force", "friction_force"))
-    curves = [curve("friction force R", 1e3 * friction), curve("drive force −m d²ξ/dt²", 1e3 * drive, number=1)]
-    borders = limits(run, span(run, 2)[0] + 1e-3 * t)
+    """Drive force, if there is one, and friction force over two drive periods [mN over ms]; over the whole run [s] where nothing drives."""
+    names = ("friction_force", "drive_force") if hasattr(run.model, "drive") else ("friction_force",)
+    t, found, shade, across = _columns(run, 2, names)
+    words = ("friction force R", "drive force −m d²ξ/dt²")
+    curves = [curve(word, 1e3 * y, number=i) for i, (word, y) in enumerate(zip(words, found, strict=False))]
+    borders = limits(run, _shown(run, 2)[0] + t / _clock(run)[0])
     curves += [curve(f"break-away {side}", 1e3 * y, number=2, emphasis=True) for side, y in zip(("−", "+"), borders, strict=False)]
-    return chart("drive force and friction force over two drive periods", t, _TIME, ("force", "mN"), curves, shade)
+    shown = "over two drive periods" if run.model.period is not None else "over the run"
+    return chart(f"{'drive force and ' * (len(names) - 1)}friction force {shown}", t, across, ("force", "mN"), curves, shade)
 
 
-def _columns(run: Any, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]]]:
-    """Times [ms] from the beginning of the span, columns, and where the body rests [ms]."""
-    start, end = span(run, periods)
+def _clock(run: Any) -> tuple[float, str]:
+    """The unit of the time axis: milliseconds of drive periods, seconds where nothing drives."""
+    return (1e3, "ms") if run.model.period is not None else (1.0, "s")
+
+
+def _shown(run: Any, periods: float) -> tuple[float, float]:
+    return span(run, periods if run.model.period is not None else None)
+
+
+def _columns(run: Any, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
+    """Times from the beginning of the span, columns, where the contact sticks, and what the time axis says."""
+    (start, end), (factor, unit) = _shown(run, periods), _clock(run)
     found = [sampled(run, start, end, name) for name in names]
-    return 1e3 * (found[0][0] - start), [y for _, y in found], [(1e3 * (a - start), 1e3 * (b - start)) for a, b in rests(run, start, end)]
+    shade = [(factor * (a - start), factor * (b - start)) for a, b in rests(run, start, end)]
+    return factor * (found[0][0] - start), [y for _, y in found], shade, ("time t", unit)

@@ -30,9 +30,18 @@ function shade(share) {
 }
 const hex = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16));
 
+// The speed of the full colours: that of nearly all periodic motions. A robot that slides away ever faster would leave them pale.
+function fullSpeed() {
+  const speeds = (only) => found.mean_velocity.filter((v, k) => Number.isFinite(v) && only(k)).map(Math.abs).sort((a, b) => a - b);
+  const all = speeds(() => true), periodic = speeds((k) => found.period[k] > 0), most = all.at(-1) ?? 0;
+  const usual = (periodic.length ? periodic : all)[Math.floor(0.98 * (periodic.length || all.length))] ?? 0;
+  found.beyond = usual > 0 && most > 1.3 * usual;
+  return Math.max(found.beyond ? usual : most, 1e-12);
+}
+
 function picture() {
   const [nx, ny] = found.cells, off = new OffscreenCanvas(nx, ny), pen = off.getContext("2d"), image = pen.createImageData(nx, ny);
-  const most = (found.most = found.mean_velocity.reduce((m, v) => Math.max(m, Math.abs(v) || 0), 1e-12));
+  const most = (found.most = fullSpeed());
   for (let j = 0; j < ny; j++) for (let i = 0; i < nx; i++) {
     const k = j * nx + i, value = found[state.map.shows][k], at = 4 * ((ny - 1 - j) * nx + i);
     const rgb = state.map.shows === "mean_velocity" ? shade(value / most) : hex(KINDS[value] ?? "#000000");
@@ -96,8 +105,9 @@ function label() {
 }
 
 function key() {
+  const more = found.beyond ? " and beyond" : "";
   const entries = state.map.shows === "mean_velocity"
-    ? [[shade(-1), `−${velocity(found.most, 3)}`], [shade(0), "0"], [shade(1), velocity(found.most, 3)]]
+    ? [[shade(-1), `−${velocity(found.most, 3)}${more}`], [shade(0), "0"], [shade(1), `${velocity(found.most, 3)}${more}`]]
     : TYPES.map((name, i) => [hex(KINDS[i]), typeName(name)]).filter((_, i) => found.motion_type.includes(i));
   legend.replaceChildren(...entries.map(([rgb, text]) => {
     const item = document.createElement("li");
