@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import stickslip as ss
+from stickslip.fields import number
 from stickslip.maths import where
 
 RIG = {"tilt_deg": 1.7, "amplitude": 5.525e-4}
@@ -51,6 +53,34 @@ def says(call, *parts):
 
 
 # numbers ----------------------------------------------------------------------------------------------------------
+
+LOOK_LIKE_NUMBERS = ["1.0", True, None, b"1", 1j]
+IN_CONTAINERS = [lambda x: x, lambda x: [x], lambda x: (0.5, x), lambda x: np.array([x]), lambda x: xr.DataArray([x])]
+
+
+@pytest.mark.parametrize("inside", range(len(IN_CONTAINERS)))
+@pytest.mark.parametrize("value", LOOK_LIKE_NUMBERS, ids=repr)
+def test_what_is_no_number_alone_is_none_in_a_list_or_an_array(value, inside):
+    with pytest.raises(ValueError, match=r"is not a number|is no array of numbers"):
+        number(IN_CONTAINERS[inside](value))
+
+
+def test_what_is_a_number_stays_one():
+    assert number(3) == 3.0 and number(np.float32(0.5)) == 0.5 and number(Fraction(1, 2)) == 0.5
+    assert number([1, 2.5]).tolist() == [1.0, 2.5] and number(range(3)).tolist() == [0.0, 1.0, 2.0]
+
+
+@pytest.mark.parametrize("make", [lambda x: ss.Harmonic(x, 200.0), lambda x: ss.Harmonic(1e-3, frequency=x), lambda x: rig(amplitude=[x])])
+def test_an_integer_beyond_all_numbers_is_told_as_such(make):
+    says(lambda: make(10**400), "an integer is too large for a number", "allowed is", "type ")
+
+
+@pytest.mark.parametrize("law", ["lugre", "coulomb", "coulomb-static"])
+def test_arrays_of_a_rig_that_do_not_fit_together_are_told_by_name(law):
+    says(lambda: rig(tilt_deg=[1.0, 1.7], mu0=[0.1, 0.2, 0.3], law=law), "piezo_rig: ", "tilt_deg has shape (2,)", "mu0 has shape (3,)")
+    assert rig(mu0=[0.1, 0.2, 0.3], f0=[0.3, 0.4], law="coulomb").shape == (3,)  # which has no use for f0
+    assert rig(tilt_deg=[[1.0], [1.7]], mu0=[0.1, 0.2, 0.3], f0=0.4, law=law).shape == (2, 3)
+
 
 BAD = [0.0, -0.06, math.nan, math.inf, -math.inf, "heavy", True, None, [0.06, "x"], {"kg": 0.06}, 1j]
 
@@ -113,7 +143,7 @@ def test_shapes_that_do_not_broadcast():
     says(
         lambda: rig(amplitude=np.full(3, 1e-4), mu0=np.full(4, 0.18), f0=0.21, tilt_deg=0.0),
         "do not broadcast",
-        "drive.amplitude has shape (3,)",
+        "amplitude has shape (3,)",
         "(4,)",
         "xarray.DataArray",
     )

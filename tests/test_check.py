@@ -7,7 +7,9 @@ import json
 import numpy as np
 import pytest
 
+import kinds
 import stickslip as ss
+from stickslip import checking
 from stickslip.checking import check
 
 
@@ -103,3 +105,46 @@ def test_a_batch_is_refused():
         check(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=np.array([4e-4, 5e-4])))
     with pytest.raises(ss.InputError, match="no robot"):
         check(3)
+
+
+def test_a_forced_oscillator_is_checked_and_judges_that_cannot_are_skipped():
+    bench = ss.ForcedOscillator(mass=1.0, stiffness=0.0, damping=0.0, force=1.0, omega=0.7, friction=ss.Coulomb(0.3, 0.5))
+    told = check(bench, periods=20, rk4_steps=(2000,))
+    assert [j.name for j in told.judges] == ["exact arcs", "closed formula", "scipy dop853", "RK4"]
+    assert [j.remark.partition(":")[0] for j in told.judges if not j.counts] == ["skipped", "skipped"]
+    assert told.digits >= 9 and told.period == 1 and "our exact arcs and scipy agree" in told.verdict and "do not count" not in str(told)
+
+
+def test_a_robot_with_impulses_is_checked():
+    told = check(kinds.robot("coulomb", "twophase"), periods=6, rk4_steps=(2000,))
+    assert told.digits >= 6 and told.judges[-1].remark.startswith('skipped: method = "rk4" knows robots without impulses')
+
+
+def test_what_has_no_period_is_told_what_to_type():
+    bench = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+    with pytest.raises(ss.InputError, match=r"BlockOnBelt has no period, .* type for example ss\.solve\(bench, duration=60\.0\)"):
+        check(bench)
+
+
+@pytest.mark.parametrize(
+    ("steps", "typed"), [(2000, "(2000,)"), (None, "(2000, 10000)"), ((2000, 2.5), "(2000, 10000)"), ("many", "(2000, 10000)")]
+)
+def test_steps_that_are_none_are_told_at_the_door_with_the_rest(steps, typed):
+    with pytest.raises(ss.InputError) as told:
+        check(3, rk4_steps=steps)
+    assert len(told.value.problems) == 2 and f"type for example rk4_steps={typed}" in told.value.problems[1]
+
+
+def test_the_judged_run_is_solved_once(monkeypatch):
+    asked = []
+    monkeypatch.setattr(checking, "solve", lambda robot, **options: asked.append(options) or ss.solve(robot, **options))
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    check(robot, periods=10, rk4_steps=(), scipy=False)
+    whole = [options["rtol"] for options in asked if options["periods"] == 10]
+    assert whole == pytest.approx([1e-6, 1e-7, 1e-8, 1e-10], rel=1e-12)
+
+
+def test_the_closed_formula_is_asked_only_where_there_is_one():
+    """On a track whose friction varies a run until it repeats is no formula."""
+    told = check(kinds.robot("coulomb", "harmonic", "varying"), periods=6, rk4_steps=(), scipy=False)
+    assert told.judges[1].name == "closed formula" and told.judges[1].remark.startswith("skipped")

@@ -140,6 +140,19 @@ def test_check_prints_its_verdict(capsys):
     assert strict(call(capsys, "check", *ROBOT, "periods=40", "--no-scipy", "--json")[1])["digits"] >= 9
 
 
+def test_check_takes_what_it_can_of_a_mechanisms_file(tmp_path, capsys):
+    """Arguments of other commands in [solve] are for them, and what has no period is not told to type a duration here."""
+    file = tmp_path / "bench.toml"
+    law = ss.Coulomb(0.3, 0.5)
+    pushed = ss.ForcedOscillator(mass=1.0, stiffness=0.0, damping=0.0, force=1.0, omega=0.7, friction=law)
+    file.write_text(pushed.to_toml() + "\n[solve]\nperiods = 20\nsamples = 100\n")
+    code, out, _ = call(capsys, "check", str(file), "--no-scipy")
+    assert code == 0 and "skipped: it is for Coulomb friction and a harmonic drive" in out
+    file.write_text(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=law).to_toml() + "\n[solve]\nduration = 60.0\n")
+    code, _, err = call(capsys, "check", str(file))
+    assert code == 2 and err.startswith("stickslip: check: BlockOnBelt has no period, ")
+
+
 def test_sweep_prints_a_table_and_writes_it(tmp_path, capsys):
     words = ["sweep", "piezo_rig", "law=coulomb,coulomb-static", "tilt_deg=1.7", "amplitude=4e-4..6e-4:3"]
     code, out, _ = call(capsys, *words, "--out", str(tmp_path / "grid.nc"))
@@ -323,6 +336,9 @@ def test_several_values_are_read(text, told):
         (["merge", "a", "--out"], "--out needs a value behind it: --out FOLDER"),
         (["read", "a", "b"], "'b' is one word too many; options are --help"),
         (["identify", *ROBOT, "--mean", "1", "--level", "high"], "--level 'high'; allowed is a number"),
+        (["identify", *ROBOT, "--mean", "1", "--free", "mu0=0.1..0.2", "--level", "95"], "--level: 95; allowed is above 0 and below 1"),
+        (["map", *ROBOT[:2], "amplitude=1e-4..8e-4:9999", "omega=60..300:9999", "--x", "omeg"], "did you mean 'omega'?"),
+        (["map", *ROBOT[:2], "law=coulomb", "amplitude=1e-4..8e-4:9999"], "the axes are amplitude; allowed are exactly two"),
         (["sweep", *ROBOT, "--sobol", "4"], "type for example amplitude=1e-4..8e-4"),
         (["sweep", *ROBOT, "--resume"], "type for example --out study"),
         (["sweep", *ROBOT, "--tile", "0", "--out", "study"], "allowed is a whole number of cases from 1"),

@@ -16,6 +16,7 @@ from stickslip.analysis.closed_form import (
     periodic,
     rests,
 )
+from stickslip.presets import coulomb_robot
 
 # A root of order 1 found to the last bit carries a few rounding errors of 1e-16; TRUTH's tolerance of 1e-12 leaves room for its last digit.
 DIGITS = 1e-12
@@ -120,6 +121,24 @@ def test_it_goes_where_friction_is_lower(plus, minus):
 def test_fractions_add_up_also_with_static_friction(plus, minus, up, down):
     p = periodic(plus, minus, static=(up * plus, down * minus))
     assert float(p.forward + p.stick + p.backward) == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize("alphas", [(1e-5, 2e-5), (1e-6, 2e-6), (1e-7, 1.5e-7)])
+def test_next_to_frictionless_the_mean_is_the_formulas_or_none(alphas):
+    """Such a body takes more periods to settle than anybody runs: the formula needs none, and without one there is no mean."""
+    robot, higher = coulomb_robot(*alphas), tuple(1.5 * a for a in alphas)
+    assert ss.periodic_mean_velocity(robot) == pytest.approx(float(mean_without_rest(*alphas)), rel=1e-15)
+    p = periodic(*alphas, static=higher)
+    assert np.isnan([p.mean, p.forward, p.stick, p.backward]).all() and str(p.type) == "other"
+    static = robot.replace(friction=ss.Coulomb(*alphas, f_plus=higher[0], f_minus=higher[1]))
+    assert np.isnan(ss.periodic_mean_velocity(static))
+
+
+def test_break_away_at_the_sliding_friction_is_no_static_friction():
+    plus, minus = np.array([0.4, 0.7, 0.5]), np.array([0.5, 0.9, 1.2])
+    without, with_it = periodic(plus, minus), periodic(plus, minus, static=(plus, minus))
+    for name in ("mean", "forward", "stick", "backward", "type"):
+        assert np.array_equal(getattr(without, name), getattr(with_it, name)), name
 
 
 def test_a_body_that_slides_down_by_itself_has_no_period():

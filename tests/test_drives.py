@@ -526,3 +526,26 @@ def test_a_reversed_drive_turns_the_jumps_and_keeps_the_vertical_motion():
     assert back.jumps == tuple((t, -jump) for t, jump in drive.jumps)
     assert back.vertical_acceleration(0.01) == drive.vertical_acceleration(0.01)
     assert ss.Reversed(ss.TwoPhase.example()).vertical_acceleration is None
+
+
+BODY = "[robot]\nbody_mass = 0.06\ninner_mass = 0.01\n[robot.friction]\nkind = 'coulomb'\nmu_plus = 0.1\nmu_minus = 0.2\n"
+WAYS = [  # a drive as a file may give it, and the same in Python
+    ("kind = 'harmonic'\namplitude = 1e-3\nfrequency = 30.0", ss.Harmonic(amplitude=1e-3, frequency=30.0)),
+    ("kind = 'multiharmonic'\namplitudes = [1e-3]\nfrequency = 30.0", ss.MultiHarmonic(amplitudes=(1e-3,), frequency=30.0)),
+    ("kind = 'twophase'\nu1 = 0.05\nt1 = 0.02\nt2 = 0.01", ss.TwoPhase(u1=0.05, t1=0.02, t2=0.01)),
+    ("kind = 'trapezoid'\nu1 = 0.1\nu2 = 0.1\nramp = 1e-3\nfrequency = 10.0", ss.Trapezoid(u1=0.1, u2=0.1, ramp=1e-3, frequency=10.0)),
+]
+
+
+@pytest.mark.parametrize(("text", "drive"), WAYS)
+def test_a_file_takes_what_the_constructor_takes(text, drive):
+    assert ss.Robot.from_toml(f"{BODY}[robot.drive]\n{text}\n").drive == drive
+    around = f"{BODY}[robot.drive]\nkind = 'reversed'\n[robot.drive.drive]\n{text}\n"
+    assert ss.Robot.from_toml(around).drive == ss.DRIVES["reversed"](drive)
+
+
+def test_a_file_takes_nothing_that_the_constructor_does_not_take():
+    with pytest.raises(ss.InputError, match=r"robot\.drive\.frequency is not known; known: stroke, u1, u2, t1, t2"):
+        ss.Robot.from_toml(f"{BODY}[robot.drive]\nkind = 'twophase'\nstroke = 1e-3\nu1 = 0.05\nu2 = 0.2\nfrequency = 30.0\n")
+    with pytest.raises(ss.InputError, match=r"robot\.drive: give exactly one of omega .* got both"):
+        ss.Robot.from_toml(f"{BODY}[robot.drive]\nkind = 'harmonic'\namplitude = 1e-3\nfrequency = 30.0\nomega = 3.0\n")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import matplotlib
 
@@ -12,13 +13,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
+import kinds
 import stickslip as ss
+from kinds import DRIVES, TRACKS
 from problems import velocity_unit
 from stickslip.analysis.closed_form import border_i_iii, border_ii_iii, border_iii_iv, periodic
 from stickslip.cli import main
 from stickslip.dynamics.mapping import coordinates, difference_jacobian, flight, strobe_map
 from stickslip.dynamics.repeating import repetition
+from stickslip.dynamics.shifted import shifted
 from stickslip.dynamics.variational import monodromy
+from stickslip.maths import where, within
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 #: w of the Coulomb robot at (alpha+, alpha-), its type, and the fraction of the period: T7 to T10.
@@ -378,6 +383,62 @@ def test_two_motions_coexist_and_every_start_is_shared_out():
     assert "mm/s" in ax.get_xlabel() and len(ax.get_legend().get_texts()) == len(found.attractors) + 1
 
 
+def test_starts_in_any_of_three_periods_of_a_motion_are_attracted_by_one():
+    """A mean over 64 strobe points of period 3 holds one of them once too often: it depends on which."""
+    found = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=3.92e-4, mu0=0.05), v=np.linspace(-0.02, 0.02, 5), settle=400)
+    assert [(a.period, a.share) for a in found.attractors] == [(3, 1.0)]
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("track", TRACKS)
+def test_a_robot_at_another_phase_has_its_equations_of_that_time(drive, track):
+    robot = kinds.robot("coulomb", drive, track)
+    if robot.drive.breaks or robot.drive.jumps:
+        with pytest.raises(ss.InputError, match=r"phase is for smooth drives; \w+ has breaks or jumps"):
+            shifted("basins", robot, 0.3)
+        return
+    later, t = shifted("basins", robot, 0.3), np.linspace(0, 1, 7) * robot.period
+    for of in (lambda r, t: r.acceleration(t, 0.0, 0.1, 0.2), lambda r, t: r.load(t, 0.0)):
+        np.testing.assert_allclose(of(later, t), of(robot, t + 0.3 * robot.period), rtol=1e-12)
+
+
+def test_one_robot_goes_one_way_from_every_phase():
+    """Its load and its friction vary with the drive, so they start at that phase too."""
+    drive = ss.VerticalVibration(ss.Harmonic(amplitude=8e-4, omega=205.0), amplitude=5e-5, phase=1.0)
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    robot = robot.replace(drive=drive, track=ss.VaryingFriction(ss.Level(), depth=0.3, phase=1.5))
+    V = ss.mean_velocity(ss.solve(robot, periods=20, method="dop853", rtol=1e-8))
+    found = ss.basins(robot, phase=[0.0, 0.25, 0.5], settle=20)
+    assert len(found.attractors) == 1
+    np.testing.assert_allclose(found.map.mean_velocity, V, rtol=1e-6)
+
+
+@dataclass(frozen=True)
+class Sawtooth:
+    """Parabolas, one in each period; it names no breaks."""
+
+    amplitude: float
+    period: float
+
+    def position(self, t):
+        s = within(t, self.period) / self.period
+        return self.amplitude * s * (1 - s)
+
+    def velocity(self, t):
+        return self.amplitude * (1 - 2 * within(t, self.period) / self.period) / self.period
+
+    def acceleration(self, t):
+        return where(within(t, self.period) < 0.5 * self.period, 1.0, -2.0) * self.amplitude / self.period**2
+
+
+def test_a_phase_where_there_is_no_smooth_drive_is_refused():
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(drive=Sawtooth(1e-3, 0.03))
+    with pytest.raises(ss.InputError, match="Sawtooth begins anew with every period; leave phase out"):
+        ss.basins(robot, phase=[0.2])
+    with pytest.raises(ss.InputError, match="ForcedOscillator has none; leave phase out"):
+        ss.basins(ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, 0.7, ss.Coulomb(0.3, 0.3)), phase=[0.2])
+
+
 def test_a_start_at_another_phase_is_a_start_of_the_shifted_drive():
     robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, f0=0.5)
     found = ss.basins(robot, phase=[0.0, 0.25], settle=60)
@@ -394,6 +455,22 @@ def test_sections_of_a_periodic_motion_are_points():
     section = ss.poincare(run, direction=-1)
     assert abs(section.v).max() < 1e-12
     assert len(np.unique(section.phase.values.round(6))) == 2, "one fall through v = 0 in each period, two of them different"
+
+
+@pytest.mark.parametrize(
+    ("act", "words", "count"),
+    [
+        (lambda run: ss.strobe(run, "x", settle=-3), "settle = -3; allowed is a whole number from 0 below the 4 drive periods", 2),
+        (lambda run: ss.strobe(run, settle=4), "settle = 4; .* type for example settle=2", 1),
+        (lambda run: ss.poincare(run, on="w", value="x", direction=2, settle=0.5), "on = 'w' is no column", 4),
+        (lambda run: ss.spectrum(run, "foo", harmonics=0, periods=5), "periods = 5; allowed is a whole number from 1 to the 4", 3),
+    ],
+)
+def test_wrong_orders_of_sections_are_told_what_to_type(act, words, count):
+    run = ss.solve(ss.presets.piezo_rig(law="coulomb", **RIG), periods=4)
+    with pytest.raises(ss.InputError, match=words) as told:
+        act(run)
+    assert len(told.value.problems) == count
 
 
 def test_lines_of_a_spectrum_add_up_to_the_power():
@@ -447,3 +524,9 @@ def test_a_doubled_branch_away_from_borders_has_one_word_and_its_runs_have_it_to
     orbit = branch.orbits[0]
     assert (ss.motion(orbit.run).type, ss.motion(orbit.run).period) == (orbit.type, 2) == ("other", 2)
     assert ss.mean_velocity(orbit.run) == orbit.mean_velocity
+
+
+@pytest.mark.slow
+def test_a_branch_that_hardly_gets_on_says_so_and_ends():
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=8.02e-4, stop=8.2e-4, f0=0.5, tilt_deg=1.7)
+    assert "changes abruptly" in branch.ended and len(branch.orbits) < 200 and "fold" in [s.kind for s in branch.special]

@@ -110,3 +110,14 @@ def test_the_stick_slip_cycle_ends_at_a_critical_speed():
     assert value == pytest.approx(low, abs=1e-7)
     with pytest.raises(ss.SolveError):
         ss.periodic_orbit(belt(WEAK, value + 1e-3, damping=0.3))
+
+
+@pytest.mark.parametrize("ask", [ss.bifurcation, ss.attractors])
+def test_what_needs_a_drive_says_so_of_a_belt(ask):
+    with pytest.raises(ss.InputError, match=r"BlockOnBelt has no period.*ss\.continuation"):
+        ask(belt(), parameter="speed", values=[0.1, 0.2])
+
+
+def test_a_map_of_exponents_needs_a_drive():
+    with pytest.raises(ss.InputError, match="BlockOnBelt has no period"):
+        ss.chaos_map(belt(), speed=[0.1, 0.2])

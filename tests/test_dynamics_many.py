@@ -20,6 +20,7 @@ from stickslip.analysis.closed_form import border_iii_iv
 from stickslip.cli import main
 from stickslip.dynamics.diagrams import periods_of
 from stickslip.dynamics.repeating import repetition
+from stickslip.identifying.parameters import parameters
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 FLIP = 0.0468108467  # mu0 of the upper flip at 0.6 mm
@@ -76,7 +77,8 @@ def test_stopping_leaves_the_rest_undone_and_says_so(workers, every_report):
     assert undone.any() and np.isnan(done.v.values[0][undone]).all() and np.isnan(done.mean_velocity.values[0][undone]).all()
     mapped = chaos(workers=workers, progress=lambda now: False)
     assert (mapped.period == -1).all() and np.isnan(mapped.exponent).all()
-    assert ss.plot.chaos_map(mapped) is not None
+    (mesh,) = ss.plot.chaos_map(mapped).collections
+    assert mesh.get_array().shape == mapped.period.shape and mesh.get_array().mask.all(), "nothing was computed, so no colour is shown"
     shared_out = basins(workers=workers, progress=lambda now: False)
     assert (shared_out.attractor == -1).all() and (shared_out.period == -1).all()
 
@@ -108,10 +110,51 @@ def test_an_interrupt_ends_the_threads(workers):
     assert threading.active_count() == before
 
 
+def test_wrong_orders_of_exponents_are_told_what_to_type():
+    robot = ss.presets.piezo_rig(law="coulomb", **RIG)
+    with pytest.raises(ss.InputError) as told:
+        ss.largest_exponents(robot, periods=0, settle="x", workers=0)
+    assert len(told.value.problems) == 3 and "periods = 0; allowed is a whole number from 1" in str(told.value)
+    with pytest.raises(ss.InputError, match="'x' is no model"):
+        ss.largest_exponents("x")
+
+
 def test_wrong_numbers_of_threads_are_told_what_to_type():
     for many in (diagram, basins, exponents, chaos):
         with pytest.raises(ss.InputError, match="workers = 0; allowed is a whole number from 1"):
             many(workers=0)
+
+
+# makers ----------------------------------------------------------------------------------------------------------
+
+
+def two_laws(amplitude):
+    """A maker that changes the law along its parameter."""
+    law = ss.TanhCoulomb.example() if amplitude < 5e-4 else ss.DeadBand.example()
+    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(friction=law)
+
+
+def two_tracks(amplitude):
+    """A maker that changes a whole number along its parameter."""
+    track = ss.VaryingFriction(ss.Level(), depth=0.3, harmonic=1 if amplitude < 5e-4 else 2)
+    return ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude).replace(track=track)
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [(two_laws, "friction is TanhCoulomb for one and DeadBand for another"), (two_tracks, "track.harmonic is 1 for one and 2 for another")],
+    ids=["law", "harmonic"],
+)
+def test_a_maker_of_several_kinds_is_refused_and_the_kinds_are_named(make, told):
+    """Else all are computed with the equations of the first."""
+    values = [4e-4, 6e-4]
+    for act in (
+        lambda: ss.bifurcation(make, parameter="amplitude", values=values, settle=2, points=2, follow=False),
+        lambda: ss.sweep(make, amplitude=values, periods=2),
+        lambda: parameters(make, {"amplitude": (4e-4, 6e-4)}, None, {}, 1).batches(np.array([[0.0], [1.0]])),
+    ):
+        with pytest.raises(ss.InputError, match=f"{told}; allowed is one kind; give each kind by itself"):
+            act()
 
 
 # maps --------------------------------------------------------------------------------------------------------------

@@ -117,7 +117,7 @@ def public_names():
 def test_every_public_name_has_an_example_that_runs():
     import stickslip as ss
 
-    objects = {name: getattr(ss, name) for name in public_names()}
+    objects = {name: getattr(ss, name) for name in public_names()} | {f"plot.{name}": getattr(ss.plot, name) for name in ss.plot.__all__}
     owed = {
         name: thing for name, thing in objects.items() if callable(thing) and not (inspect.isclass(thing) and issubclass(thing, Exception))
     }

@@ -6,10 +6,12 @@ import pytest
 import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.identifying.driven import Motion, driven_force
+from stickslip.identifying.targets import target
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
 FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
 TWO = [5e-4, 8e-4]
+ONE = dict(tilt_deg=1.7, amplitude=6e-4)
 rig = ss.presets.piezo_rig
 
 
@@ -56,6 +58,23 @@ def test_the_virtual_rig_checks_its_arguments_together():
     assert len(error.value.problems) == 4
 
 
+def test_harmonics_are_those_of_a_drive_of_several_harmonics():
+    robot = rig(tilt_deg=1.7, amplitude=5e-4)
+    rec = ss.virtual_rig(robot, harmonics=(0.05, 0.02), channels=("drive",))
+    w, A = robot.drive.omega, robot.drive.amplitude
+    turn = w * rec["drive"].t
+    wanted = A * w * (np.cos(turn) + 2 * 0.05 * np.cos(2 * turn) + 3 * 0.02 * np.cos(3 * turn))
+    assert abs(rec["drive"].values - wanted).max() < 1e-10 * A * w
+    truth = rec.source["truth"]
+    assert [truth[f"drive.amplitudes.{k}"] / A for k in range(3)] == pytest.approx([1.0, 0.05, 0.02])
+
+
+def test_harmonics_of_a_drive_that_is_not_harmonic_are_an_error_that_says_what_to_type():
+    robot = rig(tilt_deg=1.7, amplitude=5e-4).replace(drive=ss.TwoPhase.example())
+    with pytest.raises(InputError, match=r"the drive is TwoPhase; allowed is a Harmonic; .*ss\.MultiHarmonic\("):
+        ss.virtual_rig(robot, harmonics=(0.05, 0.02))
+
+
 # identify ---------------------------------------------------------------------------------------------------------
 
 
@@ -84,6 +103,15 @@ def test_intervals_by_three_methods_agree_where_the_likelihood_is_a_parabola():
     )  # the end of a 95 % interval from 100 repeats is known to 0.13 widths
     low, high = fit.interval("mu0", level=0.5)
     assert by["covariance"][0] < low < high < by["covariance"][1]
+
+
+def test_an_interval_says_which_options_its_method_has(fit):
+    with pytest.raises(InputError) as error:
+        fit.interval("mu", level=2.0, workers=2)
+    assert len(error.value.problems) == 3 and "did you mean 'mu0'?" in error.value.problems[0]
+    assert "'workers' is no option of covariance, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
+    with pytest.raises(InputError, match="'repeat' is no option of bootstrap, which has repeats, seed, workers"):
+        fit.interval("mu0", method="bootstrap", repeat=50)
 
 
 def test_profile_intervals_see_what_is_beyond_the_parabola(fit):
@@ -164,10 +192,11 @@ def test_a_wrong_drive_is_seen_in_the_residuals():
 
 
 def test_parameters_that_data_confound_are_named():
-    """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same."""
-    fit = ss.identify(records(1e-3, amplitudes=[1.2e-3]), rig, free=FREE, tilt_deg=1.7, amplitude=1.2e-3)
-    assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in fit.warnings)
-    assert any(w.startswith("v_s is hardly told") for w in fit.warnings)
+    """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same, and f0 and v_s hardly anything."""
+    recs, given = records(1e-3, amplitudes=[1.2e-3]), dict(tilt_deg=1.7, amplitude=1.2e-3)
+    sliding = ss.identify(recs, rig, free={name: FREE[name] for name in ("mu0", "sigma2")}, **given)
+    assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in sliding.warnings)
+    assert any(w.startswith("v_s is hardly told") for w in ss.identify(recs, rig, free=FREE, **given).warnings)
 
 
 def test_everything_wrong_with_the_arguments_is_reported_at_once():
@@ -179,6 +208,22 @@ def test_everything_wrong_with_the_arguments_is_reported_at_once():
         ss.identify(["run.csv"], rig, free={"mu0": (0.1, 0.2)})
     with pytest.raises(InputError, match="widen or correct the bounds"):
         ss.identify(rec, rig, free={"f0": (0.05, 0.1)}, tilt_deg=1.7, amplitude=5e-4)
+
+
+def test_a_number_with_two_sources_is_an_error_that_names_both():
+    rec, bounds = records(1e-3), (0.1, 0.3)
+    with pytest.raises(InputError) as error:
+        ss.identify(
+            rec, rig, free={"mu0": bounds, "f0": bounds, "v_s": (1e-3, 1e-2), "v_s[0]": (1e-3, 1e-2), "amplitude[:]": (1e-4, 1e-3)},
+            tied={"f0": "mu0", "sigma2": "mu0"}, mu0=0.3, sigma2=0.1, amplitude=5e-4, tilt_deg=1.7,
+        )  # fmt: skip
+    told = "\n".join(error.value.problems)
+    assert len(error.value.problems) == 5 and "mu0 is free and given, as mu0 = 0.3" in told and "f0 is free and tied" in told
+    assert "v_s, for all records, and v_s[0]" in told and "sigma2 is tied and given" in told and "amplitude is free and given" in told
+    with pytest.raises(InputError, match=r"free names mu0\[0\] twice"):
+        ss.identify(rec, rig, free={"mu0[:]": bounds, "mu0[0]": bounds}, tilt_deg=1.7, amplitude=TWO)
+    fit = ss.identify(rec, rig, free={"mu0[1]": bounds}, mu0=0.18, tilt_deg=1.7, amplitude=TWO)  # the first record has the one given
+    assert fit.model(0).friction != fit.model(1).friction
 
 
 def test_the_fit_can_be_read_aloud(fit):
@@ -215,6 +260,22 @@ def test_a_driven_law_agrees_with_a_solver_of_its_own():
         z = done.y[0, -1]
         theirs.append(law.force(v[k], z, law.rate(v[k], z, 10.0), 10.0))
     assert np.allclose(ours[1:400], theirs, atol=1e-6 * np.ptp(ours))
+
+
+def test_a_driven_law_that_holds_in_a_band_gives_what_was_measured_there():
+    law = ss.Karnopp(0.15, 0.21, 0.18, 0.24, width=1e-3)
+    v, measured = np.array([0.0, 5e-4, -5e-4, 5e-4, 2e-3, -2e-3]), np.array([0.5, 1.7, -3.0, 9.0, 9.0, 9.0])
+    motion = Motion(np.arange(6.0), v, np.full(6, 10.0), measured, 0, False, "")
+    assert driven_force(law, motion)[:, 0] == pytest.approx([0.5, 1.7, -2.4, 1.8, 1.5, -2.1])
+    many = ss.Karnopp(np.array([0.15, 0.3]), 0.21, 0.38, 0.24, width=1e-3)
+    assert driven_force(many, motion, 2)[4].tolist() == [1.5, 3.0]
+
+
+def test_a_driven_law_of_several_states_is_the_same_alone_and_in_a_batch():
+    t, x = strokes()
+    motion = Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.full(len(t), 10.0), np.zeros(len(t)), 0, False, "").every(10)
+    alone, among = driven_force(ss.GMS.example(), motion), driven_force(ss.GMS.example(), motion, 3)
+    assert np.array_equal(among, np.tile(alone, 3)) and np.isfinite(alone).all() and np.ptp(alone) > 1
 
 
 def test_a_law_is_fitted_to_force_against_motion():
@@ -285,6 +346,15 @@ def test_fits_to_different_records_cannot_be_ranked(fit):
         ss.rank([fit, other])
 
 
+def test_fits_with_different_noise_cannot_be_ranked():
+    rec = ss.virtual_rig(rig(law="coulomb", **ONE), noise=1e-4, seed=1)
+    a, b, c = (ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", noise=s, **ONE) for s in (1e-3, 1e-5, None))
+    with pytest.raises(InputError, match="with the same noise=, or all without") as error:
+        ss.rank({"a": a, "b": b, "c": c})
+    assert len(error.value.problems) == 2 and "b was fitted with a noise of 1e-05 and a with a noise of 0.001" in str(error.value)
+    assert not ss.rank({"a": a, "the same": a}).decided
+
+
 def test_design_expects_the_errors_that_a_fit_then_has(fit):
     plan = ss.design(rig, free=TRUTH, experiments=[{"amplitude": A} for A in TWO], noise=1e-3, samples=2000, together=2, tilt_deg=1.7)
     for name, error in plan.best.errors.items():
@@ -302,6 +372,29 @@ def test_design_finds_the_experiment_that_separates_laws():
     twin = ss.Coulomb(*(getattr(rig(tilt_deg=1.7, amplitude=5e-4).friction, f"mu_{s}") for s in ("plus", "minus")))
     plan = ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": [1e-4, 5e-4]}, noise=1e-3, rivals=[twin], tilt_deg=1.7)
     assert plan.best.settings == ({"amplitude": 5e-4},) and plan.best.separation > 5  # at 0.1 mm neither law moves the body
+
+
+def test_design_reports_everything_wrong_at_once():
+    with pytest.raises(InputError) as error:
+        ss.design(rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7)
+    told = "\n".join(error.value.problems)
+    assert len(error.value.problems) == 7 and "using = 'foo'; allowed is one of velocity, position" in told
+    for words in ("experiments is empty", "mu0 = (0.1, 0.3); allowed is the value", "did you mean 'mu0'", "noise = -1.0", "samples = 0"):
+        assert words in told
+    with pytest.raises(InputError, match=r"amplitude = 0\.0005; allowed is a list of values"):
+        ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": 5e-4}, noise=1e-3, tilt_deg=1.7)
+    with pytest.raises(InputError, match="together = 3 and there are 2 experiments"):
+        ss.design(rig, free={"mu0": 0.18}, experiments={"amplitude": TWO}, noise=1e-3, together=3, tilt_deg=1.7)
+
+
+def test_design_says_which_experiments_it_leaves_out_and_why():
+    steep = dict(free={"mu0": 0.18}, noise=1e-3, samples=200, amplitude=5e-4)
+    plan = ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, **steep)
+    assert [e.settings for e in plan.experiments] == [({"tilt_deg": 1.7},)]
+    (note,) = [note for note in plan.notes if "left out" in note]
+    assert note.startswith("tilt_deg = 30 is left out: ") and "beyond the friction angle" in note and note in str(plan)
+    with pytest.raises(InputError, match="1 of 2 experiments can be solved, and together = 2 are wanted"):
+        ss.design(rig, experiments={"tilt_deg": [1.7, 30.0]}, together=2, **steep)
 
 
 # compare ----------------------------------------------------------------------------------------------------------
@@ -407,3 +500,48 @@ def test_the_friction_of_every_law_is_found(law):
         abs(fit.values["friction.mu_plus"] - true) < 4.5 * fit.errors["friction.mu_plus"] and fit.errors["friction.mu_plus"] < 1e-3 * true
     )
     assert not fit.quality[0].suspicious
+
+
+# long records -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def period_two():
+    """P8: mu0 = .04 gives period two. A record of 6000 samples, and one of 25 000."""
+    return {n: ss.virtual_rig(rig(mu0=0.04, **ONE), noise=1e-4, seed=1, settle=150, periods=n) for n in (60, 250)}
+
+
+def test_a_long_record_of_period_two_tells_what_a_short_one_tells_and_more(period_two):
+    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, **ONE) for rec in period_two.values())
+    assert long.count < 5000 and short.count == 6000
+    for fit in (short, long):
+        assert abs(fit.values["mu0"] - 0.04) < 3 * fit.errors["mu0"] and not fit.quality[0].suspicious
+        assert fit.quality[0].rms == pytest.approx(1e-4, rel=0.03)  # of all samples: 6000 know it to 0.9 %
+        assert fit.problem.nuisances == 2 and not any("differ from the later ones" in note for note in fit.notes)  # phase and frequency
+    assert short.errors["mu0"] / long.errors["mu0"] == pytest.approx(np.sqrt(250 / 60), rel=0.05)
+
+
+def test_a_long_record_is_compared_over_its_own_period(period_two):
+    for rec in period_two.values():
+        found = ss.compare(rec, rig(mu0=0.04, **ONE), laws=["lugre"])
+        assert found["LuGre"].rms == pytest.approx(1e-4, rel=0.03) and found.record.phase[-1] > 1.9
+
+
+def test_averages_of_a_long_record_lose_neither_its_kinks_nor_a_frequency_that_is_off():
+    rec = ss.virtual_rig(rig(law="coulomb", **ONE), noise=1e-6, seed=2, periods=600, samples=97.3)
+    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", **ONE)
+    assert fit.count < 20_000 and abs(fit.values["mu0"] - 0.18) < 3 * fit.errors["mu0"] < 3e-7
+    seen = target(rec, "velocity", 1e-6, 32.7 * (1 + 1e-6), "record")
+    bent = target(rec, "velocity", None, 32.7 * (1 + 1e-4), "record")  # 0.012 periods in each part: all but rest is no noise
+    assert seen.sigma == 1e-6 and bent.sigma > 2 * target(rec, "velocity", None, 32.7, "record").sigma
+
+
+def test_a_long_record_that_does_not_repeat_is_cut_and_says_so():
+    t = np.arange(30_000) / 1000
+    v = np.sin(2 * np.pi * 10 * t) + np.sin(2 * np.pi * 10 * (np.sqrt(5) - 1) / 2 * t)
+    rec = ss.Record.of(t, {"v [m/s]": v})
+    seen = target(rec, "velocity", None, 10.0, "record", 0)
+    assert seen.count == 20_000 and seen.phase[-1] == pytest.approx(299.99)
+    assert "of 30000 samples only the last 20000 are compared" in seen.cut
+    found = ss.compare(rec, rig(mu0=0.04, **ONE), laws=["lugre"], frequency=10.0, settle=0)
+    assert seen.cut in found.notes

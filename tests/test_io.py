@@ -139,6 +139,44 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(run, tmp_path, monk
     assert path.read_bytes() == before and [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
+def test_every_file_is_moved_into_place_when_it_is_whole(run, tmp_path, monkeypatch):
+    """Runs, datasets, pages and figures: where the last step fails the old file is there as it was."""
+    from matplotlib.figure import Figure
+
+    from stickslip.cli.show import draw_to
+    from stickslip.report import write
+    from stickslip.storage import to_csv
+
+    data = run.to_xarray()
+    writers = {
+        "run.nc": run.save,
+        "run.mat": run.to_mat,
+        "run.csv": lambda path: to_csv(run, path),
+        "page.html": lambda path: write(path, ""),
+    }
+    writers |= {f"figure{suffix}": lambda path: draw_to(path, Figure()) for suffix in (".png", ".svg", ".pdf")}
+    writers |= {f"data{suffix}": lambda path: ss.export(data, path) for suffix in (".nc", ".mat", ".csv")}
+
+    def full(*arguments, **more):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    for name, writer in writers.items():
+        (tmp_path / name).write_text("old")
+        with pytest.raises(ss.InputError, match=r"cannot write .*No space left"):
+            writer(tmp_path / name)
+        assert (tmp_path / name).read_text() == "old"
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(writers)
+
+
+def test_the_columns_of_a_run_as_text(run, tmp_path):
+    from stickslip.storage import to_csv
+
+    lines = to_csv(run, tmp_path / "run.csv").read_text().splitlines()
+    assert lines[0].startswith("t [s],x [m],v [m/s]") and len(lines) == len(run.t) + 1
+    assert [float(word) for word in lines[-1].split(",")][:3] == [run.t[-1], run.x[-1], run.v[-1]]
+
+
 def test_matlab_files_hold_the_columns(run, tmp_path):
     from scipy.io import loadmat
 

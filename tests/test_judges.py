@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import kinds
 import stickslip as ss
-from stickslip.solvers import solve
+from stickslip.solvers import METHODS, solve
 
 P1 = {"tilt_deg": 1.7, "amplitude": 5.525e-4}
 scipy_methods = pytest.mark.parametrize("method", ["radau", "lsoda", "bdf", "dop853"])
@@ -116,6 +117,55 @@ def test_rk4_summaries_are_those_of_the_runs():
     assert many.stick_fraction == pytest.approx(ours.stick_fraction, abs=2e-3)
     auto = solve(batch, periods=200, settle="auto", method="rk4", steps=4000)
     assert (auto.periods_run < 50).all() and auto.mean_velocity == pytest.approx(ours.mean_velocity, rel=1e-5)
+
+
+# Every method, every law, every drive and every track at least once; compiled where the pair is cheap to compile.
+COVERING = [
+    ("exact", "coulomb", "harmonic", "downhill"),
+    ("exact", "stribeck", "verticalvibration", "level"),
+    ("dop853", "viscous", "bangbang", "varying"),
+    ("dop853", "coulombviscous", "verticalvibration", "uphill"),
+    ("dop853", "tabulated", "trapezoid", "varying"),
+    ("dop853", "tanhcoulomb", "reversed", "varying"),
+    ("dop853", "deadband", "twophase", "level"),
+    ("dop853", "karnopp", "recorded", "level"),
+    ("dop853", "sum", "threephase", "downhill"),
+    ("dop853", "bristle", "harmonic", "level"),
+    ("rodas4", "lugre", "verticalvibration", "level"),
+    ("rodas5p", "dahl", "harmonic", "varying"),
+    ("radau", "dahl", "verticalvibration", "level"),
+    ("lsoda", "lugre", "multiharmonic", "varying"),
+    ("lsoda", "gms", "harmonic", "level"),
+    ("bdf", "lugre + viscous", "verticalvibration", "uphill"),
+    ("lsoda", "elastoplastic", "reversed", "varying"),
+    ("radau", "resetintegrator", "threephase", "level"),
+    ("rk4", "lugre", "verticalvibration", "level"),
+    ("rk4", "lugre", "harmonic", "varying"),
+    ("rk4", "dahl", "harmonic", "varying"),
+]
+
+
+@pytest.mark.parametrize(("method", "law", "drive", "track"), COVERING)
+def test_a_summary_tells_the_motion_of_its_trajectory(method, law, drive, track):
+    """The load that decides what slips is that of the instant, also where it varies."""
+    model, options = kinds.robot(law, drive, track), {"steps": 2000} if method == "rk4" else {}
+    many = solve(model, periods=4, method=method, keep="summary", **options)
+    one = ss.motion(solve(model, periods=4, method=method, **options))
+    assert str(many.motion_type) == one.type
+    # a summary looks at 5000 instants (rk4: 2000 steps) in a period, or at the ends of steps: a few borders, each off by one of these
+    told = [float(getattr(many, f"{name}_fraction")) for name in ("stick", "forward", "backward")]
+    assert told == pytest.approx([one.stick_fraction, one.forward_fraction, one.backward_fraction], abs=2e-3)
+
+
+def test_the_covering_set_covers():
+    for column, known in enumerate((METHODS[1:], kinds.LAWS, kinds.DRIVES, kinds.TRACKS)):
+        assert {row[column] for row in COVERING} == set(known)
+
+
+@pytest.mark.parametrize("method", ["rk4", "rodas4", "rodas5p"])
+def test_a_law_for_plain_numbers_only_is_not_compiled(method):
+    with pytest.raises(ss.InputError, match=rf"method = '{method}' is compiled, and Bristle is written for plain numbers only; type"):
+        solve(kinds.robot("bristle", "harmonic"), periods=2, method=method)
 
 
 def test_rk4_that_explodes_says_so(viscous):

@@ -13,7 +13,7 @@ import stickslip as ss
 from stickslip.fields import leaves
 from stickslip.friction.probe import Probe
 from stickslip.maths import where
-from stickslip.testing import check_law
+from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
@@ -615,6 +615,13 @@ def test_check_law_wants_numbers_and_one_law():
     report = check_law(Bare(mu=0.2))
     assert report.passed
     assert math.isnan(report["change of units"].value)
+
+
+def test_a_claim_that_a_report_does_not_have_is_an_error_that_names_those_it_has():
+    report = LawReport("Coulomb", (Claim("passive", True, 0.0, "energy given back"),))
+    assert report["passive"].passed
+    with pytest.raises(ss.InputError, match="has no claim 'pasive'; did you mean 'passive'"):
+        report["pasive"]
 
 
 def test_check_law_says_what_is_wrong_in_a_class():

@@ -166,8 +166,18 @@ def test_refining_says_what_it_cannot_do(tmp_path):
         ss.map(RIG, refine=True, amplitude=[1e-4, 2e-4], tilt_deg=1.7)
     with pytest.raises(ss.InputError, match="exactly two, of numbers"):
         ss.map(RIG, law=["lugre", "coulomb"], amplitude=[1e-4, 2e-4], tilt_deg=1.7)
+    with pytest.raises(ss.InputError, match=r"out cannot go with refine=True(.|\n)*coarse = 1"):
+        ss.map(RIG, refine=True, coarse=1, out=tmp_path / "study", **axes)
     marked = ss.map(RIG, refine=True, coarse=2, amplitude=[1e-4, np.nan, 3e-4], omega=[100.0, 200.0, 210.0], tilt_deg=1.7, law="coulomb")
     assert (marked.status.values[1] == 5).any()
+
+
+@pytest.mark.parametrize("more", [{"mu0": [0.18, 0.2]}, {"law": ["coulomb", "lugre"]}, {"continue_along": "amplitude"}])
+def test_a_map_that_is_no_plane_is_refused_before_the_work(tmp_path, more):
+    axes = dict(amplitude=[1e-4, 2e-4], omega=[100.0, 200.0], tilt_deg=1.7, **more)
+    with pytest.raises(ss.InputError, match="exactly two, of numbers"):
+        ss.map(RIG, out=tmp_path / "study", **axes)
+    assert not (tmp_path / "study").exists()
 
 
 # pictures ------------------------------------------------------------------------------------------------------------

@@ -191,7 +191,8 @@ def strobes(values, rtol=1e-6, settle=0):
     v = np.asarray(values, float)
     model = SimpleNamespace(period=1.0, velocity_scale=1.0, friction=SimpleNamespace(rate=1, force=1))
     times = np.arange(float(len(v)))
-    return SimpleNamespace(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v), settle=settle, rtol=rtol, model=model)
+    points = dict(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v))
+    return SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None)
 
 
 @pytest.mark.parametrize("p", [1, 2, 3, 8, 16])
@@ -214,6 +215,21 @@ def test_a_slow_transient_is_not_a_period(ratio, found):
 
 def test_a_slow_period_doubling_transient_is_not_period_two():
     assert period_number(strobes(1e-2 * (-0.995) ** np.arange(101))) is None
+
+
+@pytest.mark.parametrize("method", ["exact", "rk4", "radau", "lsoda", "bdf", "dop853"])
+def test_a_curve_and_a_summary_tell_one_period(method):
+    """Arcs that an integrator found are as near as its tolerance, whatever the law."""
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    asked = dict(periods=12, settle=4, method=method, rtol=1e-4, **({"steps": 20000} if method == "rk4" else {}))
+    assert ss.motion(ss.solve(robot, **asked)).period == ss.solve(robot, keep="summary", **asked).period == 1
+
+
+@pytest.mark.parametrize("steps", [200, 500, 1000, 2000])
+def test_a_curve_and_a_summary_tell_one_period_of_points_that_jitter(steps):
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    asked = dict(periods=60, method="rk4", steps=steps)
+    assert (ss.motion(ss.solve(robot, **asked)).period or 0) == ss.solve(robot, keep="summary", **asked).period
 
 
 def test_the_mean_covers_whole_motion_periods():

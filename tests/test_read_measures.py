@@ -157,3 +157,14 @@ def test_friction_of_the_cylinder_is_the_published_one(which):
 def test_the_loops_repeat_every_four_seconds():
     found = ss.read(path(LOOPS)).between(20, 60).drive_frequency()
     assert found.value == pytest.approx(0.25, abs=1e-5)
+
+
+def test_a_callers_array_stays_the_callers():
+    t = np.arange(20.0)
+    rec, mine = ss.Record.of(t, {"v [m/s]": t}), np.ones(20)
+    made = rec.derived("x [m]", mine, like="v")
+    mine[0] = t[0] = 2.0
+    assert made["x"].values[0] == 1.0 and made["v"].t[0] == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        made["x"].values[0] = 3.0
+    assert made["x"].t is rec["v"].t  # what nobody can write into is shared

@@ -84,6 +84,20 @@ def test_a_measured_record_is_not_called_synthetic_when_it_is_saved(tmp_path):
     assert rec["v, left"].unit == "mm/s" and rec['the "raw" one'].unit is None
 
 
+def test_roles_that_no_name_tells_come_back(tmp_path):
+    t = np.arange(50) / 100
+    columns = {"F1 [N]": t, "F2, raw [N]": 2 * t, "v [m/s]": t, 'the "other" [m/s]': t, "x [m]": t}
+    roles = {"F1": "load", "F2, raw": "force", 'the "other"': "velocity"}
+    rec = ss.Record.of(t, columns, roles=roles)
+    path = rec.save(tmp_path / "a.csv")
+    again = ss.read(path)
+    assert {n: again[n].role for n in again} == {n: rec[n].role for n in rec} and again["load"].name == "F1" and again["v"].role is None
+    assert all(np.array_equal(again[n].values, rec[n].values) for n in rec)
+    typed = ss.read(path, roles={"F1": "force"})
+    assert typed["force"].name == "F1" and "load" not in typed  # what is typed says most
+    assert not ss.Record.of(t, {"v [m/s]": t}).save(tmp_path / "b.csv").read_text().startswith("#")  # where names tell, nothing is added
+
+
 def test_what_cannot_be_saved_is_said(tmp_path):
     t = np.arange(50) / 100
     rec = ss.Record.of(t, {"v [m/s]": np.sin(t)})
@@ -94,3 +108,14 @@ def test_what_cannot_be_saved_is_said(tmp_path):
         rec.replace(channels={**rec.channels, "F": other}).save(tmp_path / "a.csv")
     with pytest.raises(InputError, match="that folder does not exist"):
         rec.save(tmp_path / "nowhere" / "a.csv")
+
+
+def test_no_column_is_lost_where_names_stand_twice(tmp_path):
+    """The third is not called after the second, which a column of the file has as its name."""
+    rows = np.arange(40.0).reshape(10, 4)
+    (tmp_path / "a.csv").write_text("t [s],x [mm],x (2) [mm],x [mm]\n" + "\n".join(",".join(map(str, row)) for row in rows))
+    rec = ss.read(tmp_path / "a.csv")
+    assert [rec[name].values[0] for name in ("x", "x (2)", "x (3)")] == [1.0, 2.0, 3.0]
+    assert any("names stand over several columns: the later ones are called 'x (3)'" in note for note in rec.notes)
+    with pytest.raises(InputError, match=r"columns names 'x' twice, the second time as 'x \[m\]'"):
+        ss.Record.of(rows[0], {"x [mm]": rows[0], "x [m]": rows[0]})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import signal
@@ -191,6 +192,85 @@ def test_another_version_and_a_changed_maker_are_refused(tmp_path, monkeypatch):
         ss.sweep(RIG, **axes, out=tmp_path / "other", resume=True)
 
 
+OWN = """
+from dataclasses import dataclass, field
+
+import stickslip as ss
+from stickslip.maths import cos, sin
+
+
+class Base:
+    def sliding(self, v, load):
+        return SLIDING
+
+
+@dataclass(frozen=True)
+class Mine(Base):
+    mu: float
+
+    def breakaway(self, load):
+        return -self.mu * load, self.mu * load
+
+
+@dataclass(frozen=True)
+class Shaken:
+    amplitude: float
+    omega: float
+    period = property(lambda self: 6.283185307179586 / self.omega)
+    velocity_scale = property(lambda self: self.amplitude * self.omega)
+
+    def position(self, t):
+        return self.amplitude * sin(self.omega * t)
+
+    def velocity(self, t):
+        return self.amplitude * self.omega * cos(self.omega * t)
+
+    def acceleration(self, t):
+        return DRIVEN
+
+
+@dataclass(frozen=True)
+class Slope:
+    def across(self, gravity):
+        return PRESSED
+
+    def along(self, gravity):
+        return 0.0 * gravity
+"""
+WRITTEN = {"SLIDING": "self.mu * load", "DRIVEN": "-self.amplitude * self.omega**2 * sin(self.omega * t)", "PRESSED": "gravity"}
+
+
+@pytest.mark.parametrize("changed", WRITTEN)
+@pytest.mark.parametrize("inside", [False, True], ids=["alone", "inside"])
+def test_another_text_of_a_part_of_ones_own_is_another_study(tmp_path, changed, inside):
+    """A law, a drive or a track, alone or inside one of ours, and what a class inherits."""
+    from stickslip.sweeps.manifest import identity
+    from stickslip.sweeps.planning import SOLVER, planned
+
+    def told(name, formulas):
+        path = tmp_path / f"{name}.py"
+        text = OWN
+        for place, formula in formulas.items():
+            text = text.replace(place, formula)
+        path.write_text(text)
+        spec = importlib.util.spec_from_file_location("own_parts", path)
+        own = importlib.util.module_from_spec(spec)
+        sys.modules["own_parts"] = own
+        spec.loader.exec_module(own)
+        law, drive, track = own.Mine(0.2), own.Shaken(5e-4, 200.0), own.Slope()
+        if inside:
+            law, drive, track = ss.Sum(law, ss.Viscous(0.1, 0.1)), ss.Reversed(drive), ss.VaryingFriction(track, depth=0.2)
+        robot = ss.Robot(body_mass=0.06, inner_mass=0.01, drive=drive, friction=law, track=track)
+        return identity(planned(robot, (), {"gravity": [9.8, 9.81]}, None, None, None, **SOLVER))["robot"]
+
+    try:
+        first = told("first", WRITTEN)
+        assert told("again", WRITTEN) == first
+        assert told("other", WRITTEN | {changed: f"1.0 * {WRITTEN[changed]}"}) != first
+    finally:
+        sys.modules.pop("own_parts", None)
+
+
 def test_what_cannot_be_written_is_told(whole, tmp_path, monkeypatch):
     with pytest.raises(ss.InputError, match="resume=True"):
         ss.sweep(RIG, **AXES, out=whole)
@@ -274,6 +354,57 @@ def test_export_to_each_format(whole, tmp_path):
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
     with pytest.raises(ss.InputError, match=r"allowed are \.nc"):
         ss.export(whole, tmp_path / "grid.xlsx")
+
+
+def test_what_is_exported_comes_back_as_it_was(tmp_path):
+    """Words of any alphabet, values that are no words, columns of one's own, a part of the columns."""
+
+    def maker(amplitude, oil, wet):
+        return RIG(amplitude=amplitude, tilt_deg=1.7 if wet else 1.0, law="coulomb")
+
+    grid = ss.sweep(maker, amplitude=[4e-4, 6e-4], oil=["Öl", "масло"], wet=[None, True])
+    grid = grid.assign(
+        twice=2 * grid.mean_velocity, best=grid.mean_velocity.max("amplitude"), fast=grid.mean_velocity > 1e-3, named=("oil", ["µ", ""])
+    )
+    grid = grid.assign_coords(lubricated=("oil", [True, False]))
+    back = ss.open_study(ss.export(grid, tmp_path / "grid.nc"))
+    xr.testing.assert_identical(back.drop_attrs(deep=False), grid.drop_attrs(deep=False))
+    assert back.wet.values.tolist() == [None, True] and back.oil.values.tolist() == ["Öl", "масло"] and back.fast.dtype == bool
+    some = grid[["mean_velocity", "status"]].isel(amplitude=0)
+    xr.testing.assert_identical(ss.open_study(ss.export(some, tmp_path / "some.nc")).drop_attrs(deep=False), some.drop_attrs(deep=False))
+    kept = ss.sweep(maker, amplitude=[4e-4, 6e-4], oil=["Öl", "масло"], wet=[None, True], out=tmp_path / "study")
+    assert kept.wet.values.tolist() == [None, True] and kept.oil.values.tolist() == ["Öl", "масло"]
+
+
+def test_export_takes_any_dataset(tmp_path):
+    """Columns over different dimensions, without one that is ours, and no dimension at all."""
+    from scipy.io import loadmat
+
+    diagram = xr.Dataset(
+        {"mean_velocity": ("A", [0.1, 0.2]), "v": (("A", "point"), [[1.0, np.nan], [3.0, 4.0]], {"units": "m/s"})},
+        {"A": [3e-4, 4e-4], "oil": ("A", ["", "Öl"]), "wet": ("A", np.array([None, True], object))},
+    )
+    for data in (diagram, diagram[["v"]]):
+        lines = ss.export(data, tmp_path / "diagram.csv").read_text(encoding="utf-8").splitlines()
+        assert lines[0].startswith("A,point,oil,wet,") and lines[0].endswith("v [m/s]") and len(lines) == 5
+        assert lines[4].startswith("0.0004,1,Öl,True,") and lines[4].endswith("4.0") and lines[2].endswith("nan")
+    mat = loadmat(ss.export(diagram, tmp_path / "diagram.mat"), squeeze_me=True)
+    assert mat["v"].shape == (2, 2) and mat["oil"][1] == "Öl" and mat["wet"][0].size == 0 and mat["wet"][1]
+    plain = diagram.drop_vars("wet")
+    xr.testing.assert_equal(xr.load_dataset(ss.export(plain, tmp_path / "plain.nc")), plain)
+    with pytest.raises(ss.InputError, match="cannot be kept in a netCDF file"):
+        ss.export(diagram.assign(odd=("A", np.array([{}, []], object))), tmp_path / "diagram.nc")
+    one = xr.Dataset({"exponent": ((), -0.5)})
+    assert ss.export(one, tmp_path / "one.csv").read_text().splitlines() == ["exponent", "-0.5"]
+    for bad, told in (
+        (diagram.v, "a DataArray is given; allowed is a study folder"),
+        (xr.Dataset(), "no columns"),
+        (None, "None is given"),
+    ):
+        with pytest.raises(ss.InputError, match=told):
+            ss.export(bad, tmp_path / "bad.csv")
+    with pytest.raises(ss.InputError, match=r"export: cannot write .*that folder does not exist; make it first"):
+        ss.export(one, tmp_path / "nowhere" / "one.csv")
 
 
 def test_export_to_parquet_says_what_to_install(whole, tmp_path, monkeypatch):
@@ -375,3 +506,19 @@ def test_a_tile_travels_as_names_and_numbers():
         message(planned(lambda a: RIG(tilt_deg=1.0, amplitude=a), (), {"a": [1e-4]}, None, None, 7, **SOLVER), 0)
     robot = planned(RIG(tilt_deg=1.7, amplitude=4e-4), (), {"drive.amplitude": [4e-4, 5e-4]}, None, None, 7, **SOLVER)
     assert work(message(robot, 0))[0]["motion_type"].tolist() == solved(robot, 0)[0]["motion_type"].tolist()
+
+
+def test_a_mechanism_travels_too():
+    from stickslip.sweeps.cluster import message, work
+    from stickslip.sweeps.planning import SOLVER, planned
+    from stickslip.sweeps.solving import solved
+
+    law = ss.Coulomb(0.3, 0.3)
+    benches = [
+        (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, law), {}),
+        (ss.PulledMass(1.0, 2.0, 0.1, law), {"duration": 3.0}),
+        (ss.BlockOnBelt(1.0, 2.0, 0.1, law), {"duration": 3.0}),
+    ]
+    for bench, span in benches:
+        plan = planned(bench, (), {"damping": [0.01, 0.05]}, None, None, 7, **(SOLVER | span))
+        np.testing.assert_array_equal(work(message(plan, 0))[0]["displacement"], solved(plan, 0)[0]["displacement"])

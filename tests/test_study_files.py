@@ -131,3 +131,55 @@ def test_what_a_study_file_is_told_to_type_for_a_law_makes_one(kind):
         asked = {line.partition(" = ")[0] for line in told}
         usual = {name: value for name, value in vars(type(law).example()).items() if name in asked and isinstance(value, float)}
         assert {name: getattr(law, name) for name in usual} == usual
+
+
+MISTAKES = {  # the user's code, the function that is asked for, and what is said of it
+    "half": ("def make(:\n    pass\n", "make", "line 1: SyntaxError: "),
+    "lacking": (
+        "import math\nimport no_such_library\n",
+        "make",
+        "line 2, in <module>: ModuleNotFoundError: No module named 'no_such_library'",
+    ),
+    "dividing": ("x = 1 / 0\n\n\ndef make():\n    return x\n", "make", "line 1, in <module>: ZeroDivisionError: division by zero"),
+    "looking": (
+        "def make(mu=0.3):\n    return helper(mu)\n\n\ndef helper(mu):\n    return {}['tilt']\n",
+        "make",
+        "line 6, in helper: KeyError: 'tilt'",
+    ),
+    "asking": ("import json\n\n\ndef make():\n    return json.loads('{')\n", "make", "line 5, in make: JSONDecodeError: "),
+}
+
+
+@pytest.mark.parametrize("kind", MISTAKES)
+def test_a_mistake_in_the_users_own_code_is_told_with_its_file_and_line(kind, call, tmp_path):
+    text, function, said = MISTAKES[kind]
+    file = tmp_path / f"own_code_{kind}.py"
+    file.write_text(text)
+    (tmp_path / "study.toml").write_text(f'make = "{file.name}:{function}"\n')
+    for words in (("run", f"{file}:{function}"), ("run", str(tmp_path / "study.toml"), "--allow-code")):
+        code, _, err = call(*words)
+        assert code == 2 and f"your code: {file}, {said}" in err and "stickslip itself" not in err
+
+
+def test_a_mistake_in_the_users_own_law_is_told_with_its_line(call, tmp_path):
+    file = tmp_path / "own_code_law.py"
+    file.write_text(
+        "from dataclasses import dataclass\nimport stickslip as ss\n\n\n@dataclass(frozen=True)\nclass Mine:\n    mu: float\n\n"
+        "    def sliding(self, v, load):\n        return {}[load]\n\n    def breakaway(self, load):\n        return -load, load\n\n\n"
+        "def make():\n    return ss.presets.coulomb_robot(0.3, 0.4).replace(friction=Mine(0.3))\n"
+    )
+    code, _, err = call("run", f"{file}:make")
+    assert code == 2 and f"your code: {file}, line 10, in sliding: " in err
+
+
+def test_code_that_is_no_function_or_makes_no_robot_says_so(call, tmp_path):
+    file = tmp_path / "own_code_other.py"
+    file.write_text("make = 3\n\n\ndef maker():\n    return None\n")
+    assert "own_code_other has no function 'make'; did you mean 'maker'?" in call("run", f"{file}:make")[2]
+    assert "it returns None; allowed is a Robot or a mechanism" in call("run", f"{file}:maker")[2]
+
+
+def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):
+    monkeypatch.setattr("stickslip.checking.shape_of", int)  # a robot is no number
+    code, _, err = call("check", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4")
+    assert code == 1 and "TypeError" in err and "This is an error of stickslip itself" in err

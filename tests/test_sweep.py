@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
+from stickslip.mechanisms import MECHANISMS
 from stickslip.sweeps import sweep
 from stickslip.sweeps.progress import Bar, Lines
 
@@ -166,6 +167,19 @@ class Touchy:
         return 1e5 * z + 100.0 * zdot
 
 
+@dataclass(frozen=True)
+class Broken:
+    """A law that never gives a number."""
+
+    mu: float
+
+    def rate(self, v, z, load):
+        return v
+
+    def force(self, v, z, zdot, load):
+        raise RuntimeError("not today")
+
+
 def test_a_failing_law_marks_its_own_cell():
     def maker(mu):
         return RIG(tilt_deg=0.0, amplitude=6e-4).replace(friction=Touchy(mu=mu))
@@ -226,6 +240,26 @@ def test_what_is_wrong_with_a_design_is_told():
             bad()
 
 
+@pytest.mark.parametrize("shard", [None, "2/2"])
+def test_an_error_of_every_case_is_raised_with_a_folder_too(tmp_path, shard):
+    def maker(mu):
+        return RIG(tilt_deg=0.0, amplitude=6e-4).replace(friction=Broken(mu=mu))
+
+    with pytest.raises(ss.InputError, match="not today"):
+        sweep(maker, mu=[0.2, 0.3])
+    for resume in (False, True):
+        with pytest.raises(ss.InputError, match=r"not today(.|\n)*the folder .* is complete"):
+            sweep(maker, mu=[0.2, 0.3], out=tmp_path / "study", tile=1, shard=shard, resume=resume)
+    kept = ss.open_study(tmp_path / "study")
+    assert kept.status.values.tolist() == [101 if shard else 100, 100] and "not today" in kept.attrs["notes"]
+
+
+def test_a_map_that_is_stopped_at_once_says_nothing_is_computed(every_report):
+    axes = dict(amplitude=np.linspace(1e-4, 8e-4, 9), omega=np.linspace(60.0, 300.0, 9), tilt_deg=1.7)
+    grid = ss.map(RIG, refine=True, coarse=3, progress=lambda now: False, **axes)
+    assert (grid.status == 101).all()
+
+
 # starts, neighbours, results ------------------------------------------------------------------------------------------
 
 
@@ -256,6 +290,52 @@ def test_following_shortens_transients():
     followed, alone = sweep(RIG, **axes, continue_along="amplitude"), sweep(RIG, **axes)
     assert followed.sel(way="up").mean_velocity.values == pytest.approx(alone.mean_velocity.values, rel=3e-6)
     assert "amplitude" in followed.dims and (followed.period == 1).all()
+
+
+STICTION, BRISTLES = ss.Coulomb(0.3, 0.3, 0.45, 0.45), ss.LuGre(0.3, 0.3, 0.45, 0.45, sigma0=100.0, sigma1=1.0, sigma2=0.1, v_s=0.05)
+SPRUNG = {
+    "forced_oscillator": (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, STICTION), {"omega": [0.6, 0.7, 0.8]}, {"periods": 3}),
+    "block_on_belt": (ss.BlockOnBelt(1.0, 2.0, 0.1, STICTION), {"speed": [0.1, 0.15, 0.2]}, {"duration": 4.0}),
+    "pulled_mass": (ss.PulledMass(1.0, 2.0, 0.1, STICTION), {"speed": [0.1, 0.15, 0.2]}, {"duration": 7.0}),
+}
+
+
+@pytest.mark.parametrize(("kind", "law"), [*((kind, STICTION) for kind in MECHANISMS), ("pulled_mass", BRISTLES)])
+def test_each_case_starts_where_its_neighbour_ended(kind, law):
+    """Position too, where there is a spring: as runs that hand their last instant on, with the spring as far stretched as it was."""
+    bench, axis, span = SPRUNG[kind]
+    bench, ((name, values),) = bench.replace(friction=law), axis.items()
+    both = sweep(bench, **axis, **span, settle=0, rtol=1e-8, continue_along=name)
+    start = {}
+    for way, value in [("up", v) for v in values] + [("down", v) for v in values[::-1]]:
+        run = ss.solve(bench.replace({name: value}), **span, settle=0, rtol=1e-8, start=start)
+        assert float(both.displacement.sel({"way": way, name: value})) == pytest.approx(run.x[-1] - run.x[0], rel=1e-6, abs=1e-9)
+        end = run.at(run.t[-1])
+        start = {"x": end["x"] - getattr(run.model, "far_end_velocity", 0.0) * run.t[-1], "v": end["v"]}
+        start |= {} if end["z"] is None else {"z": end["z"]}
+
+
+@pytest.mark.parametrize("law", ["coulomb", "coulomb-static", "lugre"])
+def test_power_is_told_whatever_the_start_and_the_window(law):
+    axes = dict(amplitude=[4e-4, 7.7e-4], tilt_deg=1.7, law=law)
+    followed, alone = sweep(RIG, **axes, continue_along="amplitude"), sweep(RIG, **axes)
+    waited = [sweep(RIG, **axes, start={"v": 0.05}), sweep(RIG, **axes, settle=150)]
+    for name in ("drive_power", "cost_of_transport"):
+        for grid in (followed.sel(way="up"), *waited):
+            assert grid[name].values == pytest.approx(alone[name].values, rel=1e-4)
+
+
+def test_following_goes_on_beside_a_law_that_fails():
+    def maker(law, amplitude):
+        robot = RIG(tilt_deg=0.0, amplitude=amplitude)
+        return robot if law == "lugre" else robot.replace(friction=Broken(mu=0.5))
+
+    axes = dict(law=["lugre", "broken"], amplitude=[6e-4, 7e-4], periods=20)
+    grid = sweep(maker, **axes, continue_along="amplitude")
+    assert (grid.status.sel(law="broken") == 100).all() and "not today" in grid.attrs["notes"]
+    assert (grid.status.sel(law="lugre") <= 1).all() and np.isfinite(grid.drive_power.sel(law="lugre")).all()
+    with pytest.raises(ss.InputError, match="continue_along needs the end states"):
+        sweep(RIG, amplitude=[6e-4, 7e-4], tilt_deg=1.7, method="lsoda", continue_along="amplitude")
 
 
 def test_drive_power_is_that_of_the_curve():

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import describe, is_array, leaves
+from stickslip.fields import describe, is_array, leaves, replace_leaf, same
 
-__all__ = ["Labels", "check_shape", "labels_of", "rows_of", "shape_of", "spread"]
+__all__ = ["Labels", "check_shape", "labels_of", "labels_together", "point_by_point", "rows_of", "shape_of", "spread", "stacked"]
 
 
 @dataclass(frozen=True)
@@ -18,10 +19,6 @@ class Labels:
     shape: tuple[int, ...]
     dims: tuple[str, ...] | None = None
     coords: dict[str, Any] | None = None
-
-
-def _arrays(model: Any) -> dict[str, Any]:
-    return {name: value for name, value in leaves(model) if is_array(value)}
 
 
 def shape_of(model: Any) -> tuple[int, ...]:
@@ -40,12 +37,24 @@ def check_shape(model: Any, problems: Problems) -> None:
 
 def labels_of(model: Any) -> Labels:
     """Shape and labels of the batch; `InputError` if the arrays do not fit together."""
-    arrays = _arrays(model)
+    return labels_together(dict(leaves(model)), type(model).__name__)
+
+
+def labels_together(numbers: dict[str, Any], what: str) -> Labels:
+    """Shape and labels of the batch that these numbers make together; `InputError` of `what` if they do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> labels_together({"mu": 0.2, "tilt": np.zeros((3, 1)), "amplitude": np.zeros(2)}, "robot").shape
+    (3, 2)
+    """
+    arrays = {name: value for name, value in numbers.items() if is_array(value)}
     if not arrays:
         return Labels(())
     labelled = {n: a for n, a in arrays.items() if hasattr(a, "dims")}
     if labelled:
-        return _labels_by_name(arrays, labelled, type(model).__name__)
+        return _labels_by_name(arrays, labelled, what)
     import numpy as np
 
     try:
@@ -53,7 +62,7 @@ def labels_of(model: Any) -> Labels:
     except ValueError:
         shapes = "; ".join(f"{n} has shape {np.shape(a)}" for n, a in arrays.items())
         raise InputError(
-            type(model).__name__,
+            what,
             [f"the shapes of the arrays do not broadcast: {shapes}; give arrays of one shape, or use xarray.DataArray with names"],
         ) from None
 
@@ -98,3 +107,41 @@ def spread(value: Any, labels: Labels) -> Any:
         array = np.asarray(value.transpose(*present), float)
         value = array.reshape([value.sizes[d] if d in value.dims else 1 for d in labels.dims])
     return np.broadcast_to(np.asarray(value, float), labels.shape).ravel()
+
+
+def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], columns: dict[str, Any]) -> Any:
+    """The models of a maker that takes single numbers, one for each row of the columns (arrays of one length), put together."""
+    points = zip(*(values.tolist() for values in columns.values()), strict=True)
+    return stacked(what, [make(**fixed, **dict(zip(columns, point, strict=True))) for point in points])
+
+
+def stacked(what: str, models: list[Any]) -> Any:
+    """Models of one kind as one whose numbers are arrays; `InputError` if they are of several kinds.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> drives = [ss.Harmonic(amplitude=a, omega=200.0) for a in (1e-3, 2e-3)]
+    >>> stacked("sweep", drives).amplitude.tolist()
+    [0.001, 0.002]
+    """
+    import numpy as np
+
+    numbers = [name for name, _ in leaves(models[0])]
+    whole = [dict(leaves(model, kinds=True)) for model in models]
+    first, *others = ({n: v for n, v in each.items() if not (n in numbers and v is not None)} for each in whole)
+    for other in others:
+        _check_kind(what, first, other)
+    return replace_leaf(models[0], {name: np.array([float(each[name]) for each in whole]) for name in numbers})
+
+
+def _check_kind(what: str, one: dict[str, Any], other: dict[str, Any]) -> None:
+    """Refuse two models whose equations differ in more than their numbers; remarks, and functions made anew, tell no kinds apart."""
+    for name in {**one, **other}:
+        a, b = one.get(name), other.get(name)
+        field, is_class = name.removesuffix("__class__").removesuffix("."), name.endswith("__class__")
+        if same(a, b) or field.endswith("notes") or (callable(a) and callable(b) and not is_class):
+            continue
+        a, b = (a.__name__, b.__name__) if is_class and a and b else (repr(a), repr(b))
+        told = f"{field or 'the model'} is {a} for one and {b} for another"
+        raise InputError(what, [f"the maker returns models of several kinds: {told}; allowed is one kind; give each kind by itself"])

@@ -10,14 +10,13 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from stickslip.analysis.energy import energy
-from stickslip.analysis.steady import mean_velocity, period_number, periodic_mean_velocity
+from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
 from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
 from stickslip.batch import shape_of
-from stickslip.drives import Harmonic
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, Problems, SolveError
 from stickslip.forces import is_dynamic
-from stickslip.friction import Coulomb
-from stickslip.solvers import solve
+from stickslip.solvers import rk4, solve
+from stickslip.solvers.arcs import handles
 
 __all__ = ["Check", "Judge", "check"]
 
@@ -119,7 +118,7 @@ class Check:
         return f"energy balance: worst residual {self.energy:.1e} of the drive's work in a period"
 
     def _remarks(self) -> list[str]:
-        fixed = any(judge.name == RK4 for judge in self.judges)
+        fixed = any(judge.name == RK4 and judge.periods for judge in self.judges)
         return [*([f"The {RK4} rows show what fixed steps give; they do not count."] if fixed else []), *(f"note: {n}" for n in self.notes)]
 
     def _repr_html_(self) -> str:
@@ -151,8 +150,8 @@ def check(
 
     Parameters
     ----------
-    robot : Robot
-        One robot, no batch.
+    robot : Robot or ForcedOscillator
+        One of them, no batch. What has no period has no mean over periods either: that is refused.
     periods : int
         Drive periods.
     rtol : float
@@ -160,7 +159,7 @@ def check(
     start : dict
         As for `solve`.
     rk4_steps : tuple of int
-        Steps per period of the Runge-Kutta judges.
+        Steps per period of the Runge-Kutta judges, which know robots without impulses or memory and are skipped elsewhere.
     scipy : bool
         Whether to ask scipy, which takes most of the time.
     progress : callable, optional
@@ -177,10 +176,7 @@ def check(
     >>> f"{sure.mean_velocity:.6f} m/s", sure.digits >= 8
     ('0.002015 m/s', True)
     """
-    if not hasattr(robot, "friction"):
-        raise InputError("check", [f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"])
-    if shape_of(robot):
-        raise InputError("check", [f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it"])
+    _check_arguments(robot, rk4_steps)
     court = _Court(robot, periods, start)
     dynamic = is_dynamic(robot.friction)
     tell = _told(progress, 1 + scipy + len(rk4_steps))
@@ -204,10 +200,33 @@ def check(
     return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(robot.notes), verdict)
 
 
+def _check_arguments(robot: Any, rk4_steps: Any) -> None:
+    """Refuse what no judge can be asked about, all at once."""
+    problems, name = Problems("check"), type(robot).__name__
+    if not (hasattr(robot, "friction") and hasattr(robot, "acceleration")):
+        problems.add(f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
+    elif shape_of(robot):
+        problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")
+    elif robot.period is None:
+        problems.add(
+            f"{name} has no period, and the judges compare means over drive periods; allowed is a Robot or a ForcedOscillator; "
+            f'type for example ss.solve(bench, duration=60.0), and beside it the same with method="{SCIPY[is_dynamic(robot.friction)][0]}"'
+        )
+    if not isinstance(rk4_steps, (tuple, list)) or not all(map(rk4.allows, rk4_steps)):
+        example = f"({rk4_steps},)" if rk4.allows(rk4_steps) else "(2000, 10000)"
+        problems.add(f"rk4_steps = {rk4_steps!r}; allowed is a tuple, each {rk4.ALLOWED}; type for example rk4_steps={example}")
+    problems.check()
+
+
 def _told(progress: Callable[[str, int, int], None] | None, whole: int) -> Callable[[str], None]:
     """Counts who was asked."""
     done = iter(range(whole + 1))
     return lambda who: progress(who, next(done), whole) if progress else None
+
+
+def _skipped(name: str, setting: str, why: str) -> Judge:
+    """A judge that cannot be asked."""
+    return Judge(name, setting, 0, math.nan, math.nan, 0.0, False, f"skipped: {why}")
 
 
 class _Court:
@@ -227,39 +246,51 @@ class _Court:
             value = mean_velocity(solve(self.robot, periods=periods, start=self.start, **options))
         except SolveError as error:
             return Judge(name, setting, periods, math.nan, math.nan, time.perf_counter() - begin, False, str(error).split(";")[0])
+        except InputError as error:  # the first run took these arguments: it is the method that cannot
+            return _skipped(name, setting, error.problems[0].rsplit("; type", 1)[0])
         difference = math.nan if reference is None else value - reference
         return Judge(name, setting, periods, value, difference, time.perf_counter() - begin, counts, remark)
 
+    def answer(self, **options: Any) -> tuple[Any, float]:
+        """The run that is judged, and the seconds it took; what has to be compiled for it is compiled before."""
+        solve(self.robot, periods=1, start=self.start, **options)
+        begin = time.perf_counter()
+        return solve(self.robot, periods=self.periods, start=self.start, **options), time.perf_counter() - begin
+
     def ladder(self, rtol: float) -> tuple[Any, list[Judge]]:
         """The answer and the same at tighter tolerances; the tightest is the reference of the others."""
-        tolerances = sorted({max(rtol * part, _TIGHTEST) for part in LADDER}, reverse=True)
-        run = solve(self.robot, periods=self.periods, start=self.start, rtol=rtol)
-        found = [self.judge(f"{run.method}", f"rtol {tolerance:.0e}", None, rtol=tolerance) for tolerance in tolerances]
+        run, seconds = self.answer(rtol=rtol)
+        tighter = sorted({max(rtol * part, _TIGHTEST) for part in LADDER} - {rtol}, reverse=True)
+        found = [Judge(run.method, f"rtol {rtol:.0e}", self.periods, mean_velocity(run), math.nan, seconds)]
+        found += [self.judge(run.method, f"rtol {tolerance:.0e}", None, rtol=tolerance) for tolerance in tighter]
         best = found[-1].mean_velocity
         last = {"remark": _REFERENCE}
         return run, [Judge(**{**asdict(j), "difference": j.mean_velocity - best, **(last if j is found[-1] else {})}) for j in found]
 
     def exact(self) -> tuple[Any, list[Judge]]:
         """The exact run and the closed formula."""
-        run = solve(self.robot, periods=self.periods, start=self.start)
-        first = self.judge("exact arcs", "no tolerance", None, remark=_REFERENCE)
-        return run, [Judge(**{**asdict(first), "difference": 0.0}), self.formula()]
+        run, seconds = self.answer()
+        first = Judge("exact arcs", "no tolerance", self.periods, mean_velocity(run), 0.0, seconds, remark=_REFERENCE)
+        return run, [first, self.formula()]
 
     def formula(self) -> Judge:
         """The closed formula of the periodic motion against a run until the strobe point repeats; skipped where it does not apply."""
-        begin, value, law, drive = time.perf_counter(), math.nan, self.robot.friction, self.robot.drive
-        why = "" if type(law) is Coulomb and type(drive) is Harmonic else "it is for Coulomb friction and a harmonic drive"
-        why = why or ("it is for motions that begin at rest" if self.start else "")  # two motions may coexist
-        value = math.nan if why else float(periodic_mean_velocity(self.robot))
-        if not why and math.isnan(value):
-            why = "what slides down by itself has no period"
-        if why:
-            return Judge("closed formula", "periodic motion", 0, math.nan, math.nan, 0.0, False, f"skipped: {why}")
+        name, setting, begin = "closed formula", "periodic motion", time.perf_counter()
+        if handles(self.robot) is not None:
+            return _skipped(name, setting, "it is for Coulomb friction and a harmonic drive")
+        if self.start:  # two motions may coexist
+            return _skipped(name, setting, "it is for motions that begin at rest")
+        closed = closed_mean_velocity(self.robot)
+        if closed is None:
+            return _skipped(name, setting, "what slides down by itself has no period")
+        value = float(closed)
+        if math.isnan(value):
+            return _skipped(name, setting, "the motion from rest takes too long to settle")
         long: Any = solve(self.robot, periods=5000, settle="auto", keep="summary", start=self.start)
         repeats, ran = bool(long.period), int(long.periods_run)
         remark = f"against a run until the strobe point {'repeats' if repeats else f'repeats, which it did not in {ran} periods'}"
         difference = value - float(long.mean_velocity) if repeats else math.nan
-        return Judge("closed formula", "periodic motion", ran, value, difference, time.perf_counter() - begin, repeats, remark)
+        return Judge(name, setting, ran, value, difference, time.perf_counter() - begin, repeats, remark)
 
     def scipy(self, method: str, periods: int, rtol: float, tight: float) -> Judge:
         """An integrator that is not ours, over fewer periods, against our own tight run of the same length."""

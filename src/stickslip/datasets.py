@@ -9,22 +9,12 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves
+from stickslip.jsontext import plain
 from stickslip.variables import VARIABLES
 
-__all__ = ["COLUMNS", "attributes", "jsonable", "summary_dataset", "trajectory_columns", "trajectory_dataset"]
+__all__ = ["COLUMNS", "attributes", "summary_dataset", "trajectory_columns", "trajectory_dataset", "write_csv"]
 
 COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims == ("time",))
-
-
-def jsonable(value: Any) -> Any:
-    """A value as plain numbers, text, lists and dicts."""
-    if isinstance(value, dict):
-        return {str(k): jsonable(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [jsonable(v) for v in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
 
 
 def trajectory_columns(run: Any) -> dict[str, Any]:
@@ -33,11 +23,21 @@ def trajectory_columns(run: Any) -> dict[str, Any]:
     return {name: column for name, column in columns.items() if column is not None}
 
 
+def write_csv(columns: dict[str, Any], file: Any) -> None:
+    """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers."""
+    flat: dict[str, Any] = {}
+    for name, column in columns.items():
+        parts = {name: column} if column.ndim == 1 else {f"{name}_{i}": column[:, i] for i in range(column.shape[1])}
+        flat |= {f"{part} [{VARIABLES[name].unit}]": values for part, values in parts.items()}
+    table = np.column_stack(list(flat.values()))
+    np.savetxt(file, table, delimiter=",", header=",".join(flat), comments="", fmt="%.17g", encoding="utf-8")
+
+
 def attributes(run: Any) -> dict[str, Any]:
     """What a reader must know about a run beside its columns."""
     attrs = {name: getattr(run, name) for name in ("status", "method", "rtol", "periods", "settle", "samples")}
     for name in ("start", "provenance", "counts"):
-        attrs[name] = json.dumps(jsonable(getattr(run, name)))
+        attrs[name] = json.dumps(plain(getattr(run, name)))
     try:
         attrs["robot"] = run.model.to_toml()
     except (InputError, AttributeError):
@@ -84,7 +84,7 @@ def summary_dataset(many: Any) -> Any:
     data = {name: (dims, np.reshape(column, labels.shape), told[name]) for name, column in many.columns.items()}
     if "status" in data:
         told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items())
-    return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(jsonable(many.provenance))})
+    return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(plain(many.provenance))})
 
 
 def _placed(value: Any, dims: tuple[str, ...]) -> tuple[tuple[str, ...], Any]:

@@ -51,6 +51,11 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
     **columns : sequences of one length
         Arguments of the maker.
 
+    Returns
+    -------
+    Design
+        As many points as each column has values.
+
     Examples
     --------
     >>> import stickslip as ss
@@ -75,6 +80,18 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
 
 def table(rows: Any, dim: str = "case") -> Design:
     r"""Arbitrary rows: a dict of columns, a pandas DataFrame, or the path of a CSV file whose first line names the columns.
+
+    Parameters
+    ----------
+    rows : dict, DataFrame or path
+        The columns; in a CSV file a column of numbers throughout is numbers, any other is words.
+    dim : str
+        Name of the dimension.
+
+    Returns
+    -------
+    Design
+        A point for each row.
 
     Examples
     --------
@@ -130,6 +147,11 @@ def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, f
     **bounds : (low, high)
         Range of each argument; (low, high, "log") spreads its logarithm.
 
+    Returns
+    -------
+    Design
+        `count` points, with seed and ranges among its attributes.
+
     Examples
     --------
     >>> points = sobol(4, seed=1, amplitude=(0.0, 1.0))
@@ -153,6 +175,11 @@ def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tupl
     ----------
     count, seed, dim, **bounds
         As for `sobol`.
+
+    Returns
+    -------
+    Design
+        As from `sobol`.
 
     Examples
     --------

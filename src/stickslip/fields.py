@@ -10,11 +10,30 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean
 
-__all__ = ["Record", "at_least", "describe", "example_of", "is_array", "is_number_field", "leaves", "number", "positive", "replace_leaf"]
+if TYPE_CHECKING:
+    import inspect
+
+__all__ = [
+    "Frozen",
+    "arguments_of",
+    "at_least",
+    "checked_number",
+    "describe",
+    "everywhere",
+    "example_of",
+    "is_array",
+    "is_number_field",
+    "is_tuple_field",
+    "leaves",
+    "number",
+    "positive",
+    "replace_leaf",
+    "same",
+]
 
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
@@ -37,25 +56,50 @@ def is_array(value: Any) -> bool:
 
 def number(value: Any) -> Any:
     """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither."""
-    if isinstance(value, (bool, str, bytes)):
-        raise ValueError(f"{value!r} is not a number")
-    if isinstance(value, (int, float)):
-        return float(value)
-    if hasattr(value, "dims") and hasattr(value, "astype"):
-        return value.astype(float)
-    import numpy as np
-
+    if _only_looks_like_one(value):
+        raise ValueError(_refused(value))
     try:
+        if isinstance(value, (int, float)):
+            return float(value)
+        if hasattr(value, "dims") and hasattr(value, "astype"):
+            return value.astype(float)
+        import numpy as np
+
         array = np.array(value, dtype=float)
+    except OverflowError:
+        raise ValueError("an integer is too large for a number; the largest is 1.8e308") from None
     except (TypeError, ValueError):
-        raise ValueError(f"{value!r} is not a number") from None
+        raise ValueError(_refused(value)) from None
     if array.ndim == 0:
         return float(array)
     array.setflags(write=False)
     return array
 
 
-def _all(condition: Any) -> bool:
+def _refused(value: Any) -> str:
+    many = f"an array of shape {value.shape} and of type {value.dtype} is no array of numbers" if is_array(value) else ""
+    return many or f"{value!r} is not a number"
+
+
+def _only_looks_like_one(value: Any) -> bool:
+    """Whether NumPy would take it, or an entry of it, for a number that it is not: text, True and False, complex numbers, None."""
+    if isinstance(value, (list, tuple)):
+        return any(map(_only_looks_like_one, value))
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    if kind == "O" and is_array(value):
+        return any(map(_only_looks_like_one, getattr(value, "values", value).ravel().tolist()))
+    return value is None or isinstance(value, (bool, str, bytes, complex)) or kind in "bSUcMm"
+
+
+def everywhere(condition: Any) -> bool:
+    """Whether a condition on a number holds: of an array, for all of it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> everywhere(2.0 > 1), everywhere(np.array([2.0, 0.5]) > 1)
+    (True, False)
+    """
     return bool(condition.all()) if hasattr(condition, "all") else bool(condition)
 
 
@@ -100,7 +144,50 @@ def at_least(bound: float) -> Rule:
     return rule
 
 
-class Record:
+def checked_number(name: str, value: Any, problems: Problems, rule: Rule | None, allowed: str, typed: str) -> Any:
+    """A finite number by its rule; what is wrong with it is noted and the value comes back as it was.
+
+    Parameters
+    ----------
+    name, allowed, typed : str
+        What the number is called, what `rule` allows in words, and what to type for example.
+    value : float or array
+        As it was given.
+    problems : Problems
+        Takes the sentence.
+    rule : callable or None
+        From value(s) to truth(s).
+
+    Returns
+    -------
+    float or array
+
+    Examples
+    --------
+    >>> problems = Problems("robot")
+    >>> checked_number("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.found
+    (2.0, [])
+    >>> _ = checked_number("mass", "2", problems, positive, "a positive mass [kg]", "mass=0.06")
+    >>> problems.found
+    ["mass: '2' is not a number; allowed is a positive mass [kg]; type for example mass=0.06"]
+    """
+    try:
+        value = number(value)
+    except ValueError as error:
+        problems.add(f"{name}: {error}; allowed is {allowed}; type for example {typed}")
+        return value
+
+    def allows(x: Any) -> Any:
+        return (abs(x) < float("inf")) & (rule is None or rule(x))
+
+    if is_array(value) and value.size == 0:
+        problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
+    elif not everywhere(allows(value)):
+        problems.add(f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {typed}")
+    return value
+
+
+class Frozen:
     """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
 
     _rules: ClassVar[dict[str, tuple[Rule, str]]] = {}  # field -> (rule, what is allowed)
@@ -141,22 +228,7 @@ class Record:
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
         """A number by its field's rule; what is wrong with it is noted and the value comes back as it was."""
         rule, allowed = self._rules.get(field.name, (None, "a finite number"))
-        try:
-            value = number(value)
-        except ValueError as error:
-            problems.add(f"{name}: {error}; allowed is {allowed}; type for example {field.name}={example_of(type(self), field)}")
-            return value
-
-        def allows(x: Any) -> Any:
-            return (abs(x) < float("inf")) & (rule is None or rule(x))
-
-        if is_array(value) and value.size == 0:
-            problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")
-        elif not _all(allows(value)):
-            problems.add(
-                f"{name}{describe_bad(value, allows)}; allowed is {allowed}; type for example {field.name}={example_of(type(self), field)}"
-            )
-        return value
+        return checked_number(name, value, problems, rule, allowed, f"{field.name}={example_of(type(self), field)}")
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -165,7 +237,7 @@ class Record:
         if type(other) is not type(self):
             return NotImplemented
         mine, theirs = dict(leaves(self, kinds=True)), dict(leaves(other, kinds=True))
-        return mine.keys() == theirs.keys() and all(_same(mine[k], theirs[k]) for k in mine)
+        return mine.keys() == theirs.keys() and all(same(mine[k], theirs[k]) for k in mine)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -188,18 +260,29 @@ class Record:
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
 
 
-def _check_arguments(cls: type, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
-    """Names that are not known or missing, said as one of our sentences."""
+def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
+    """What a record's class takes, by name: its fields, or what its own constructor takes instead of them.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Harmonic
+    >>> list(arguments_of(Harmonic))
+    ['amplitude', 'omega', 'frequency', 'notes']
+    """
     import inspect
 
-    known = list(inspect.signature(cls.__init__).parameters.values())[1:]  # type: ignore[misc]
+    return dict(list(inspect.signature(cls.__init__).parameters.items())[1:])  # type: ignore[misc]
+
+
+def _check_arguments(cls: type, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
+    """Names that are not known or missing, said as one of our sentences."""
+    known = arguments_of(cls)
     problems = Problems(cls.__name__)
-    names = [p.name for p in known]
     for name in kwargs:
-        if name not in names:
-            problems.add(f"{name!r} is not a field; {did_you_mean(name, names)}")
-    for p in known[len(args) :]:
-        if p.default is inspect.Parameter.empty and p.name not in kwargs and p.kind is not inspect.Parameter.VAR_KEYWORD:
+        if name not in known:
+            problems.add(f"{name!r} is not a field; {did_you_mean(name, known)}")
+    for p in list(known.values())[len(args) :]:
+        if p.default is p.empty and p.name not in kwargs and p.kind is not p.VAR_KEYWORD:
             problems.add(f"{p.name} is missing; type {p.name}=...")
     problems.check()
 
@@ -233,7 +316,8 @@ def example_of(cls: Any, field: dataclasses.Field[Any]) -> str:
     return str(field.metadata.get("example", getattr(cls, "_example", {}).get(field.name, "1.0")))
 
 
-def _same(a: Any, b: Any) -> bool:
+def same(a: Any, b: Any) -> bool:
+    """Whether two values of a field are equal, arrays in all their values."""
     if is_array(a) or is_array(b):
         import numpy as np
 

@@ -1,4 +1,4 @@
-"""What strict JSON can hold."""
+"""What JSON can hold."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-__all__ = ["strict"]
+__all__ = ["plain", "strict"]
 
 
-def strict(value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str) -> Any:
-    """A value as dicts, lists, text and numbers: arrays become lists, numbers that are no numbers null.
+def plain(
+    value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str, number: Callable[[float], Any] = lambda x: x
+) -> Any:
+    """A value as dicts, lists, text and numbers: arrays become lists.
 
     Parameters
     ----------
@@ -19,18 +21,35 @@ def strict(value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], A
         What becomes of the keys of a mapping.
     other : callable
         What becomes of anything that JSON does not know.
+    number : callable
+        What becomes of a float; by default it stays, also where it is no number, which Python's JSON knows and others do not.
+
+    Returns
+    -------
+    dict, list, str, int, float, bool or None
+
+    Examples
+    --------
+    >>> plain({"a": (1, float("nan")), 3: ValueError})
+    {'a': [1, nan], '3': "<class 'ValueError'>"}
+    """
+    if isinstance(value, Mapping):
+        return {key(k): plain(v, key, other, number) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v, key, other, number) for v in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist(), key, other, number)
+    if isinstance(value, float):
+        return number(value)
+    return value if isinstance(value, (str, int, bool, type(None))) else other(value)
+
+
+def strict(value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str) -> Any:
+    """The same as strict JSON can hold it: numbers that are no numbers are null.
 
     Examples
     --------
     >>> strict({"a": (1, 2.5), 3: float("nan")})
     {'a': [1, 2.5], '3': None}
     """
-    if isinstance(value, Mapping):
-        return {key(k): strict(v, key, other) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [strict(v, key, other) for v in value]
-    if hasattr(value, "tolist"):
-        return strict(value.tolist(), key, other)
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if isinstance(value, (str, int, bool, type(None))) else other(value)
+    return plain(value, key, other, lambda number: number if math.isfinite(number) else None)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from stickslip.drives import Harmonic
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Record, at_least, positive
+from stickslip.fields import Frozen, at_least, positive
 from stickslip.friction import LuGre
 from stickslip.friction.sides import by_side, static
 from stickslip.maths import exp
@@ -19,7 +19,7 @@ __all__ = ["DimensionlessLuGre", "DimensionlessRobot", "UnitDrive", "dimensionle
 
 
 @dataclass(frozen=True, eq=False)
-class DimensionlessLuGre(Record):
+class DimensionlessLuGre(Frozen):
     r"""The bristle of Eq. 5.1, in units of the amplitude and of the drive's phase.
 
     .. math:: \dot z = v - \frac{d\,|v|\,z}{1 + (k_1 - 1) e^{-(v/v_s)^2}} \;(v > 0), \qquad
@@ -81,7 +81,7 @@ class DimensionlessLuGre(Record):
 
 
 @dataclass(frozen=True, eq=False)
-class UnitDrive(Record):
+class UnitDrive(Frozen):
     """xi/A = sin t, the drive of Eq. 5.1."""
 
     amplitude: ClassVar[float] = 1.0
@@ -102,7 +102,7 @@ class UnitDrive(Record):
 
 
 @dataclass(frozen=True, eq=False)
-class DimensionlessRobot(Record):
+class DimensionlessRobot(Frozen):
     r"""The robot of Eq. 5.1: :math:`\dot v = \mu \sin t - R(v, z)` with t, x, v, z in units of 1/omega, A, A omega, A.
 
     Parameters

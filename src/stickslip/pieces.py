@@ -8,11 +8,11 @@ from typing import Any, Protocol
 import numpy as np
 
 __all__ = [
-    "BACKWARD", "FORWARD", "STUCK", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "events_of", "inner_rates", "nodes_at",
+    "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "events_of", "inner_rates", "nodes_at",
     "pieces_from_arrays",
 ]  # fmt: skip
 
-FORWARD, STUCK, BACKWARD = 1, 0, -1
+STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
 
 Array = Any  # numpy.ndarray
 

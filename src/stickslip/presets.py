@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from stickslip.batch import labels_together
 from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import _all, describe, describe_bad, is_array, number
+from stickslip.fields import at_least, checked_number, describe, everywhere, positive
 from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
@@ -17,7 +18,9 @@ __all__ = ["DIMENSIONLESS", "PRESETS", "piezo_beam_rig", "piezo_rig"]
 
 #: Masses [kg] and LuGre numbers of the paper's rig (section 4).
 BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
-LAWS_HERE = ("lugre", "coulomb", "coulomb-static")
+#: The laws of a rig, and the arguments that each has no use for.
+LAWS_HERE = {"lugre": (), "coulomb": ("f0", "sigma0", "sigma1", "sigma2", "v_s"), "coulomb-static": ("sigma0", "sigma1", "sigma2", "v_s")}
+EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "omega": "205.46", "mu0": "0.18", "f0": "0.21", "gravity": "9.81"}
 
 
 def piezo_rig(
@@ -71,30 +74,32 @@ def piezo_rig(
     0.150255
     """
     numbers, problems = _numbers(locals())
-    for name, value, allowed in (("law", law, LAWS_HERE), ("incline", incline, ("folded", "gravity"))):
+    for name, value, allowed in (("law", law, tuple(LAWS_HERE)), ("incline", incline, ("folded", "gravity"))):
         if value not in allowed:
             near = did_you_mean(str(value), allowed)
             problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}" + (f"; {near}" if near.startswith("did") else ""))
+    if not problems.found:
+        _check_shapes(numbers, law, problems)
     if not problems.found:
         _check_tilt(numbers, law, incline, problems)
     problems.check()
     n = numbers
     tilt = n["tilt_deg"] * (math.pi / 180)
-    fold_by = tilt if incline == "folded" else 0.0 * tilt
-    friction = _friction(law, fold(n["mu0"], fold_by), fold(n["f0"], fold_by), n)
     return Robot(
         body_mass=n["body_mass"],
         inner_mass=n["inner_mass"],
         drive=Harmonic(amplitude=n["amplitude"], omega=n["omega"]),
-        friction=friction,
+        friction=_friction(law, tilt if incline == "folded" else 0.0 * tilt, n),
         gravity=n["gravity"],
         track=Level.of_folded(tilt) if incline == "folded" else Incline(tilt=tilt),
     )
 
 
-def _friction(law: str, mu: tuple[Any, Any], f: tuple[Any, Any], n: dict[str, Any]) -> Any:
+def _friction(law: str, tilt: Any, n: dict[str, Any]) -> Any:
+    mu = fold(n["mu0"], tilt)
     if law == "coulomb":
         return Coulomb(mu_plus=mu[0], mu_minus=mu[1])
+    f = fold(n["f0"], tilt)
     if law == "coulomb-static":
         return Coulomb(mu_plus=mu[0], mu_minus=mu[1], f_plus=f[0], f_minus=f[1])
     return LuGre(*mu, *f, sigma0=n["sigma0"], sigma1=n["sigma1"], sigma2=n["sigma2"], v_s=n["v_s"])
@@ -103,48 +108,36 @@ def _friction(law: str, mu: tuple[Any, Any], f: tuple[Any, Any], n: dict[str, An
 def _numbers(arguments: dict[str, Any]) -> tuple[dict[str, Any], Problems]:
     """The arguments that are numbers, checked one by one; what is wrong with all of them."""
     problems, numbers = Problems("piezo_rig"), {}
-    for name, value in arguments.items():
-        if name in ("law", "incline"):
-            continue
-        bound = ("any angle below the friction angle [degrees]", None) if name == "tilt_deg" else ("zero or more", 0.0)
-        strict = name not in ("tilt_deg", "amplitude", "sigma1", "sigma2")
-        try:
-            numbers[name] = number(value)
-        except ValueError as error:
-            problems.add(f"{name}: {error}; type for example {name}={EXAMPLES.get(name, '1.0')}")
-            continue
-        x = numbers[name]
-
-        def allows(value: Any, strict: bool = strict, bounded: bool = bound[1] is not None) -> Any:
-            return (abs(value) < float("inf")) & (not bounded or (value > 0 if strict else value >= 0))
-
-        allowed = "a positive number" if strict else bound[0]
-        if is_array(x) and x.size == 0:
-            problems.add(f"{name} is {describe(x)}; allowed is {allowed}, or an array with at least one value")
-        elif not _all(allows(x)):
-            problems.add(f"{name}{describe_bad(x, allows)}; allowed is {allowed}; type for example {name}={EXAMPLES.get(name, '1.0')}")
+    rules: dict[str, Any] = {"tilt_deg": (None, "any angle below the friction angle [degrees]")}
+    rules |= dict.fromkeys(("amplitude", "sigma1", "sigma2"), (at_least(0.0), "zero or more"))
+    for name in [name for name in arguments if name not in ("law", "incline")]:
+        rule, allowed = rules.get(name, (positive, "a positive number"))
+        numbers[name] = checked_number(name, arguments[name], problems, rule, allowed, f"{name}={EXAMPLES.get(name, '1.0')}")
     return numbers, problems
 
 
-EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "omega": "205.46", "mu0": "0.18", "f0": "0.21", "gravity": "9.81"}
+def _check_shapes(numbers: dict[str, Any], law: str, problems: Problems) -> None:
+    """Note arrays that do not fit together, of those that the law uses."""
+    try:
+        labels_together({name: value for name, value in numbers.items() if name not in LAWS_HERE[law]}, "piezo_rig")
+    except InputError as error:
+        problems.include(error)
 
 
 def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -> None:
     """Folding needs mu_plus > 0: the track must be flatter than the friction angle."""
     import numpy as np
 
-    if law != "coulomb" and not _all(n["f0"] >= n["mu0"]):
+    if law != "coulomb" and not everywhere(n["f0"] >= n["mu0"]):
         problems.add(f"f0 = {describe(n['f0'])} is below mu0 = {describe(n['mu0'])}; allowed is f0 >= mu0; type for example f0=0.21")
-    tilt, angle = np.asarray(n["tilt_deg"]), np.degrees(np.arctan(np.asarray(n["mu0"])))
-    if incline == "folded" and not np.all(
-        abs(tilt) < angle if tilt.shape == angle.shape or not tilt.ndim or not angle.ndim else abs(tilt) < np.min(angle)
-    ):
+    tilt, angle = n["tilt_deg"], np.degrees(np.arctan(n["mu0"]))
+    if incline == "folded" and not everywhere(abs(tilt) < angle):
         problems.add(
-            f"tilt_deg = {describe(n['tilt_deg'])} is at or beyond the friction angle atan(mu0) = {np.min(angle):.4g} degrees, "
-            "where the folded "
-            'mu_plus is not positive; allowed is a smaller tilt; type incline="gravity" for a robot that slides down by itself'
+            f"tilt_deg = {describe(n['tilt_deg'])} is at or beyond the friction angle atan(mu0) = {np.min(np.asarray(angle)):.4g} degrees, "
+            "where the folded mu_plus is not positive; allowed is a smaller tilt; "
+            'type incline="gravity" for a robot that slides down by itself'
         )
-    elif incline == "gravity" and not np.all(abs(tilt) < 90):
+    elif incline == "gravity" and not everywhere(abs(tilt) < 90):
         problems.add(f"tilt_deg = {describe(n['tilt_deg'])}; allowed is between -90 and 90 degrees; type for example tilt_deg=1.7")
 
 

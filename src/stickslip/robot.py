@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.drive import largest_velocity
+from stickslip.drives.drive import typical_velocity
 from stickslip.drives.turned import Reversed
 from stickslip.errors import Problems
-from stickslip.fields import Record, leaves, positive
+from stickslip.fields import Frozen, leaves, positive
 from stickslip.forces import check_law, static_limits
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level
@@ -19,7 +19,7 @@ __all__ = ["Robot", "mirrored"]
 
 
 @dataclass(frozen=True, eq=False)
-class Robot(Record):
+class Robot(Frozen):
     r"""A rigid body on a track with a mass that vibrates inside it: Eqs 2.1 to 2.3 of the paper.
 
     .. math:: \ddot x = -\mu\,\ddot\xi(t) + g\sin\theta - \frac{R}{M+m}, \qquad \mu = \frac{m}{M+m}
@@ -98,7 +98,7 @@ class Robot(Record):
     @property
     def velocity_scale(self) -> Any:
         """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
-        return largest_velocity(self.drive)
+        return typical_velocity(self.drive)
 
     @property
     def free_velocity(self) -> Any:
@@ -230,6 +230,11 @@ def mirrored(robot: Robot) -> Robot:
     ----------
     robot : Robot
         Its law either has a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or is the same both ways.
+
+    Returns
+    -------
+    Robot
+        A new one. What is mirrored twice is the robot again.
 
     Examples
     --------

@@ -17,16 +17,17 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.datasets import attributes, jsonable, trajectory_columns
+from stickslip.datasets import attributes, trajectory_columns, write_csv
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS, Coulomb
+from stickslip.jsontext import plain
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
 from stickslip.variables import VARIABLES
 
-__all__ = ["FORMAT", "moved_into_place", "read", "save", "to_mat", "unwritable"]
+__all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_mat", "unwritable"]
 
 #: Version of the file format; a reader refuses a newer one.
 FORMAT = 1
@@ -113,7 +114,7 @@ def _model_attributes(model: Any) -> dict[str, str]:
         kept = {"robot": model.replace(friction=Coulomb(mu_plus=0.0, mu_minus=0.0)).to_toml()}
     except InputError as error:
         raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
-    numbers = {f.name: jsonable(getattr(law, f.name)) for f in dataclasses.fields(law)}
+    numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
     return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": is_dynamic(law), "fields": numbers})}
 
 
@@ -155,7 +156,7 @@ def _check_format(attrs: Any, path: Path) -> None:
 
 
 def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
-    robot = _class_of(attrs["robot"]).from_toml(attrs["robot"])
+    robot = from_text(attrs["robot"])
     if "law" not in attrs:
         return robot
     kept = json.loads(attrs["law"])
@@ -166,9 +167,9 @@ def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
     return robot.replace(friction=cls(**fields))
 
 
-def _class_of(text: str) -> Any:
-    """The class whose TOML this is."""
-    return MECHANISMS.get(tomllib.loads(text).get("mechanism", {}).get("kind"), Robot)
+def from_text(text: str) -> Any:
+    """The robot or the mechanism whose TOML this is."""
+    return MECHANISMS.get(tomllib.loads(text).get("mechanism", {}).get("kind"), Robot).from_toml(text)
 
 
 def _unknown_law(self: Any, *arguments: Any, **more: Any) -> Any:
@@ -205,4 +206,13 @@ def to_mat(run: Any, path: str | Path) -> Path:
     units = {name: VARIABLES[name].unit or "1" for name in columns}
     with moved_into_place(path, unwritable("to_mat")) as beside:
         savemat(beside, {**columns, "units": units, "run": attributes(run)}, oned_as="column", appendmat=False)
+    return path
+
+
+# ---- text ----
+def to_csv(run: Any, path: str | Path) -> Path:
+    """Write the columns of a run to a CSV file, units in its first line; returns its path."""
+    path = Path(path).expanduser()
+    with moved_into_place(path, unwritable("to_csv")) as beside:
+        write_csv(trajectory_columns(run), beside)
     return path

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.drives import DRIVES
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
-from stickslip.fields import describe, example_of, is_array, is_number_field
+from stickslip.fields import arguments_of, describe, example_of, is_array, is_number_field, is_tuple_field
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
@@ -121,36 +121,34 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> A
 
 def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
     """An instance from its arguments; every unknown, missing or bad one is noted."""
-    fields = dataclasses.fields(cls)
-    allowed = [f.name for f in fields] + (["frequency"] if where == "robot.drive" else [])
-    for name in [n for n in arguments if n not in allowed]:
-        hint = other_words(name, arguments[name], allowed, " = ") or did_you_mean(name, allowed)
+    fields, taken = {f.name: f for f in dataclasses.fields(cls)}, arguments_of(cls)
+    for name in [n for n in arguments if n not in taken]:
+        hint = other_words(name, arguments[name], taken, " = ") or did_you_mean(name, taken)
         problems.add(f"{where}.{name} is not known; {hint}")
         del arguments[name]
-    optional = {f.name for f in fields if f.default is not dataclasses.MISSING or f.default_factory is not dataclasses.MISSING}
-    for field in fields:
-        if "None" in str(field.type) and field.name not in arguments:
-            arguments[field.name] = None
-        either = field.name == "omega" and "frequency" in arguments
-        if field.name not in arguments and field.name not in optional and not either and field.name not in PARTS:
-            example = example_of(cls, field).replace("(", "[").replace(")", "]")
-            problems.add(f"{where}.{field.name} is missing; type for example {field.name} = {example}")
-            arguments[field.name] = _read_back(example)
+    for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in PARTS]:
+        if "None" in str(fields[name].type):
+            arguments[name] = None
+            continue
+        example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
+        problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
+        arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
     lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
     try:
         made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
     except InputError as error:
-        problems.include(error, f"{where}.")
+        problems.found += [f"{where}{'.' if sentence.startswith(tuple(taken)) else ': '}{sentence}" for sentence in error.problems]
         return None
     return None if lacking else made
 
 
-def _read_back(example: str) -> Any:
-    """The value of an example, so that the other fields can be judged beside it; 1 of one that is no text of a study file."""
+def _read_back(example: str, otherwise: Any) -> Any:
+    """The value of an example, so that the other fields can be judged beside it."""
     try:
-        return tomllib.loads(f"x = {example}")["x"]
+        value = tomllib.loads(f"x = {example}")["x"]
     except tomllib.TOMLDecodeError:
-        return 1.0
+        return otherwise
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _stand_in(part: str) -> Any:

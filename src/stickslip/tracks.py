@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import Record
+from stickslip.fields import Frozen
 from stickslip.maths import cos, pi, sin
 
 __all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "fold"]
 
 
 @dataclass(frozen=True, eq=False)
-class Level(Record):
+class Level(Frozen):
     """A horizontal track (or one whose incline was folded into the friction coefficients).
 
     Examples
@@ -43,7 +43,7 @@ class Level(Record):
 
 
 @dataclass(frozen=True, eq=False)
-class Incline(Record):
+class Incline(Frozen):
     """An inclined track with gravity acting along it; plus is downhill.
 
     A run uphill is a negative tilt: ``robot.replace({"track.tilt": -0.03})``.
@@ -73,7 +73,7 @@ class Incline(Record):
 
 
 @dataclass(frozen=True, eq=False)
-class VaryingFriction(Record):
+class VaryingFriction(Frozen):
     r"""A track whose friction coefficients vary in time with the drive: by the factor :math:`1 + d\,\sin(n\omega t+\varphi)`.
 
     Gravity stays as it is on the track inside. The factor is put on the load that the law sees. So it is a factor on all

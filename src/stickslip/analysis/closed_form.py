@@ -24,6 +24,8 @@ __all__ = [
     "border_ii_iii",
     "border_iii_iv",
     "coulomb_type",
+    "first_slide",
+    "long_slide",
     "mean_without_rest",
     "periodic",
     "rests",
@@ -108,12 +110,12 @@ def border_iii_iv(ratio: Array) -> Array:
 
 
 # ---- types with rest: the forward slide begins at asin(alpha_plus) ----
-def _first_slide(plus: Array, minus: Array) -> Array:
+def first_slide(plus: Array, minus: Array) -> Array:
     """Velocity at which a slide from break-away meets the phase of break-away on the other side; not above 0: it has come to rest (I)."""
     return np.sqrt((1 - plus) * (1 + plus)) + np.sqrt((1 - minus) * (1 + minus)) - plus * (np.pi + np.arcsin(minus) - np.arcsin(plus))
 
 
-def _long_slide(plus: Array, minus: Array) -> Array:
+def long_slide(plus: Array, minus: Array) -> Array:
     """Velocity of the same slide when the other side can hold again; at least 0: it passes over all of it (II)."""
     return np.sqrt((1 - plus) * (1 + plus)) - np.sqrt((1 - minus) * (1 + minus)) - plus * (2 * np.pi - np.arcsin(minus) - np.arcsin(plus))
 
@@ -141,8 +143,8 @@ def border_i_iii(ratio: Array) -> Array:
     0.406899269748192
     """
     k = np.asarray(ratio, float)
-    a = _root(lambda a: _first_slide(a, np.minimum(k * a, 1.0)), np.zeros_like(k), 1 / k)
-    return np.where(_first_slide(1 / k, np.ones_like(k)) <= 0, a, np.nan)
+    a = _root(lambda a: first_slide(a, np.minimum(k * a, 1.0)), np.zeros_like(k), 1 / k)
+    return np.where(first_slide(1 / k, np.ones_like(k)) <= 0, a, np.nan)
 
 
 def border_ii_i() -> float:
@@ -169,7 +171,7 @@ def border_ii_iii(larger: Array) -> Array:
     (0.110433505278347, 0.2172336)
     """
     minus = np.asarray(larger, float)
-    return _root(lambda a: _long_slide(a, minus), np.zeros_like(minus), minus)
+    return _root(lambda a: long_slide(a, minus), np.zeros_like(minus), minus)
 
 
 def coulomb_type(alpha_plus: Array, alpha_minus: Array) -> Array:
@@ -184,7 +186,7 @@ def coulomb_type(alpha_plus: Array, alpha_minus: Array) -> Array:
     small, large = np.minimum(plus, minus), np.maximum(plus, minus)
     cut = np.minimum(small, 1.0), np.minimum(large, 1.0)
     never = _never_rests(small, large, small, large)
-    kinds = [rests(small, large), never, large >= 1, _long_slide(*cut) >= 0, _first_slide(*cut) <= 0]
+    kinds = [rests(small, large), never, large >= 1, long_slide(*cut) >= 0, first_slide(*cut) <= 0]
     return np.select(kinds, ["rest", "IV", "II", "II", "I"], "III")
 
 
@@ -203,9 +205,9 @@ class Periodic:
     Parameters
     ----------
     mean : array
-        Mean velocity over the period, in w = v/(A mu omega).
+        Mean velocity over the period, in w = v/(A mu omega); NaN where the motion did not repeat.
     forward, stick, backward : array
-        Fractions of the period.
+        Fractions of the period; NaN where the motion did not repeat.
     type : array of str
         "rest", "I", "II", "III", "IV" or "other".
     """
@@ -225,7 +227,8 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
     alpha_plus, alpha_minus : array
         Sliding friction over drive force, forwards and backwards, in any order of size; they broadcast.
     static : tuple of two arrays, optional
-        The same for break-away, if it is higher. Then two motions can live side by side; this is the one that starts from rest.
+        The same for break-away, if it is higher. Then two motions can live side by side; this is the one that starts from rest,
+        and next to frictionless it may need more periods than are run: NaN. Where it is no higher the formula holds.
     workers : int
         Threads.
 
@@ -240,7 +243,7 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
     parts = (alpha_plus, alpha_minus, *(static if static is not None else (alpha_plus, alpha_minus)))
     plus, minus, hold_plus, hold_minus = _checked(*parts)
     share = np.where(plus + minus > 0, minus / np.where(plus + minus > 0, plus + minus, 1.0), 0.5)
-    never = _never_rests(plus, minus, hold_plus, hold_minus) if static is None else np.zeros(plus.shape, bool)
+    never = _never_rests(plus, minus, hold_plus, hold_minus) & (hold_plus == plus) & (hold_minus == minus)
     result = {
         "mean": np.where(never, mean_without_rest(plus, minus), 0.0),
         "forward": np.where(never, share, 0.0),
@@ -266,6 +269,10 @@ def _by_arcs(rows: Array, workers: int) -> dict[str, Array]:
     for i in range(0, len(rows), _CHUNK):
         raw = solve_rows(np.ascontiguousarray(rows[i : i + _CHUNK]), _PERIODS, "auto", workers)
         told = type_of(raw["seg_count"], raw["seg_time"], raw["seg_code"], raw["period"], raw["margin_force"], raw["displacement"])
-        mean = raw["displacement"] / (2 * np.pi * raw["window"])
-        parts.append((mean, told["forward_fraction"], told["stick_fraction"], told["backward_fraction"], told["motion_type"]))
+        numbers = (
+            raw["displacement"] / (2 * np.pi * raw["window"]),
+            *(told[f"{name}_fraction"] for name in ("forward", "stick", "backward")),
+        )
+        repeats = raw["period"] > 0
+        parts.append((*(np.where(repeats, n, np.nan) for n in numbers), np.where(repeats, told["motion_type"], "other")))
     return {name: np.concatenate(column) for name, column in zip(Periodic.__dataclass_fields__, zip(*parts, strict=True), strict=True)}

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.closed_form import _first_slide, _long_slide, border_ii_i, border_ii_iii, border_iii_iv
+from stickslip.analysis.closed_form import border_ii_i, border_ii_iii, border_iii_iv, first_slide, long_slide
 from stickslip.errors import InputError
 
 __all__ = ["BORDERS", "Border", "border_functions", "coulomb_borders"]
@@ -59,8 +59,8 @@ def border_functions(alpha_plus: Array, alpha_minus: Array) -> dict[tuple[str, s
     return {
         ("rest", "II"): small - 1.0,
         ("II", "I"): np.where(small >= border_ii_iii(1.0), large - border_ii_i(), np.nan),
-        ("II", "III"): np.where(inside, _long_slide(*cut), np.nan),
-        ("I", "III"): np.where(inside, _first_slide(*cut), np.nan),
+        ("II", "III"): np.where(inside, long_slide(*cut), np.nan),
+        ("I", "III"): np.where(inside, first_slide(*cut), np.nan),
         ("III", "IV"): fourth,
     }
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.segments import Raw, intervals_of, raw_segments, type_of
+from stickslip.analysis.segments import Segments, intervals_of, raw_segments, type_of
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
@@ -145,7 +145,7 @@ def _check(run: Any, slip_ratio: float, dwell: float) -> None:
         raise InputError("motion", problems)
 
 
-def _typed(run: Any, raw: Raw, period: int | None, dwell: float) -> dict[str, Any]:
+def _typed(run: Any, raw: Segments, period: int | None, dwell: float) -> dict[str, Any]:
     count, model = period or 1, run.model
     net = run.strobe_x[-1] - run.strobe_x[max(len(run.strobe_x) - 1 - count, 0)]
     scale = model.velocity_scale * run.period_time
@@ -155,7 +155,7 @@ def _typed(run: Any, raw: Raw, period: int | None, dwell: float) -> dict[str, An
     return type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
 
 
-def _intervals(raw: Raw, dwell: float) -> tuple[tuple[float, float, int], ...]:
+def _intervals(raw: Segments, dwell: float) -> tuple[tuple[float, float, int], ...]:
     if not (abs(raw.code) == 2).any():
         return ((0.0, float(raw.time.sum()), 0),)
     merged = intervals_of(*raw.rows(), dwell)

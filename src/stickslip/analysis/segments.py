@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load, offered_force, states_of
 from stickslip.segments import Intervals, intervals_of, type_of
 
-__all__ = ["Intervals", "Raw", "intervals_of", "raw_segments", "slip_ratio_at", "type_of"]
+__all__ = ["Intervals", "Segments", "intervals_of", "raw_segments", "slip_ratio_at", "type_of"]
 
 Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
@@ -18,7 +18,7 @@ _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip rat
 
 
 @dataclass(frozen=True, eq=False)
-class Raw:
+class Segments:
     """The segments of one case: durations in drive periods, codes, and the margin of the forces."""
 
     time: Array
@@ -30,16 +30,16 @@ class Raw:
         return np.array([len(self.time)]), self.time[None, :], self.code[None, :]
 
 
-def raw_segments(run: Any, period: int, slip_ratio: float) -> Raw:
+def raw_segments(run: Any, period: int, slip_ratio: float) -> Segments:
     """Segments of the last `period` drive periods of a run."""
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
     if is_dynamic(run.model.friction) and states_of(run.model.friction):
         edges, code = _elastic_segments(run, start, end, slip_ratio)
-        return Raw(np.diff(edges) / run.period_time, code, np.inf)
+        return Segments(np.diff(edges) / run.period_time, code, np.inf)
     edges, index = clipped(run.pieces, start, end)
     margin = np.inf if is_dynamic(run.model.friction) else _force_margin(run, edges, index)
-    return Raw(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), margin)
+    return Segments(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), margin)
 
 
 def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:

@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.solvers import strobes
 from stickslip.summary import Summary
 
 __all__ = [
-    "LONGEST_PERIOD", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance", "velocity_range",
+    "LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance",
+    "velocity_range",
 ]  # fmt: skip
 
 #: Largest period number that is looked for.
-LONGEST_PERIOD = 16
+LONGEST_PERIOD = strobes.LONGEST
 
 
 def mean_velocity(run: Any) -> Any:
@@ -38,9 +39,11 @@ def mean_velocity(run: Any) -> Any:
     Examples
     --------
     >>> import stickslip as ss
-    >>> from stickslip.batch import Labels
-    >>> bool(ss.mean_velocity(ss.trajectory.Summary(None, Labels(()), {"mean_velocity": np.array(2e-3)})) == 2e-3)
-    True
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=20)
+    >>> round(ss.mean_velocity(run), 9)
+    0.002014682
+    >>> round(float(run.x[-1] / run.t[-1]), 9)  # of the whole run, with the start from rest
+    0.00201604
     """
     if isinstance(run, Summary):
         return run.mean_velocity[()]
@@ -100,8 +103,8 @@ def _settled_count(run: Any) -> int:
 
 
 def strobe_tolerance(run: Any) -> float:
-    """How close strobe points must come to count as one, in their scales: 30 rtol, at most 1e-3; for exact arcs 1e-8."""
-    return min(30 * float(run.rtol), 1e-3) if is_dynamic(run.model.friction) else 1e-8
+    """How close the strobe points of a run must come to count as one, in their scales: by its method and its rtol."""
+    return strobes.strobe_tolerance(run.method, run.rtol)
 
 
 def period_number(run: Any) -> int | None:
@@ -123,39 +126,8 @@ def period_number(run: Any) -> int | None:
         return run.period if run.period.ndim else (int(run.period) or None)
     if run.known_period is not None:
         return int(run.known_period)
-    y, tolerance = _strobe_points(run), strobe_tolerance(run)
-    window = min(_settled_count(run), len(y) - 1)
-    for p in range(1, min(LONGEST_PERIOD, window // 2) + 1):
-        if _repeats(y[-1 - window :], p, tolerance):
-            return p
-    return None
-
-
-def _strobe_points(run: Any) -> Any:
-    """Strobe points over their scales: v over the velocity scale, z over the law's scale."""
-    model, z = run.model, run.strobe_z
-    v = run.strobe_v / (getattr(model, "free_velocity", model.velocity_scale) or 1.0)
-    if z is None:
-        return v[:, None]
-    scale = getattr(model.friction, "scale", None)
-    z = z.reshape(len(v), -1)
-    return np.column_stack([v, z / (scale(normal_load(model, 0.0, 0.0)) if scale else abs(z).max() or 1.0)])
-
-
-def _repeats(y: Any, p: int, tolerance: float) -> bool:
-    """Whether the points repeat after p, and have settled."""
-    n = len(y) - 1
-    tail = max(n // 4, p)
-    if abs(y[-tail:] - y[-tail - p : -p]).max() > tolerance:
-        return False
-    lag = p * max(n // (2 * p), 1)
-    late = abs(y[-p:] - y[-p - lag : -lag]).max()
-    if late > tolerance:
-        return False
-    if late <= 0.1 * tolerance or n < 2 * lag + p - 1:
-        return True
-    early = abs(y[-p - lag : -lag] - y[-p - 2 * lag : n + 1 - 2 * lag]).max()
-    return bool(late < early and late * late / (early - late) <= tolerance)
+    strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])
+    return strobes.period_of(run.model, strobe, strobe_tolerance(run), int(run.settle)) or None
 
 
 def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) -> Any:
@@ -185,7 +157,7 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     >>> round(float(periodic_mean_velocity(robot)), 9)
     0.002014682
     """
-    closed = _closed(model) if not is_dynamic(model.friction) else None
+    closed = closed_mean_velocity(model)
     if closed is not None:
         return closed
     from stickslip.solvers import solve
@@ -194,8 +166,28 @@ def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) 
     return np.where(many.period > 0, many.mean_velocity, np.nan)[()]
 
 
-def _closed(model: Any) -> Any:
-    """V = A mu omega times the closed mean of w; None where a case has no closed formula (it may slide down by itself)."""
+def closed_mean_velocity(model: Any) -> Any:
+    """V = A mu omega times the closed mean of w [m/s]; None where a case has no closed formula (it may slide down by itself).
+
+    Parameters
+    ----------
+    model : Robot
+        One robot, or a batch.
+
+    Returns
+    -------
+    float, array or None
+        NaN where the motion did not repeat.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.presets import coulomb_robot
+    >>> round(float(closed_mean_velocity(coulomb_robot(0.4, 0.5))), 15)
+    0.122475359974498
+    >>> closed_mean_velocity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)) is None  # LuGre
+    True
+    """
     from stickslip.analysis.closed_form import periodic
     from stickslip.batch import shape_of
     from stickslip.solvers.arcs import handles, reduced

@@ -100,6 +100,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("STICKSLIP_TRACEBACK"):
             raise
+        from stickslip.cli.blame import in_your_code
+
+        if yours := in_your_code(error):
+            return _say(yours, 2)
         return _say(f"{type(error).__name__}: {error}\nThis is an error of stickslip itself; set STICKSLIP_TRACEBACK=1 to see where", 1)
 
 

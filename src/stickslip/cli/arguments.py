@@ -223,7 +223,10 @@ class Subject:
 
     def robot(self) -> Any:
         """The robot itself."""
-        return _builder(self.make)(self.arguments)
+        made = _builder(self.make)(self.arguments)
+        if not hasattr(made, "friction"):
+            raise InputError(self.name, [f"it returns {made!r}; allowed is a Robot or a mechanism; type for example return ss.Robot(...)"])
+        return made
 
     @property
     def dimensionless(self) -> bool:
@@ -264,7 +267,7 @@ def subject(
     options = _start({**study.options, **options})
     known_ones = {k: v for k, v in arguments.items() if k in known}
     for sentence in (probe_axes if many else probe)(
-        _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}
+        _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}, "duration" in solver
     ):
         problems.add(sentence)
     problems.check()

@@ -109,5 +109,4 @@ def _drawn(found: Any, path: Path | None) -> Path | None:
     matplotlib.use("Agg")
     from stickslip import plot
 
-    plot.bench(found).savefig(path)
-    return path
+    return show.draw_to(path, plot.bench(found))

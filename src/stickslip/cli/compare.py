@@ -31,7 +31,7 @@ def act(command: str, words: list[str]) -> int:
 
         write_report(report, [], comparison=found, sources=[rec])
     if figure is not None:
-        found.plot().figure.savefig(figure)
+        show.draw_to(figure, found.plot().figure)
     if asked.json:
         show.print_json(
             {"robot": study.title(), "rows": found.to_table(), "noise": found.noise, "best": found.best.label, "notes": list(found.notes)}

@@ -62,6 +62,8 @@ def act(command: str, words: list[str]) -> int:
     recorded.add_options(made)
     made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
     asked = made.parse_intermixed_args(words)
+    if not 0 < asked.level < 1:
+        raise InputError("--level", [f"{asked.level:g}; allowed is above 0 and below 1; type for example --level 0.95"])
     report = show.writable("--report", asked.report, (".html",))
     job = _study(asked) if _is_study(asked.robot) else _typed(asked)
     records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]

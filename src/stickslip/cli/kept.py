@@ -48,54 +48,17 @@ def targets(asked: Any) -> Targets:
 def finish(asked: Any, files: Targets, found: Outcome) -> int:
     """Draw, write and print what was found."""
     if files.figure is not None:
-        found.draw().figure.savefig(files.figure)
+        show.draw_to(files.figure, found.draw().figure)
     if files.out is not None:
-        _save(found.data, files.out)
+        from stickslip.sweeps import export
+
+        export(found.data, files.out)
     written = [str(path) for path in (files.figure, files.out) if path is not None]
     if asked.json:
         show.print_json({**found.record, "written": written})
     else:
         print("\n".join([found.text, *(f"written to {path}" for path in written)]))
     return 0
-
-
-def _save(found: Any, path: Path) -> None:
-    """Write a labelled dataset; rows of a table have every coordinate, and units stand in the heads of a CSV file."""
-    write = {".nc": _netcdf, ".mat": _matlab, ".csv": _csv, ".parquet": _parquet}[path.suffix.lower()]
-    write(found, path)
-
-
-def _netcdf(found: Any, path: Path) -> None:
-    found.to_netcdf(path, engine="h5netcdf")
-
-
-def _matlab(found: Any, path: Path) -> None:
-    import numpy as np
-    from scipy.io import savemat
-
-    columns = {}
-    for name in found.variables:
-        values = np.asarray(found[name].values)
-        columns[str(name).replace(".", "_")] = values.astype(object) if values.dtype.kind in "OSU" else values
-    units = {str(name).replace(".", "_"): str(found[name].attrs.get("units", "1")) for name in found.variables}
-    about = {str(name): value for name, value in found.attrs.items() if isinstance(value, (str, int, float))}
-    savemat(path, {**columns, "units": units, "about": about}, oned_as="column", appendmat=False, long_field_names=True)
-
-
-def _csv(found: Any, path: Path) -> None:
-    rows = found.to_dataframe().reset_index()
-    units = {name: found[name].attrs.get("units", "1") if name in found.variables else "1" for name in rows.columns}
-    rows.columns = [name if units[name] in ("", "1") else f"{name} [{units[name]}]" for name in rows.columns]
-    rows.to_csv(path, index=False)
-
-
-def _parquet(found: Any, path: Path) -> None:
-    try:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-    except ImportError:
-        raise InputError("--out", ['Parquet needs pyarrow; type pip install "stickslip[parquet]", or give a .csv or .nc path']) from None
-    pq.write_table(pa.Table.from_pandas(found.to_dataframe().reset_index(), preserve_index=False), path)
 
 
 def is_run(path: Path, command: str) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
 from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, watcher
-from stickslip.errors import InputError
+from stickslip.errors import InputError, did_you_mean
 
 __all__ = ["act"]
 
@@ -58,6 +58,9 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
     asked.sobol = asked.latin = asked.table = None
     asked.zip = False
     study, _ = axes_of(asked)
+    axes = [name for name, given in study.arguments.items() if isinstance(given, list)]
+    if asked.x is not None and asked.x not in axes:
+        raise InputError("--x", [f"{asked.x!r} is no axis of this map; {did_you_mean(asked.x, axes)}"])
     options = run_options(asked, file)
     grid = map(study.make, refine=asked.refine, progress=watcher(), **{**study.options, **options}, **study.arguments)
     if file is not None:
@@ -74,9 +77,10 @@ def _draw(grid: Any, x: str | None, pictures: dict[str, Path | None]) -> None:
     from stickslip import plot
 
     for name, draw in (("figure", plot.motion_map), ("velocity", plot.velocity_map)):
-        if pictures[name] is not None:
+        path = pictures[name]
+        if path is not None:
             with plot.publication():
-                draw(grid, x=x).figure.savefig(pictures[name])
+                show.draw_to(path, draw(grid, x=x).figure)
 
 
 def _found(grid: Any) -> dict[str, Any]:

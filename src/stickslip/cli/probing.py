@@ -15,7 +15,9 @@ STAND_INS = {"tilt_deg": 0.0, "amplitude": 5.525e-4, "voltage": 20.0, "frequency
 _MOST = 64  # choices of words that are tried
 
 
-def probe(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any]) -> list[str]:
+def probe(
+    build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any], timed: bool = True
+) -> list[str]:
     """What the robot's maker and the solver have to say about these arguments; each problem once.
 
     Parameters
@@ -28,6 +30,8 @@ def probe(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], abs
         Arguments that the maker needs and that are missing or could not be read.
     options : dict
         Arguments of the solver.
+    timed : bool
+        Whether the command takes a duration; one that does not says itself what it makes of a model without a period.
     """
     filled = {name: STAND_INS.get(name, 1.0) for name in absent}
     robot, found = None, []
@@ -38,10 +42,12 @@ def probe(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], abs
     if robot is None:
         rest = [name for name in arguments if name in STAND_INS]
         robot = _tried(build, {**filled, **{name: STAND_INS[name] for name in rest}})[0]
-    return list(dict.fromkeys(found + of_solver(robot, options)))
+    return list(dict.fromkeys(found + of_solver(robot, options, timed)))
 
 
-def probe_axes(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any]) -> list[str]:
+def probe_axes(
+    build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], absent: list[str], options: dict[str, Any], timed: bool = True
+) -> list[str]:
     """The same for a sweep, axis by axis: a value counts as wrong where it is refused with the first and with the last of all others.
 
     A combination that only some other values spoil is no error: it marks its own case.
@@ -58,7 +64,7 @@ def probe_axes(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
             robot = made if robot is None else robot
             said.append([p for p in problems if not p.startswith(tuple(f"{n} " for n in absent))])
         found += said[0] if all(said) else []
-    return list(dict.fromkeys(found + of_solver(robot, options)))
+    return list(dict.fromkeys(found + of_solver(robot, options, timed)))
 
 
 def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any], name: str, values: list[Any]) -> tuple[Any, list[str]]:
@@ -98,7 +104,7 @@ def _tried(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]) ->
         return None, []
 
 
-def of_solver(robot: Any, options: dict[str, Any]) -> list[str]:
+def of_solver(robot: Any, options: dict[str, Any], timed: bool = True) -> list[str]:
     """What the solver refuses of its arguments for a robot of this kind."""
     from stickslip.solvers.request import request
 
@@ -115,6 +121,9 @@ def of_solver(robot: Any, options: dict[str, Any]) -> list[str]:
         "method": "auto",
     }
     usual |= {"slip_ratio": 0.75, "dwell": 0.03, "progress": None, "duration": None}
+    if not timed and robot.period is None:
+        usual |= {"duration": 1.0}
+        options = {name: value for name, value in options.items() if name not in ("periods", "settle")}
     own = {name: options[name] for name in usual if name in options}
     try:
         request(robot, **{**usual, **own}, options={k: v for k, v in options.items() if k not in usual})

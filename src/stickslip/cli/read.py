@@ -64,4 +64,4 @@ def _draw(rec: Any, path: Any) -> None:
     with plot.publication():
         figure = Figure(figsize=(5.0, 3.0), layout="constrained")
         plot.record_spectrum(rec, ax=figure.subplots())
-        figure.savefig(path)
+        show.draw_to(path, figure)

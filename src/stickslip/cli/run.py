@@ -129,26 +129,13 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
         left, right = figure.subplots(1, 2)
         plot.velocity(run, ax=left)
         plot.phase(run, ax=right)
-        figure.savefig(path)
-    return path
+        return show.draw_to(path, figure)
 
 
 def written_to(run: Any, path: Path | None) -> Path | None:
     """Write every column of a run to a .nc, .mat or .csv file; returns its path."""
     if path is None:
         return None
-    if path.suffix.lower() == ".nc":
-        return Path(run.save(path))
-    if path.suffix.lower() == ".mat":
-        return Path(run.to_mat(path))
-    import numpy as np
+    from stickslip.storage import save, to_csv, to_mat
 
-    from stickslip.datasets import trajectory_columns
-    from stickslip.variables import VARIABLES
-
-    columns = trajectory_columns(run)
-    flat = {name: column for name, column in columns.items() if column.ndim == 1}
-    flat |= {f"{name}_{i}": column[:, i] for name, column in columns.items() if column.ndim == 2 for i in range(column.shape[1])}
-    head = ",".join(f"{name} [{VARIABLES[name.partition('_')[0] if name not in VARIABLES else name].unit}]" for name in flat)
-    np.savetxt(path, np.column_stack(list(flat.values())), delimiter=",", header=head, comments="", fmt="%.17g", encoding="utf-8")
-    return path
+    return {".nc": save, ".mat": to_mat, ".csv": to_csv}[path.suffix.lower()](run, path)

@@ -13,7 +13,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.jsontext import strict
 
-__all__ = ["counted", "facts", "no_period", "print_json", "progress", "quantity", "stages", "table", "writable"]
+__all__ = ["counted", "draw_to", "facts", "no_period", "print_json", "progress", "quantity", "stages", "table", "writable"]
 
 
 def quantity(value: float, unit: str = "", digits: int = 7) -> str:
@@ -116,3 +116,12 @@ def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | N
     if target.is_dir() or not os.access(target if target.exists() else folder, os.W_OK):
         raise InputError(option, [f"{path!r} cannot be written; give a path in a folder that you may write to"])
     return target
+
+
+def draw_to(path: Path, figure: Any) -> Path:
+    """Save a figure; an existing file is replaced, at the end and at once."""
+    from stickslip.storage import moved_into_place, unwritable
+
+    with moved_into_place(path, unwritable("figure")) as beside:
+        figure.savefig(beside)
+    return path

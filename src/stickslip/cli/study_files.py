@@ -79,11 +79,17 @@ def _imported(name: str, folder: Path | None = None) -> Any:
         where = path.stem
     elif "" not in sys.path:
         sys.path.insert(0, "")
+    what = "give module:function or file.py:function, of a function that returns a Robot"
     try:
-        return getattr(importlib.import_module(where), function)
-    except (ImportError, AttributeError) as error:
-        what = "give module:function or file.py:function, of a function that returns a Robot"
+        module = importlib.import_module(where)
+    except ModuleNotFoundError as error:
+        if error.name is None or not f"{where}.".startswith(f"{error.name}."):
+            raise  # the module is there, and what it imports is not
         raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
+    if not callable(getattr(module, function, None)):
+        near = did_you_mean(function, [n for n in vars(module) if callable(vars(module)[n]) and not n.startswith("_")])
+        raise InputError("robot", [f"{name!r} cannot be imported: {where} has no function {function!r}; {near}"])
+    return getattr(module, function)
 
 
 # ---- reading ----

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.drives.drive import Drive, largest_velocity
+from stickslip.drives.drive import Drive, typical_velocity
 from stickslip.errors import Problems
 from stickslip.maths import pi
 
@@ -49,7 +49,7 @@ class Around(Drive):
     @property
     def velocity_scale(self) -> Any:
         """A typical relative velocity along the track [m/s]."""
-        return largest_velocity(self.drive)
+        return typical_velocity(self.drive)
 
     @property
     def specific_energy(self) -> Any:

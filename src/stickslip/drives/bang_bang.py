@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, settled
+from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved
 from stickslip.errors import Problems
 from stickslip.fields import positive
 from stickslip.maths import sqrt, where, within
@@ -133,4 +133,4 @@ def _period(known: dict[str, Any], problems: Problems) -> Any:
         "t1": lambda t: t * (a1 + a2) / a2,
         "t2": lambda t: t * (a1 + a2) / a1,
     }
-    return settled(problems, known, ways, "s", _EXAMPLE)
+    return resolved(problems, known, ways, "s", _EXAMPLE)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import _all, at_least, describe, is_array, number, positive
+from stickslip.fields import at_least, describe, everywhere, is_array, number, positive
 
 __all__ = ["given", "record", "take_damping", "together"]
 
@@ -23,7 +23,7 @@ def take_damping(beam: Any, problems: Problems) -> None:
         problems.add(f"damping: {error}; {allowed}")
         return
     object.__setattr__(beam, "damping", taken)
-    if not all(_all(v > 0) and _all(v < 1) for v in (taken if isinstance(taken, tuple) else (taken,))):
+    if not all(everywhere(v > 0) and everywhere(v < 1) for v in (taken if isinstance(taken, tuple) else (taken,))):
         problems.add(f"damping = {describe(taken)}; {allowed}")
     if isinstance(taken, tuple) and len(taken) != beam.modes:
         problems.add(f"damping has {len(taken)} ratios for modes = {beam.modes!r}; allowed is one for each mode; type modes={len(taken)}")
@@ -38,7 +38,7 @@ def given(voltage: Any, frequency: Any) -> tuple[Any, Any]:
     ):
         try:
             x = number(value)
-            if not (_all(rule(x)) and _all(x < float("inf"))):
+            if not (everywhere(rule(x)) and everywhere(x < float("inf"))):
                 problems.add(f"{name} = {describe(x)}; allowed is {allowed}; type for example {name}={example}")
             taken.append(x)
         except ValueError as error:

@@ -10,7 +10,7 @@ import functools
 from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import _all, describe, number
+from stickslip.fields import describe, everywhere, number
 
 __all__ = ["cantilever_eigenvalues", "modal_mass", "mode_shape"]
 
@@ -86,7 +86,7 @@ def _checked(tip_mass_ratio: Any, n: Any) -> Any:
     problems, ratio = Problems("cantilever_eigenvalues"), 0.0
     try:
         ratio = number(tip_mass_ratio)
-        if not (_all(ratio >= 0) and _all(ratio < float("inf"))):
+        if not (everywhere(ratio >= 0) and everywhere(ratio < float("inf"))):
             given = describe(ratio)
             problems.add(f"tip_mass_ratio = {given}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
     except ValueError as error:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from stickslip.errors import Problems
-from stickslip.fields import Record, _all, describe, is_array, number
+from stickslip.errors import InputError, Problems
+from stickslip.fields import Frozen, describe, everywhere, is_array, number
 from stickslip.maths import maximum, pi
 
-__all__ = ["Drive", "PeriodicDrive", "agree", "given_numbers", "largest_velocity", "settled", "shown"]
+__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown", "typical_velocity"]
 
 _SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
 
 
-class Drive(Record):
+class Drive(Frozen):
     """Base of our drives. A user's own drive needs nothing from here."""
 
     breaks: ClassVar[Any] = ()  # instants in (0, period) at which the acceleration is not smooth [s]
@@ -49,8 +49,17 @@ class PeriodicDrive(Drive):
         return 1 / self.period
 
 
-def largest_velocity(drive: Any) -> Any:
-    """The largest relative velocity of any drive [m/s]: what it says itself, or what its velocity shows at a few instants."""
+def typical_velocity(drive: Any) -> Any:
+    """A relative velocity of the size of the largest one [m/s]: what the drive says itself, or the largest of a few instants.
+
+    Errors are measured against it. Of a sum of harmonics it is the root of 2 times the r.m.s., which is not the largest velocity.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Harmonic
+    >>> typical_velocity(Harmonic(amplitude=5e-4, omega=200.0))
+    0.1
+    """
     named = getattr(drive, "velocity_scale", None)
     if named is not None:
         return named
@@ -58,6 +67,39 @@ def largest_velocity(drive: Any) -> Any:
     for k in range(1, _SAMPLES):
         largest = maximum(largest, abs(drive.velocity(drive.period * (k / _SAMPLES))))
     return largest
+
+
+def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:
+    """The angular frequency [rad/s] of a drive that takes exactly one of omega [rad/s] and frequency [Hz].
+
+    Parameters
+    ----------
+    kind : str
+        The drive, for the error.
+    omega, frequency : float or array, or None
+        As they were given.
+    typed : str
+        What to type for example.
+
+    Returns
+    -------
+    float or array
+        Not yet checked where omega was given: the drive's own rules do that.
+
+    Examples
+    --------
+    >>> round(angular_frequency("Harmonic", None, 10.0, "type for example omega=205.46"), 6)
+    62.831853
+    """
+    if (omega is None) == (frequency is None):
+        given = "both" if omega is not None else "neither"
+        raise InputError(kind, [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; {typed}"])
+    if frequency is None:
+        return omega
+    try:
+        return 2 * pi * number(frequency)
+    except ValueError as error:
+        raise InputError(kind, [f"frequency: {error}; allowed is a positive frequency [Hz]; type frequency=32.7"]) from None
 
 
 def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, Any]:
@@ -71,14 +113,14 @@ def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, 
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is {allowed}")
             continue
-        if not _all((x > 0) & (x < float("inf"))):
+        if not everywhere((x > 0) & (x < float("inf"))):
             problems.add(f"{name} = {describe(x)}; allowed is {allowed}")
         else:
             taken[name] = x
     return taken
 
 
-def settled(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:
+def resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:
     """One number from whatever was given for it; `ways` says how, by the name of what is given, and its first name is the number's.
 
     Nothing given, or things that contradict each other, are noted.
@@ -107,4 +149,4 @@ def shown(value: Any) -> str:
 
 def agree(a: Any, b: Any) -> bool:
     """Whether two numbers given for one thing are the same, to nine digits."""
-    return bool(_all(abs(a - b) <= 1e-9 * abs(b)))
+    return bool(everywhere(abs(a - b) <= 1e-9 * abs(b)))

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import Drive
-from stickslip.errors import InputError
-from stickslip.fields import at_least, number, positive
+from stickslip.drives.drive import Drive, angular_frequency
+from stickslip.fields import at_least, positive
 from stickslip.maths import cos, pi, sin
 
 __all__ = ["Harmonic"]
@@ -45,18 +44,8 @@ class Harmonic(Drive):
     }
 
     def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None, notes: Any = None):
-        if (omega is None) == (frequency is None):
-            given = "both" if omega is not None else "neither"
-            raise InputError(
-                "Harmonic", [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; type for example omega=205.46"]
-            )
-        if frequency is not None:
-            try:
-                omega = 2 * pi * number(frequency)
-            except ValueError as error:
-                raise InputError("Harmonic", [f"frequency: {error}; allowed is a positive frequency [Hz]; type frequency=32.7"]) from None
         object.__setattr__(self, "amplitude", amplitude)
-        object.__setattr__(self, "omega", omega)
+        object.__setattr__(self, "omega", angular_frequency("Harmonic", omega, frequency, "type for example omega=205.46"))
         object.__setattr__(self, "notes", None if notes is None else tuple(notes))
         self.__post_init__()
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.drives.drive import angular_frequency
 from stickslip.drives.fourier import FourierDrive
 from stickslip.errors import InputError, Problems
-from stickslip.fields import number, positive
+from stickslip.fields import positive
 from stickslip.maths import cos, pi, sin
 
 __all__ = ["MultiHarmonic"]
@@ -46,16 +47,9 @@ class MultiHarmonic(FourierDrive):
     _rules: ClassVar[dict[str, Any]] = {"omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)")}
 
     def __init__(self, omega: Any = None, amplitudes: Any = None, phases: Any = None, frequency: Any = None):
-        if (omega is None) == (frequency is None):
-            given = "both" if omega is not None else "neither"
-            raise InputError("MultiHarmonic", [f"give exactly one of omega [rad/s] and frequency [Hz]; got {given}; {_EXAMPLE}"])
+        omega = angular_frequency("MultiHarmonic", omega, frequency, _EXAMPLE)
         if amplitudes is None:
             raise InputError("MultiHarmonic", [f"amplitudes is missing; {_EXAMPLE}"])
-        if frequency is not None:
-            try:
-                omega = 2 * pi * number(frequency)
-            except ValueError as error:
-                raise InputError("MultiHarmonic", [f"frequency: {error}; allowed is a positive frequency [Hz]; {_EXAMPLE}"]) from None
         object.__setattr__(self, "omega", omega)
         object.__setattr__(self, "amplitudes", amplitudes)
         count = len(amplitudes) if hasattr(amplitudes, "__len__") else 1

@@ -11,7 +11,7 @@ from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.couple import tip_by_modes, tip_participation
 from stickslip.drives.harmonic import Harmonic
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Record, _all, at_least, describe, is_array, positive
+from stickslip.fields import Frozen, at_least, describe, everywhere, is_array, positive
 from stickslip.maths import pi, sqrt
 
 __all__ = ["PiezoBeam", "TipMotion"]
@@ -25,7 +25,7 @@ class TipMotion(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class PiezoBeam(Record):
+class PiezoBeam(Frozen):
     r"""A clamped beam with a pair of piezo patches at its root and the inner mass at its tip (Eqs 3.1 to 3.7, corrected).
 
     .. math:: EI\,u'''' + \text{damping} + \rho A\,\ddot u = \frac{\partial}{\partial x}\bigl[T(t)\,(\delta(x)-\delta(x-l_0))\bigr]
@@ -98,7 +98,7 @@ class PiezoBeam(Record):
         problems.whole("modes", self.modes, 1, example=5)
         take_damping(self, problems)
         try:
-            if _all(self.length > 0) and not _all(self.patch_length <= self.length):
+            if everywhere(self.length > 0) and not everywhere(self.patch_length <= self.length):
                 long = f"patch_length = {describe(self.patch_length)} is more than length = {describe(self.length)}"
                 problems.add(f"{long}; allowed is at most the length of the beam; type for example patch_length=0.03")
         except (TypeError, ValueError):  # a number that was already reported, or shapes that do not fit

@@ -10,7 +10,7 @@ from typing import Any
 from stickslip.errors import Problems
 from stickslip.fields import describe
 
-__all__ = ["MOST", "Record", "checked", "fitted"]
+__all__ = ["MOST", "Samples", "checked", "fitted"]
 
 MOST = 64  # harmonics at most, unless more are asked for
 _GAP = 2.5  # a step this many times as long as the usual one is a gap
@@ -24,7 +24,7 @@ Array = Any
 
 
 @dataclass(frozen=True)
-class Record:
+class Samples:
     """A record that can be used: instants [s], values, its name, its period [s], and how often the position was differentiated."""
 
     t: Array
@@ -50,7 +50,7 @@ class Record:
         return float(self.values.std())
 
 
-def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any) -> Record:
+def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any) -> Samples:
     """The record, or everything that is wrong with it."""
     problems = Problems("Recorded")
     names = [name for name, values in given.items() if values is not None]
@@ -68,7 +68,7 @@ def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: A
     if t.shape != values[0].shape or len(t) < 5:
         problems.add(f"t has {len(t)} values and {names[0]} {len(values[0])}; allowed are as many of one as of the other, at least 5")
         problems.check()
-    record = Record(t, values[0], names[0], float(period))
+    record = Samples(t, values[0], names[0], float(period))
     _check_instants(record, order, problems)
     problems.check()
     _check_repetition(record, problems)
@@ -99,7 +99,7 @@ def _numbers(name: str, values: Any, problems: Problems) -> Array:
     return array
 
 
-def _check_instants(record: Record, order: int | None, problems: Problems) -> None:
+def _check_instants(record: Samples, order: int | None, problems: Problems) -> None:
     import numpy as np
 
     t, steps = record.t, np.diff(record.t)
@@ -122,7 +122,7 @@ def _check_instants(record: Record, order: int | None, problems: Problems) -> No
         problems.add(f"{asked} with {record.per_period:.4g} samples in a period; allowed is an order up to {max(most, 0)}: sample faster")
 
 
-def _check_repetition(record: Record, problems: Problems) -> None:
+def _check_repetition(record: Samples, problems: Problems) -> None:
     import numpy as np
 
     values, spread = record.values, record.spread
@@ -143,7 +143,7 @@ def _check_repetition(record: Record, problems: Problems) -> None:
         )
 
 
-def _difference(record: Record) -> float:
+def _difference(record: Samples) -> float:
     """By how much the record differs from itself whole periods later, over its r.m.s.; of one period, the step that does not close."""
     import numpy as np
 
@@ -158,7 +158,7 @@ def _difference(record: Record) -> float:
     return float(wrap / record.spread) if wrap > _JUMP * np.max(abs(steps)) and wrap > _REPEAT * record.spread else 0.0
 
 
-def _mean(record: Record) -> float:
+def _mean(record: Samples) -> float:
     """Mean over the whole periods of the record."""
     return float(_solved(record, min(8, int((record.per_period - 1) // 2)))[0])
 
@@ -175,14 +175,14 @@ def _basis(angle: Array, order: int) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _chunks(record: Record, order: int) -> Iterator[tuple[Array, Array]]:
+def _chunks(record: Samples, order: int) -> Iterator[tuple[Array, Array]]:
     """The basis and the values, some samples at a time: a long record needs little memory."""
     for start in range(0, len(record.t), _CHUNK):
         part = slice(start, start + _CHUNK)
         yield _basis(2 * math.pi / record.period * record.t[part], order), record.values[part]
 
 
-def _solved(record: Record, order: int) -> Array:
+def _solved(record: Samples, order: int) -> Array:
     """Coefficients of the basis by least squares."""
     import numpy as np
 
@@ -193,14 +193,14 @@ def _solved(record: Record, order: int) -> Array:
     return np.linalg.lstsq(square, right, rcond=1e-12)[0]
 
 
-def _misses(record: Record, c: Array) -> Array:
+def _misses(record: Samples, c: Array) -> Array:
     """What a fit leaves of every sample."""
     import numpy as np
 
     return np.concatenate([values - basis @ c for basis, values in _chunks(record, len(c) // 2)])
 
 
-def fitted(record: Record, tolerance: float, order: int | None) -> tuple[list[float], list[float], str]:
+def fitted(record: Samples, tolerance: float, order: int | None) -> tuple[list[float], list[float], str]:
     """Coefficients of the cosines and of the sines of the record, and a sentence on what they leave."""
     import numpy as np
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, settled
+from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved
 from stickslip.errors import Problems
-from stickslip.fields import _all, describe, positive
+from stickslip.fields import describe, everywhere, positive
 from stickslip.maths import maximum, sqrt, where, within
 
 __all__ = ["ThreePhase"]
@@ -72,7 +72,7 @@ class ThreePhase(PeriodicDrive):
         self.__post_init__()
 
     def _check(self, problems: Problems) -> None:
-        if not problems.found and not _all(self._turned > self._pushed):
+        if not problems.found and not everywhere(self._turned > self._pushed):
             problems.add(f"w2 = {describe(self.w2)} makes a return too short for the digits of a number; allowed is less; type w2=1e12")
 
     @property
@@ -143,4 +143,4 @@ def _push(known: dict[str, Any], problems: Problems) -> Any:
     """u1 from what was given for it."""
     first, last = 1 / known["w1"] + 1 / known["w2"], 1 / known["w2"] + 1 / known["w3"]
     ways = {"u1": lambda u: u, "stroke": lambda L: sqrt(2 * L / first), "u3": lambda u: u * sqrt(last / first)}
-    return settled(problems, known, ways, "m/s", _EXAMPLE)
+    return resolved(problems, known, ways, "m/s", _EXAMPLE)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import PeriodicDrive, given_numbers, settled, shown
+from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved, shown
 from stickslip.errors import Problems
-from stickslip.fields import _all, positive
+from stickslip.fields import everywhere, positive
 from stickslip.maths import maximum, where, within
 
 __all__ = ["Trapezoid"]
@@ -66,7 +66,7 @@ class Trapezoid(PeriodicDrive):
         for name in ("u1", "u2", "ramp"):
             object.__setattr__(self, name, known[name])
         ways = {"period": lambda T: T, "frequency": lambda f: 1 / f, "stroke": self._period_of}
-        object.__setattr__(self, "period", settled(problems, known, ways, "s", _EXAMPLE))
+        object.__setattr__(self, "period", resolved(problems, known, ways, "s", _EXAMPLE))
         problems.check()
         self.__post_init__()
 
@@ -74,7 +74,7 @@ class Trapezoid(PeriodicDrive):
         if problems.found:
             return
         total = (self.u1 + self.u2) * self.ramp
-        if not _all((total < self.period * self.u1) & (total < self.period * self.u2)):
+        if not everywhere((total < self.period * self.u1) & (total < self.period * self.u2)):
             problems.add(
                 f"ramp = {shown(self.ramp)} with period = {shown(self.period)} leaves no plateau; allowed is below T u/(u1 + u2), u "
                 "being the smaller speed; type a shorter ramp, a longer period, or a MultiHarmonic"

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
+from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity, whole_motions
 from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
-from stickslip.dynamics.shifted import ShiftedDrive
+from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 
 __all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
@@ -114,8 +114,8 @@ def basins(
         Called with a `Progress`; return False to stop. Starts that are not computed then belong to no attractor, and are in no share.
     **starts
         ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
-        (of the drive at the start, in drive periods, 0 to 1): single values or arrays. If none is given: v, and z where it is one
-        number, over twice their scales.
+        (of a smooth drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):
+        single values or arrays. If none is given: v, and z where it is one number, over twice their scales.
 
     Returns
     -------
@@ -135,7 +135,7 @@ def basins(
     grid = np.meshgrid(*axes.values(), indexing="ij")
     table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
     states = np.column_stack([table.get(name, np.zeros(grid[0].size)) for name in at.names])
-    batch = _shifted(model, table["phase"]) if "phase" in table else spread_over(model, len(states))
+    batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     ends = settled_points(batch, states, settle, rtol, workers, progress)
     return _gathered(model, axes, *ends, at, rtol, "phase" in table)
 
@@ -165,13 +165,6 @@ def _usual(at: Any) -> dict[str, Array]:
     """Over twice the scales; inner states and memories only where there is one inner state, so that the grid stays a grid."""
     inner = at.smooth - at.names.index("v") - 1
     return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
-
-
-def _shifted(model: Any, phase: Array) -> Any:
-    """The robots whose drive is at a phase when they start."""
-    if getattr(model.drive, "breaks", ()) or getattr(model.drive, "jumps", ()):
-        raise InputError("basins", [f"phase is for smooth drives; {type(model.drive).__name__} has breaks or jumps; leave phase out"])
-    return model.replace(drive=ShiftedDrive(model.drive, phase))
 
 
 def settled_points(
@@ -226,18 +219,20 @@ def told_apart(
     """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
     period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
     V = steady_velocity(ways, period, T)
-    number = _numbers(_fingerprints(points, V, at, by_phase), period, good > 0)
+    number = _numbers(_fingerprints(points, period, V, at, by_phase), period, good > 0)
     period[good == UNDONE] = UNDONE
     return period, V, number
 
 
-def _fingerprints(points: Array, V: Array, at: Any, by_phase: bool) -> Array:
-    """Numbers that are the same for two starts on one motion, whichever of its periods they are in: sorted, in scales."""
+def _fingerprints(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> Array:
+    """Numbers that are the same for two starts on one motion, whichever of its periods they are in: means over whole ones, in scales."""
+    speed = (V / at.scales[at.names.index("v")])[:, None]
     if by_phase:  # the strobe is at another phase for each start: only what does not depend on it
-        return (V / at.scales[at.names.index("v")])[:, None]
-    mean = points.mean(axis=1) / at.scales
-    square = (points**2).mean(axis=1) / at.scales**2
-    return np.column_stack([mean, square, V / at.scales[at.names.index("v")]])
+        return speed
+    count = whole_motions(points.shape[1], period)[:, None]
+    last = (np.arange(points.shape[1]) >= points.shape[1] - count)[..., None]
+    scaled = np.where(last, points / at.scales, 0.0)
+    return np.hstack([scaled.sum(axis=1) / count, (scaled**2).sum(axis=1) / count, speed])
 
 
 def _numbers(prints: Array, period: Array, good: Array) -> Array:

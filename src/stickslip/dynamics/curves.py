@@ -23,7 +23,6 @@ __all__ = ["Curve", "Meeting", "special_curve"]
 
 Array = Any
 _SLOPE = 1e-5  # half the distance of the differences that give multipliers along a curve, in scales
-_STEP = 1e-4  # of the differences by the unknowns of a curve
 
 
 class Meeting(NamedTuple):
@@ -140,7 +139,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     begin = float(fixed.pop(parameter))
     if stop == begin:
         raise InputError("special_curve", [f"stop = {stop!r} is where the curve begins; give another last value of {parameter}"])
-    both = Family(branch.family.make, (branch.parameter, parameter), fixed)
+    both = Family(branch.family.make, (branch.parameter, parameter), fixed, "special_curve")
     if isinstance(special.orbit, LimitCycle):
         raise InputError(
             "special_curve", ["it is a branch of limit cycles; allowed are those of driven motions; take ss.continuation at each value"]

@@ -176,7 +176,10 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     state = states_on(model, at, found.at[None, :], found.memory)[0]
     cycle = LimitCycle(model, period, state, float(found.at[-1] * unit), found.residual, rtol)
     if np.ptp(cycle.run.v) <= _STEADY * float(at.scales[1]):
-        raise SolveError("Newton's method went to steady sliding, which takes no time to repeat; give a guess nearer to the cycle")
+        raise SolveError(
+            "Newton's method went to steady sliding, which takes no time to repeat; give a guess nearer to the cycle, such as a start "
+            "that rides along with the spring pulled far (guess=dict(x=..., v=...))"
+        )
     return cycle
 
 
@@ -239,7 +242,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
     if steady or len(t) < period + 2:
         end = "it rests, or slides on steadily" if steady else f"only {len(t)} turns of the spring were seen"
         raise SolveError(
-            f"no cycle was found in {float(run.pieces.t[-1]):.6g} s: {end}; give another start (guess=dict(x=...)), or a longer run "
+            f"no cycle was found in {float(run.pieces.t[-1]):.6g} s: {end}; give another start (guess=dict(x=..., v=...)), or a longer run "
             "(guess=ss.solve(mechanism, duration=...))"
         )
     last = run.at(t[-1:])

@@ -9,15 +9,16 @@ import numpy as np
 
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, shared
-from stickslip.dynamics.mapping import coordinates, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import coordinates, needs_model, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import Problems
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["UNDONE", "bifurcation", "checked_values", "periods_of", "steady_velocity", "strobe_attrs"]
+__all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "dying", "periods_of", "steady_velocity", "strobe_attrs", "whole_motions"]
 
 Array = Any
 DIRECTIONS = ("up", "down")
+LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed
 #: The swing around a motion of a shorter period, late over early: below it the swing dies out, and its period is none.
 SHRINKING = 1 - 1e-3
@@ -80,6 +81,7 @@ def bifurcation(
     """
     robots = family("bifurcation", make, (parameter,), fixed)
     values = _check(values, settle, points, workers)
+    needs_model("bifurcation", robots.robot(values[0]))
     at = coordinates(robots.robots(values))
     first = states_of(start, at)
     if follow:
@@ -164,14 +166,19 @@ def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Arra
     Where points alternate around a motion of half that period, a little nearer to it each time, the motion is still settling: 0 too.
     """
     found = np.zeros(points.shape[:-2], int)
-    for p in range(min(32, points.shape[-2] // 2), 0, -1):
+    for p in range(min(LONGEST, points.shape[-2] // 2), 0, -1):
         found = np.where(_misses(points, scales, p).max(axis=-1) <= tolerance, p, found)
     for p in np.unique(found[found > 1]):
-        shrinking = np.zeros(found.shape, bool)
-        for q in (q for q in range(1, p) if p % q == 0):
-            miss = _misses(points, scales, q)
-            shrinking |= miss[..., -p:].max(axis=-1) < SHRINKING * miss[..., :p].max(axis=-1)
-        found = np.where((found == p) & shrinking, 0, found)
+        found = np.where((found == p) & (dying(points, scales, int(p)) > 0), 0, found)
+    return found
+
+
+def dying(points: Array, scales: Array, p: int) -> Array:
+    """The smallest divisor of p, below it, whose miss shrinks along strobe points (..., points, d); 0 if there is none."""
+    found = np.zeros(points.shape[:-2], int)
+    for q in (q for q in range(p - 1, 0, -1) if p % q == 0):
+        miss = _misses(points, scales, q)
+        found = np.where(miss[..., -p:].max(axis=-1) < SHRINKING * miss[..., :p].max(axis=-1), q, found)
     return found
 
 
@@ -184,8 +191,19 @@ def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
     4.0
     """
     points = ways.shape[-1]
-    count = np.where(period > 0, points - points % np.maximum(period, 1), points)
+    count = whole_motions(points, period)
     return np.where(np.arange(points) < count[..., None], ways, 0.0).sum(axis=-1) / (count * T)
+
+
+def whole_motions(points: int, period: Array) -> Array:
+    """How many of so many drive periods make whole motion periods; all where there is no period.
+
+    Examples
+    --------
+    >>> whole_motions(64, np.array([0, 1, 3])).tolist()
+    [64, 64, 63]
+    """
+    return np.where(period > 0, points - points % np.maximum(period, 1), points)
 
 
 def _misses(points: Array, scales: Array, p: int) -> Array:

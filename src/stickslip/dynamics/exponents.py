@@ -198,7 +198,10 @@ def largest_exponents(
     """
     from stickslip.batch import labels_of
 
+    needs_model("largest_exponents", model, batch=True)
     problems = Problems("largest_exponents")
+    problems.whole("periods", periods, 1, example=400)
+    problems.whole("settle", settle, 0, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
     cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
@@ -291,6 +294,11 @@ def verdict(
     ----------
     model, periods, settle, start, rtol, progress
         As for `lyapunov`. Of a motion that repeats the exponents are averaged over whole motion periods, somewhat more than asked for.
+
+    Returns
+    -------
+    Verdict
+        `kind`, `period`, `exponents`, `orbit`, and `why`, the evidence in a sentence.
 
     Examples
     --------

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.batch import point_by_point
 from stickslip.errors import InputError, did_you_mean
-from stickslip.fields import leaves, replace_leaf
+from stickslip.fields import leaves
 from stickslip.sweeps.axes import check_names  # a family is a sweep whose values are not known before
 from stickslip.sweeps.naming import AXES
 
@@ -27,11 +28,14 @@ class Family:
         The keywords that vary.
     fixed : dict
         The other keywords.
+    what : str
+        Who asks, for messages.
     """
 
     make: Any
     parameters: tuple[str, ...]
     fixed: dict[str, Any]
+    what: str
 
     def robot(self, *values: float) -> Any:
         """The robot at one point."""
@@ -48,7 +52,7 @@ class Family:
         except InputError:
             raise
         except (TypeError, ValueError):  # a maker that cannot take arrays
-            return _point_by_point(self.make, self.fixed, columns)
+            return point_by_point(self.what, self.make, self.fixed, columns)
 
     def refusal(self, error: InputError, *values: float) -> str:
         """Why there is no robot at a point, said of that robot alone: the batch that was refused has others beside it."""
@@ -62,15 +66,6 @@ class Family:
         """Name and unit of a parameter, as a plot shows them."""
         known = AXES.get(parameter.rpartition(".")[2])
         return {"long_name": known[0], "units": known[1]} if known else {"long_name": parameter, "units": "1"}
-
-
-def _point_by_point(make: Any, fixed: dict[str, Any], columns: dict[str, Any]) -> Any:
-    """The robots of a maker that takes single numbers, put together."""
-    robots = [
-        make(**fixed, **dict(zip(columns, point, strict=True))) for point in zip(*(c.tolist() for c in columns.values()), strict=True)
-    ]
-    tables = [dict(leaves(robot)) for robot in robots]
-    return replace_leaf(robots[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
 
 
 def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, Any]) -> Family:
@@ -91,4 +86,4 @@ def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, A
         for name in parameters:
             if name not in names:
                 raise InputError(what, [f"{name!r} is no number of the robot; {did_you_mean(name, names)}"])
-    return Family(make, parameters, fixed)
+    return Family(make, parameters, fixed, what)

@@ -90,6 +90,16 @@ def flow_orbit(
     rtol : float
         Tolerance.
 
+    Returns
+    -------
+    FlowOrbit
+        Where it begins, how long it takes, and its multipliers.
+
+    Raises
+    ------
+    SolveError
+        Where Newton's method finds none from this guess.
+
     Examples
     --------
     Den Hartog's oscillator with dry friction 0.3 at 0.7 times its own frequency never stops:
@@ -153,6 +163,15 @@ def switching_flow(model: Any) -> SwitchingFlow:
     """Any model with a set-valued law as a switching flow with modes +1, 0 and -1 and the states x and v.
 
     Its orbits come from an integrator and from Python's own loops: slow, and independent of our solvers.
+
+    Parameters
+    ----------
+    model : Robot or a mechanism
+        With a law that has `sliding` and `breakaway`.
+
+    Returns
+    -------
+    SwitchingFlow
 
     Examples
     --------

@@ -156,7 +156,7 @@ def lyapunov_of_map(
     >>> round(float(l.spectrum.sum()), 6), l.chaotic  # the sum is ln 0.3
     (-1.203973, True)
     """
-    x, Q = _checked("lyapunov_of_map", x0, iterations=iterations), None
+    x = _checked("lyapunov_of_map", x0, iterations=iterations)
     slope = jacobian or _jacobian(f)
     for _ in range(settle):
         x = np.atleast_1d(np.asarray(f(x), float))
@@ -205,14 +205,17 @@ def lyapunov_of_flow(
     -------
     Lyapunov
 
+    Raises
+    ------
+    InputError
+        Where the flow cannot be followed so long, because it leaves all bounds.
+
     Examples
     --------
     >>> damped = lambda x: (x[1], -x[0] - 0.2 * x[1])
     >>> lyapunov_of_flow(damped, [1.0, 0.0], duration=100.0).spectrum.round(3).tolist()  # the real parts of the eigenvalues
     [-0.1, -0.1]
     """
-    from scipy.integrate import solve_ivp
-
     x = _checked("lyapunov_of_flow", x0, duration=duration, every=every)
     if hasattr(f, "switches"):
         from stickslip.dynamics.flow_orbits import exponents_of
@@ -225,13 +228,24 @@ def lyapunov_of_flow(
         return np.concatenate([np.asarray(f(y[:n]), float), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
 
     if settle > 0:
-        x = solve_ivp(lambda t, y: np.asarray(f(y), float), (0.0, settle), x, method="DOP853", rtol=rtol, atol=rtol).y[:, -1]
+        x = _followed(lambda t, y: np.asarray(f(y), float), x, settle, rtol, 0.0, x0)
     Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
     for k in range(len(logs)):
-        end = solve_ivp(rates, (0.0, every), np.concatenate([x, Q.ravel()]), method="DOP853", rtol=rtol, atol=rtol).y[:, -1]
-        if not np.isfinite(end).all():
-            raise InputError("lyapunov_of_flow", [f"the flow leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
+        end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + k * every, x0)
         x = end[:n]
         Q, R = np.linalg.qr(end[n:].reshape(n, n))
         logs[k] = np.log(abs(np.diag(R)))
     return gathered(logs, every, "unit of time")
+
+
+def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rtol: float, since: float, x0: Any) -> Array:
+    """The state of a flow after some time; `since` and `x0` say in a message where it came from."""
+    from scipy.integrate import solve_ivp
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        done = solve_ivp(rates, (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
+    end: Array = done.y[:, -1]
+    if done.status != 0 or not np.isfinite(end).all():
+        told = f"the flow leaves all bounds at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
+        raise InputError("lyapunov_of_flow", [f"{told} Give a start on its attractor, or a shorter settle and duration"])
+    return end

@@ -252,16 +252,16 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
     return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T
 
 
-def needs_model(what: str, model: Any, driven: bool = True) -> None:
-    """Say what to type where something else than one robot was given."""
+def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False) -> None:
+    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given."""
     if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
         raise InputError(
             what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
         )
-    if any(np.ndim(value) for _, value in leaves(model)):
+    if not batch and any(np.ndim(value) for _, value in leaves(model)):
         raise InputError(
             what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
         )
     if driven and getattr(model, "period", None) is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
-        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism)"])
+        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])

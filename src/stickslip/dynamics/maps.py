@@ -11,7 +11,7 @@ from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.exponents import largest_exponents
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import InputError, Problems
 
@@ -79,6 +79,7 @@ def chaos_map(
 
     axes = _axes(arguments, settle, periods, workers)
     robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
+    needs_model("chaos_map", robots.robot(*(axis[0] for axis in axes.values())))
     grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
     whole = [np.full(grid[0].size, UNDONE), *(np.full(grid[0].size, np.nan) for _ in range(3))]
 

@@ -23,6 +23,7 @@ __all__ = ["Path", "Point", "tangent_of"]
 
 Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
+_SMALL, _PATIENCE = 1e-4, 40  # a step that is small, and how many such steps in a row are taken before it is no use
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +156,7 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
     """The points after the first; at the end a sentence that says why it ended."""
     from stickslip.errors import InputError
 
-    here, largest, name = first, 4 * step, path.family.parameters[0]
+    here, largest, name, small = first, 4 * step, path.family.parameters[0], 0
     for _ in range(most):
         while True:
             try:
@@ -166,7 +167,7 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
                 found = None
             if found is not None and found.good and np.linalg.norm(found.at - here.u) < 2 * step:
                 point = path.point(found, here.tangent)
-                if point.tangent @ here.tangent > 0.8 or step <= 1e-4:
+                if point.tangent @ here.tangent > 0.8 or step <= _SMALL:
                     break
             step *= 0.5
             if step < 1e-6 and why is None:
@@ -182,6 +183,14 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
             yield "it reached the end of the range"
             return
         yield point
+        small = small + 1 if step < _SMALL else 0
+        if small > _PATIENCE:
+            steepest = abs(np.asarray(point.orbit.multipliers)).max()
+            yield (
+                f"its last {small} steps were below {_SMALL:g} of the range, at {name} = {point.value:.9g}: "
+                f"the motion changes abruptly there (largest multiplier {steepest:.3g}); follow it from the other side"
+            )
+            return
         step = min(largest, step * (1.5 if found.iterations <= 3 else 1.0 if found.iterations <= 6 else 0.6))
         here = point
     yield f"it was followed for {most} points"

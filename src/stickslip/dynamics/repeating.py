@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.diagrams import SHRINKING
+from stickslip.dynamics.diagrams import LONGEST, dying
 from stickslip.dynamics.mapping import coordinates, strobe_orbit
 
 __all__ = ["LONGEST", "Repetition", "repetition"]
 
 Array = Any
-LONGEST = 32  # largest period number that is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +57,12 @@ def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> 
     for p in range(1, min(LONGEST, points // 3) + 1):
         miss = at.distance(kept[p:], kept[:-p])
         late, early = float(miss[-p:].max()), float(miss[-2 * p : -p].max())
-        if late <= tolerance and not _dying(at, kept, p):
+        if late <= tolerance and not dying(kept, at.scales, p):
             return Repetition(p, kept[-1], late, f"the last {points} strobe points repeat after {p} within {late:.1e} of their scales")
         if best is None or late < best[0]:
             best = (late, p, late / early if early > 0 else 1.0)
     late, p, ratio = best or (np.inf, 1, 1.0)
-    if shorter := _dying(at, kept, p):  # it swings around a motion of a shorter period
+    if shorter := int(dying(kept, at.scales, p)):  # it swings around a motion of a shorter period
         p, miss = shorter, at.distance(kept[shorter:], kept[:-shorter])
         late, ratio = float(miss[-p:].max()), float(miss[-p:].max() / miss[-2 * p : -p].max())
     if late < 0.1 and 0.0 < ratio < 1.0 and _steady(at.distance(kept[p:], kept[:-p])[p - 1 :: p]):
@@ -73,15 +72,6 @@ def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> 
     else:
         why = f"the last {points} strobe points do not repeat within {LONGEST} periods (nearest: {late:.1e} after {p})"
     return Repetition(None, kept[-1], late, why)
-
-
-def _dying(at: Any, kept: Array, p: int) -> int:
-    """The shorter period, a divisor of p, whose miss shrinks along the points; 0 if there is none."""
-    for q in (q for q in range(1, p) if p % q == 0):
-        miss = at.distance(kept[q:], kept[:-q])
-        if miss[-p:].max() < SHRINKING * miss[:p].max():
-            return q
-    return 0
 
 
 def _steady(miss: Array) -> bool:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from stickslip.analysis.steady import needs_run, period_number
-from stickslip.errors import InputError, did_you_mean
+from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.variables import VARIABLES
 
 __all__ = ["halved", "poincare", "spectrum", "strobe"]
@@ -39,8 +40,11 @@ def strobe(run: Any, phase: float = 0.0, settle: int | None = None) -> Any:
     [11.296, 12.645]
     """
     needs_run("strobe", run)
-    if not 0 <= phase <= 1:
-        raise InputError("strobe", [f"phase = {phase!r}; allowed is 0 to 1, in drive periods; type phase=0.25"])
+    problems = Problems("strobe")
+    if not (isinstance(phase, Real) and 0 <= phase <= 1):
+        problems.add(f"phase = {phase!r}; allowed is 0 to 1, in drive periods; type phase=0.25")
+    _check_settle(problems, run, settle)
+    problems.check()
     first = run.settle if settle is None else settle
     t = run.strobe_times[:-1][first:] + phase * run.period_time
     return _dataset(run, np.minimum(t, run.strobe_times[-1]))
@@ -74,11 +78,14 @@ def poincare(run: Any, on: str = "v", value: float = 0.0, direction: int = 0, se
     [0.100694, 0.100694]
     """
     needs_run("poincare", run)
-    columns = [name for name, column in run.at(run.strobe_times[:1]).items() if np.ndim(column) == 1 and name != "t"]
-    if on not in columns:
-        raise InputError("poincare", [f"on = {on!r} is no column with one number at each instant; {did_you_mean(str(on), columns)}"])
+    problems = Problems("poincare")
+    _check_column(problems, run, "on", on)
+    if not (isinstance(value, Real) and np.isfinite(value)):
+        problems.add(f"value = {value!r}; allowed is a finite number; type for example value=0.0")
     if direction not in (-1, 0, 1):
-        raise InputError("poincare", [f"direction = {direction!r}; allowed is -1, 0 or 1"])
+        problems.add(f"direction = {direction!r}; allowed is -1, 0 or 1")
+    _check_settle(problems, run, settle)
+    problems.check()
     begin = (run.settle if settle is None else settle) * run.period_time
     t = run.t[run.t >= begin]
     t = np.unique(t)
@@ -86,6 +93,19 @@ def poincare(run: Any, on: str = "v", value: float = 0.0, direction: int = 0, se
     rising, falling = (level[:-1] <= 0) & (level[1:] > 0), (level[:-1] >= 0) & (level[1:] < 0)
     where = np.flatnonzero({1: rising, -1: falling, 0: rising | falling}[direction])
     return _dataset(run, halved(run, on, value, t[where], t[where + 1], np.where(rising[where], 1.0, -1.0)))
+
+
+def _check_column(problems: Problems, run: Any, name: str, column: Any) -> None:
+    columns = [n for n, values in run.at(run.strobe_times[:1]).items() if np.ndim(values) == 1 and n != "t"]
+    if column not in columns:
+        problems.add(f"{name} = {column!r} is no column with one number at each instant; {did_you_mean(str(column), columns)}")
+
+
+def _check_settle(problems: Problems, run: Any, settle: Any) -> None:
+    periods = len(run.strobe_times) - 1
+    if settle is not None and (not is_whole(settle) or not 0 <= settle < max(periods, 1)):
+        told = f"a whole number from 0 below the {periods} drive periods of the run, or None"
+        problems.add(f"settle = {settle!r}; allowed is {told}; type for example settle={periods // 2}")
 
 
 def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
@@ -135,12 +155,18 @@ def spectrum(run: Any, column: str = "v", harmonics: int = 40, periods: int | No
     --------
     >>> import stickslip as ss
     >>> lines = spectrum(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), periods=100))
-    >>> lines.order[:3].values.tolist(), bool(lines.amplitude[1] > lines.amplitude[2] * 0)  # period two: lines at halves
-    ([0.0, 0.5, 1.0], True)
+    >>> lines.order[:3].values.tolist(), (lines.amplitude[:3] * 1e3).round(2).values.tolist()  # period two: lines at halves
+    ([0.0, 0.5, 1.0], [11.75, 0.86, 15.04])
     """
     import xarray as xr
 
     needs_run("spectrum", run)
+    problems, most = Problems("spectrum"), len(run.strobe_times) - 1
+    _check_column(problems, run, "column", column)
+    problems.whole("harmonics", harmonics, 1, example=40)
+    if periods is not None and (not is_whole(periods) or not 1 <= periods <= most):
+        problems.add(f"periods = {periods!r}; allowed is a whole number from 1 to the {most} drive periods of the run, or None")
+    problems.check()
     found = period_number(run)
     count = periods or found or max(len(run.strobe_times) - 1 - run.settle, 1)
     per = max(64 * harmonics, 1024)

@@ -130,6 +130,11 @@ def passage(
     switches : int
         It ends after so many switches.
 
+    Returns
+    -------
+    Passage
+        State and mode at the end, the switches on the way, and the monodromy matrix.
+
     Examples
     --------
     >>> half = passage(SwitchingFlow({0: lambda t, y: (-y[0],)}), [1.0], 0, np.log(2.0))

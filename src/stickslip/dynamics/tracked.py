@@ -11,7 +11,7 @@ from stickslip.dynamics.attractors import Attractor, settled_points, start_axes,
 from stickslip.dynamics.diagrams import UNDONE, checked_values, strobe_attrs
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report
-from stickslip.dynamics.mapping import Coordinates, coordinates, spread_over
+from stickslip.dynamics.mapping import Coordinates, coordinates, needs_model, spread_over
 from stickslip.errors import InputError
 from stickslip.sweeps.progress import Watch
 
@@ -83,6 +83,7 @@ def attractors(
     """
     robots = family("attractors", make, (parameter,), fixed)
     values = checked_values("attractors", values)
+    needs_model("attractors", robots.robot(values[0]))
     at = coordinates(robots.robots(values))
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])

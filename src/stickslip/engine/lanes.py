@@ -22,7 +22,7 @@ from stickslip.engine.trace import Equations, label, numbers_of, trace
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "plain_name", "prelude", "run"]
 
 SEGMENTS, RINGS, KEPT = 32, 34, 16
 #: Numbers of the layout that a law's own functions read.
@@ -114,7 +114,9 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     width, groups = (1, 1) if record else (8, 2)
     source = _source(eq, step, width, groups, f"{label}, {method}")
     name = "single" if record else "lanes"
-    module = cache.load(source, f"{name}_{_plain(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})")
+    module = cache.load(
+        source, f"{name}_{plain_name(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})"
+    )
     return Kernel(
         module,
         driver.table(module, *_layout(eq, step, width * groups)),
@@ -128,7 +130,14 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     )
 
 
-def _plain(label: str) -> str:
+def plain_name(label: str) -> str:
+    """A label as a part of a file's name.
+
+    Examples
+    --------
+    >>> plain_name("LuGre × Harmonic")
+    'lugre_harmonic'
+    """
     return re.sub(r"[^A-Za-z0-9]+", "_", label).strip("_").lower()
 
 
@@ -171,7 +180,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> s
     parts = [
         driver.HEADER.format(label=f"{label}, {lanes} lanes") + f"L = {lanes}\n",
         "".join(f"{name} = {named[name]}\n" for name in _NAMED),
-        _prelude(eq, _constants(eq, step)),
+        prelude(eq, _constants(eq, step)),
         _look(eq),
         _force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
@@ -181,7 +190,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> s
     return "\n\n".join(parts)
 
 
-def _prelude(eq: Equations, nodes: list[Any]) -> str:
+def prelude(eq: Equations, nodes: list[Any]) -> str:
     """Once per case: everything that depends on its numbers alone."""
     w = Writer(prefix="p")
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}

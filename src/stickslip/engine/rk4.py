@@ -11,7 +11,7 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.driver import HEADER
-from stickslip.engine.lanes import _plain, _prelude
+from stickslip.engine.lanes import plain_name, prelude
 from stickslip.engine.symbols import Sym
 from stickslip.engine.trace import Equations, label, trace
 from stickslip.engine.write import Writer
@@ -74,7 +74,7 @@ def kernel(model: Any) -> Kernel:
     s, name = slopes(model), label(model)
     body = _Loop(s).text()
     source = "\n\n".join([HEADER.format(label=f"{name}, RK4"), *body])
-    return Kernel(cache.load(source, f"rk4_{_plain(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
+    return Kernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 
 class _Loop:
@@ -145,4 +145,4 @@ class _Loop:
             "    extremes[0], extremes[1] = low, high",
             "    return periods",
         ]
-        return [_prelude(self.s, [*nodes, self.s.period]), "\n".join(lines)]
+        return [prelude(self.s, [*nodes, self.s.period]), "\n".join(lines)]

@@ -50,21 +50,14 @@ def drawn(runs: list[Any], labels: list[str], kind: str) -> bytes:
 
 def _csv(state: State) -> bytes:
     """Every column of the last periods, all digits kept."""
-    from stickslip.datasets import COLUMNS
-    from stickslip.variables import VARIABLES
+    from stickslip.datasets import COLUMNS, write_csv
 
     run = run_of(state, state.law, True)
     end = float(run.strobe_times[-1])
     count = min(PERIODS, len(run.strobe_times) - 1)
     at = run.at(np.clip(np.linspace(end - count * run.period_time, end, 400 * count + 1), 0.0, end))
-    flat: dict[str, Any] = {}
-    for name in COLUMNS:
-        column = at.get(name)
-        if column is not None:
-            flat |= {name: column} if column.ndim == 1 else {f"{name}_{i}": column[:, i] for i in range(column.shape[1])}
-    head = ",".join(f"{name} [{VARIABLES[name if name in VARIABLES else 'z'].unit}]" for name in flat)
     file = io.StringIO()
-    np.savetxt(file, np.column_stack(list(flat.values())), delimiter=",", header=head, comments="", fmt="%.17g")
+    write_csv({name: at[name] for name in COLUMNS if at.get(name) is not None}, file)
     return file.getvalue().encode()
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import _all, at_least, describe, positive
+from stickslip.fields import at_least, describe, everywhere, positive
 from stickslip.friction.law import Law, several
 from stickslip.friction.sides import alone_or_all, by_side, check_static, each, fading
 from stickslip.maths import where
@@ -96,7 +96,7 @@ class GMS(Law):
         shares = {name: several(getattr(self, name)) for name in ("stiffness", "weights")}
         for name, values in shares.items():
             total = sum(values)
-            if values and not _all(abs(total - 1.0) < 1e-9):
+            if values and not everywhere(abs(total - 1.0) < 1e-9):
                 given = f"{name} = {values} sum to {describe(total)}"
                 problems.add(f"{given}; allowed are shares that sum to 1; divide each by their sum")
             elif getattr(self, name) == ():

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from stickslip.fields import Record, is_array
+from stickslip.fields import Frozen, is_array
 
 __all__ = ["Law", "several"]
 
 
-class Law(Record):
+class Law(Frozen):
     """Base of the built-in laws. A law of your own needs nothing from here."""
 
     _example: ClassVar[dict[str, Any]] = {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import _all, describe
+from stickslip.fields import describe, everywhere
 from stickslip.maths import exp, log, where
 
 __all__ = ["alone_or_all", "by_side", "check_static", "each", "fading", "power", "signed_power", "static", "stribeck"]
@@ -70,7 +70,7 @@ def check_static(law: Any, problems: Problems) -> None:
     for side in ("plus", "minus"):
         f, mu = getattr(law, f"f_{side}"), getattr(law, f"mu_{side}")
         try:
-            good = f is None or _all(f >= mu)
+            good = f is None or everywhere(f >= mu)
         except (TypeError, ValueError):  # a number that was already reported, or shapes that the robot reports
             continue
         if not good:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import _all
+from stickslip.fields import everywhere
 from stickslip.friction.law import Law
 from stickslip.maths import minimum
 
@@ -156,7 +156,7 @@ def _memory(law: Any) -> bool:
 
 
 def _sticks(law: Any) -> bool:
-    return hasattr(law, "breakaway") and not all(_all(force == 0) for force in law.breakaway(1.0))
+    return hasattr(law, "breakaway") and not all(everywhere(force == 0) for force in law.breakaway(1.0))
 
 
 def _kind(parts: list[Any]) -> type:

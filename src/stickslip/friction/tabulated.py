@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import _all, at_least, describe
+from stickslip.fields import at_least, describe, everywhere
 from stickslip.friction.law import Law, several
 from stickslip.friction.sides import by_side, static
 from stickslip.maths import where
@@ -74,7 +74,7 @@ class Tabulated(Law):
             mu, f = several(getattr(self, f"mu_{side}")), getattr(self, f"f_{side}")
             if mu and speed and len(mu) != len(speed):
                 problems.add(f"mu_{side} has {len(mu)} values and speed {len(speed)}; allowed is one coefficient for every speed")
-            if mu and f is not None and not _all(f >= mu[0]):
+            if mu and f is not None and not everywhere(f >= mu[0]):
                 problems.add(
                     f"f_{side} = {describe(f)} is below mu_{side}[0] = {describe(mu[0])}; allowed is f_{side} >= mu_{side}[0]; "
                     f"type f_{side}=None for equal ones"
@@ -109,10 +109,10 @@ class Tabulated(Law):
 def _check_rising(speed: tuple[Any, ...], problems: Problems) -> None:
     """A table is a function of speed."""
     for k in range(1, len(speed)):
-        if _all(speed[k] > speed[k - 1]):
+        if everywhere(speed[k] > speed[k - 1]):
             continue
         given = f"speed[{k}] = {describe(speed[k])} after speed[{k - 1}] = {describe(speed[k - 1])}"
-        if _all(speed[k] == speed[k - 1]):
+        if everywhere(speed[k] == speed[k - 1]):
             problems.add(f"the table is not single-valued: {given}; allowed is one coefficient for a speed; remove one, or put their mean")
         else:
             problems.add(f"the table does not rise: {given}; allowed are rising speeds; sort the table by speed")

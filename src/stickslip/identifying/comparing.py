@@ -93,11 +93,6 @@ class Comparison:
         """The law with the smallest rms over the cycle."""
         return min(self.laws, key=lambda row: row.rms)
 
-    @property
-    def closest_in_mean(self) -> Row:
-        """The law with the mean velocity nearest to the record's."""
-        return min(self.laws, key=lambda row: abs(row.mean_velocity - self.record.mean_velocity))
-
     def to_table(self) -> list[dict[str, Any]]:
         """One dict of numbers and words for each row."""
         names = ("label", "mean_velocity", "type", "pattern", "rms", "r2", "events")
@@ -186,7 +181,7 @@ def compare(
     notes = [*_notes(record, robot, seen, curves), *_words(measured, rows)]
     return Comparison(
         measured, rows, seen.sigma, seen.kind,
-        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*([said] if said else []), *notes),
+        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *notes),
     )  # fmt: skip
 
 
@@ -232,8 +227,7 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
 
 def _row(label: str, model: Any, curve: SteadyCurve, seen: Target, shift: float) -> Row:
     rest = _curve(seen, curve, seen.phase + shift) - seen.y
-    spread = float(np.average((seen.y - seen.y.mean()) ** 2, weights=seen.weight))
-    square = float(np.average(rest**2, weights=seen.weight))
+    spread, square = seen.mean_square(seen.y - np.average(seen.y, weights=seen.weight)), seen.mean_square(rest)
     phase = np.arange(_PHASES * curve.period) / _PHASES
     value = curve.v(phase) if seen.kind == "velocity" else curve.x(phase)
     m = motion(curve.run)
@@ -250,16 +244,17 @@ def _events(curve: SteadyCurve) -> tuple[tuple[float, str], ...]:
 
 
 def _measured(record: Record, seen: Target, shift: float) -> Row:
-    """The record's own row: its mean cycle on the phase of the best law."""
-    bins = int(np.clip(seen.count / 12, 24, _PHASES))
-    place = np.mod(seen.phase + shift, 1.0)
+    """The record's own row: its mean cycle, over one motion period, on the phase of the best law."""
+    bins = int(np.clip(seen.count / 12, 24, _PHASES)) * seen.period
+    place = np.mod((seen.phase + shift) / seen.period, 1.0)
     index = np.minimum((place * bins).astype(int), bins - 1)
     count = np.bincount(index, seen.weight * np.ones(seen.count), bins)
     mean = np.bincount(index, seen.weight * seen.y, bins) / np.where(count > 0, count, np.nan)
     m, V = record.motion(seen.frequency), record.mean_velocity(seen.frequency)
     first = -float(shift)
-    events = tuple((float(np.mod(start - first, 1.0)), "stick") for start, _, sign in m.intervals if sign == 0)
-    return Row("record", V, m.type, m.pattern, float("nan"), float("nan"), events, (np.arange(bins) + 0.5) / bins, mean)
+    events = tuple((float(np.mod(start - first, seen.period)), "stick") for start, _, sign in m.intervals if sign == 0)
+    phase = (np.arange(bins) + 0.5) / bins * seen.period
+    return Row("record", V, m.type, m.pattern, float("nan"), float("nan"), events, phase, mean)
 
 
 def _notes(record: Record, robot: Any, seen: Target, curves: dict[str, SteadyCurve]) -> list[str]:

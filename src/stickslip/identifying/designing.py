@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.uncertainty import covariance_of
@@ -19,6 +19,7 @@ __all__ = ["Design", "Experiment", "design"]
 TOLD = 0.25
 #: A parameter is faint if a change by a tenth moves the values by less than this part of the noise of one sample.
 FAINT = 0.1
+USES = ("velocity", "position")
 _STEP = 1e-4
 
 
@@ -55,7 +56,7 @@ class Design:
     experiments : tuple of Experiment
         The most telling first (the smallest volume of the confidence region; with rivals, the largest separation).
     notes : tuple of str
-        Which parameters none of them can tell, and which are confounded.
+        Which parameters none of them can tell, which are confounded, and which experiments were left out and why.
     """
 
     values: dict[str, float]
@@ -85,9 +86,7 @@ class Design:
     def __str__(self) -> str:
         lines = []
         for e in self.experiments[:8]:
-            where = " + ".join(
-                ", ".join(f"{k} = {v:.5g}" if isinstance(v, float) else f"{k} = {v}" for k, v in s.items()) for s in e.settings
-            )
+            where = " + ".join(map(_named, e.settings))
             errors = ", ".join(f"{n} ± {100 * v / abs(self.values[n]) if self.values[n] else np.inf:.2g} %" for n, v in e.errors.items())
             apart = "" if np.isnan(e.separation) else f"; rivals {e.separation:.3g} standard deviations apart"
             lines.append(f"{where}: {errors}{apart}")
@@ -145,44 +144,82 @@ def design(
     >>> plan.told, plan.untold
     (('mu0',), ('sigma0',))
     """
-    settings = _settings(experiments)
-    bounds = {name: (0.5 * value, 1.5 * value) if value > 0 else (value - 1.0, value + 1.0) for name, value in free.items()}
-    of = parameters(
-        make,
-        bounds,
-        None,
-        {**arguments, **{k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}},
-        len(settings),
-        "design",
-    )
-    if not noise > 0 or not 1 <= together <= len(settings):
+    of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
+    slopes, curves, apart, dropped = {}, {}, {}, []
+    for i, chosen in enumerate(settings):
+        try:
+            curves[i], slopes[i] = _sensitivity(of, free, i, using, samples, rtol)
+            if rivals:
+                apart[i] = _apart(rivals, of, free, i, curves[i], using, samples, rtol)
+        except (InputError, SolveError) as error:
+            slopes.pop(i, None)
+            dropped.append(f"{_named(chosen)} is left out: {error}")
+    if len(slopes) < together:
         raise InputError(
-            "design", [f"noise = {noise!r}, together = {together!r}; allowed are a positive noise and 1 to {len(settings)} experiments"]
+            "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
         )
-    slopes, curves = {}, {}
-    for i in range(len(settings)):
-        made = _sensitivity(of, free, i, using, samples, rtol)
-        if made is not None:
-            curves[i], slopes[i] = made
-    if not slopes:
-        raise InputError("design", ["none of the experiments could be solved; check the settings"])
-    apart = {i: _apart(rivals, of, free, i, curves[i], using, samples, rtol) for i in slopes} if rivals else {}
-    found = [_expected(chosen, slopes, apart, settings, free, noise) for chosen in combinations(slopes, min(together, len(slopes)))]
+    found = [_expected(chosen, slopes, apart, settings, free, noise) for chosen in combinations(slopes, together)]
     key = (lambda e: -e[0].separation) if rivals else (lambda e: e[1])
     found.sort(key=key)
     best = found[0]
-    return Design(dict(free), tuple(e for e, _, _ in found), tuple(_notes(best, free, using)))
+    return Design(dict(free), tuple(e for e, _, _ in found), (*_notes(best, free, using), *dropped))
 
 
-def _settings(experiments: Any) -> list[dict[str, Any]]:
+def _checked(
+    make: Any, free: dict[str, Any], experiments: Any, noise: float, samples: int, together: int, using: str, arguments: dict[str, Any]
+) -> tuple[Parameters, list[dict[str, Any]]]:
+    """Parameters and settings of all experiments; everything wrong with what the user gave is reported at once."""
+    problems = Problems("design")
+    settings = _settings(experiments, problems)
+    for name, value in free.items():
+        if not _is_number(value):
+            problems.add(f'free: {name} = {value!r}; allowed is the value where it is supposed to be; type for example "{name}": 0.18')
+    middle = {name: value if _is_number(value) else 1.0 for name, value in free.items()}
+    bounds = {name: (0.5 * v, 1.5 * v) if v > 0 else (v - 1.0, v + 1.0) for name, v in middle.items()}
+    varied = {k: [s.get(k, arguments.get(k)) for s in settings] for k in dict.fromkeys(k for s in settings for k in s)}
+    of = None
+    try:
+        of = parameters(make, bounds, None, {**arguments, **varied}, max(len(settings), 1), "design")
+    except InputError as error:
+        problems.include(error)
+    if not (_is_number(noise) and noise > 0):
+        problems.add(f"noise = {noise!r}; allowed is a positive standard deviation of one sample; type for example noise=1e-3")
+    problems.whole("samples", samples, 8, example=2000)
+    problems.whole("together", together, 1, example=2)
+    if settings and is_whole(together) and together > len(settings):
+        problems.add(f"together = {together} and there are {len(settings)} experiments; give more of them, or a smaller together")
+    if using not in USES:
+        problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
+    problems.check()
+    return of, settings  # type: ignore[return-value]  # without it there was a problem
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and bool(np.isfinite(value))
+
+
+def _settings(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
+    """The settings of each experiment."""
+    example = 'type for example experiments={"amplitude": [4e-4, 8e-4]}'
     if isinstance(experiments, dict):
-        names = list(experiments)
-        grids = np.meshgrid(*(np.arange(len(experiments[n])) for n in names), indexing="ij")
-        return [
-            {n: experiments[n][int(k)] for n, k in zip(names, index, strict=True)}
-            for index in zip(*(g.ravel() for g in grids), strict=True)
-        ]
-    return [dict(e) for e in experiments]
+        values = {name: list(v) if isinstance(v, (list, tuple, np.ndarray)) else [] for name, v in experiments.items()}
+        wrong = [name for name, v in values.items() if not v]
+        for name in wrong:
+            problems.add(f"experiments: {name} = {experiments[name]!r}; allowed is a list of values; {example}")
+        found = [] if wrong else [dict(zip(values, each, strict=True)) for each in product(*values.values()) if values]
+    else:
+        found = [dict(e) for e in experiments if isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else []
+        wrong = [e for e in experiments if not isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else [experiments]
+        for e in wrong:
+            problems.add(f"experiments: {e!r} is no dict of settings; {example}")
+    if not found and not wrong:
+        problems.add(f"experiments is empty; allowed is one or more; {example}")
+    return found
+
+
+def _named(settings: dict[str, Any]) -> str:
+    """The settings of one experiment in words."""
+    return ", ".join(f"{k} = {v:.5g}" if isinstance(v, float) else f"{k} = {v}" for k, v in settings.items()) or "as given"
 
 
 def _curve_of(model: Any, using: str, samples: int, rtol: float) -> Any:
@@ -193,15 +230,12 @@ def _curve_of(model: Any, using: str, samples: int, rtol: float) -> Any:
 
 def _sensitivity(of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float) -> Any:
     """The curve of an experiment, and its derivatives by the parameters and by the phase (and, for a position, its offset)."""
-    try:
-        here = _curve_of(of.model(free, i), using, samples, rtol)
-        columns = []
-        for name, value in free.items():
-            h = _STEP * (abs(value) or 1.0)
-            sides = [_curve_of(of.model({**free, name: value + s * h}, i), using, samples, rtol) for s in (1, -1)]
-            columns.append((sides[0] - sides[1]) / (2 * h))
-    except (InputError, SolveError):
-        return None
+    here = _curve_of(of.model(free, i), using, samples, rtol)
+    columns = []
+    for name, value in free.items():
+        h = _STEP * (abs(value) or 1.0)
+        sides = [_curve_of(of.model({**free, name: value + s * h}, i), using, samples, rtol) for s in (1, -1)]
+        columns.append((sides[0] - sides[1]) / (2 * h))
     nuisances = [np.gradient(here) * samples] + ([np.ones(samples)] if using == "position" else [])
     return here, (np.stack(columns, axis=1), np.stack(nuisances, axis=1))
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.forces import is_dynamic, law_force, law_rate, memories_of, states_of
 from stickslip.identifying.parameters import Parameters
 
 __all__ = ["DrivenProblem", "Motion", "driven_force", "motion_of"]
@@ -57,9 +57,18 @@ class Motion:
         return self.force[self.before :]
 
     @property
+    def weight(self) -> float:
+        """Every value is one sample."""
+        return 1.0
+
+    @property
     def count(self) -> int:
         """Number of values."""
         return len(self.force) - self.before
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left of all samples."""
+        return float(np.mean(rest**2))
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
@@ -116,35 +125,43 @@ def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
     """Friction force of a law at every sample of a motion: array (samples, cases) [N].
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
-    them; a law's discrete memory is switched at the end of a step. A set-valued law gives at rest whatever was measured, within its
-    break-away.
+    them; a law's discrete memory is switched at the end of a step. A law that holds a body (a set-valued one at rest, Karnopp's in its
+    band) gives there whatever was measured, within its break-away.
     """
     if not is_dynamic(law):
         return _set_valued(law, motion, cases)
     out = np.empty((len(motion.t), cases))
-    states, modes = int(getattr(law, "states", 1)), int(getattr(law, "modes", 0))
+    states = states_of(law)
     z = np.zeros((states, cases)) if states != 1 else np.zeros(cases)
-    mode = tuple(np.zeros(cases) for _ in range(modes))
-    scale = law.scale(float(motion.load.mean())) if hasattr(law, "scale") else 1e-6
-    nudge = _NUDGE * np.abs(np.asarray(scale, float)) * np.ones(cases)
+    mode = tuple(np.zeros(cases) for _ in range(memories_of(law)))
+    nudge = _nudges(law, float(motion.load.mean()), z)
     steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
-    for k, (v, N, h) in enumerate(zip(motion.v.tolist(), motion.load.tolist(), steps.tolist(), strict=True)):
+    columns = (a.tolist() for a in (motion.v, motion.load, steps, motion.force))
+    for k, (v, N, h, measured) in enumerate(zip(*columns, strict=True)):
         if mode and v * side < 0:
             z, mode = _switched(law, 0.0, N, z, mode, came=side)
         side = v or side
         z, mode = _stepped(law, v, N, h, z, mode, nudge)
         zdot = _rate(law, v, z, N, mode)
-        out[k] = law.force(v, _given(z, states), _given(zdot, states), N, *([mode] if modes else []))
+        out[k] = law_force(law, v, _given(z), _given(zdot), N, mode, measured)
     return out
 
 
-def _given(z: Any, states: int) -> Any:
+def _nudges(law: Any, load: float, z: Any) -> Any:
+    """Small steps of the inner states, in their shape."""
+    scale = law.scale(load) if hasattr(law, "scale") else 1e-6
+    parts = scale if isinstance(scale, (tuple, list)) else (scale,)
+    found = [_NUDGE * np.abs(np.asarray(part, float)) * np.ones(z.shape[-1]) for part in parts]
+    return found[0] if z.ndim == 1 else np.stack(found) if found else z
+
+
+def _given(z: Any) -> Any:
     """Inner states as a law takes them."""
-    return z if states == 1 else tuple(z)
+    return z if z.ndim == 1 else tuple(z)
 
 
 def _rate(law: Any, v: float, z: Any, N: float, mode: Any) -> Any:
-    found = law.rate(v, z if z.ndim == 1 else tuple(z), N, *([mode] if mode else []))
+    found = law_rate(law, v, _given(z), N, mode)
     return np.asarray(found) if z.ndim == 1 else np.stack([np.broadcast_to(part, z.shape[1:]) for part in found]) if len(found) else z
 
 
@@ -161,7 +178,7 @@ def _stepped(law: Any, v: float, N: float, h: float, z: Any, mode: Any, nudge: A
 
 def _switched(law: Any, v: float, N: float, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
     """The memory after every switch whose guard has fallen; where v passes zero, every one that falls only there."""
-    given = z if z.ndim == 1 else tuple(z)
+    given = _given(z)
     before = None if came is None else [guard for guard, _, _ in law.switches(came, given, N, mode)]
     for i, (guard, new_mode, new_z) in enumerate(law.switches(v, given, N, mode)):
         fallen = np.asarray(guard) <= 0

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError, did_you_mean
+from stickslip.errors import Problems, did_you_mean
 
 __all__ = ["Fit", "Quality"]
 
 #: Parameters that are correlated more than this are named.
 CORRELATED = 0.95
-METHODS = ("covariance", "profile", "bootstrap")
+#: Ways to an interval, and the options of each.
+METHODS: dict[str, tuple[str, ...]] = {"covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
 
 
 @dataclass(frozen=True)
@@ -153,12 +154,18 @@ class Fit:
         tuple of float
             It ends at a bound where the data do not end it before.
         """
+        problems = Problems("interval")
         if name not in self.values:
-            raise InputError("interval", [f"{name!r} is not a free parameter; {did_you_mean(name, self.values)}"])
-        if not 0 < level < 1 or method not in METHODS:
-            raise InputError(
-                "interval", [f"level = {level!r}, method = {method!r}; allowed are 0 < level < 1 and one of {', '.join(METHODS)}"]
-            )
+            problems.add(f"{name!r} is not a free parameter; {did_you_mean(name, self.values)}")
+        if not 0 < level < 1:
+            problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type for example level=0.95")
+        if method not in METHODS:
+            problems.add(f"method = {method!r}; {did_you_mean(method, METHODS)}")
+        for option in options:
+            if option not in METHODS.get(method, options):
+                typed = f'; type method="bootstrap", {option}={options[option]!r}' if option in METHODS["bootstrap"] else ""
+                problems.add(f"{option!r} is no option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
+        problems.check()
         from stickslip.identifying.bootstrapping import by_bootstrap
         from stickslip.identifying.uncertainty import by_covariance, by_profile
 

@@ -43,7 +43,8 @@ def identify(
 ) -> Fit:
     """Fit the parameters of a robot, or of a friction law, to one or several records at once.
 
-    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. The search begins at many
+    Curves are compared at the record's own instants; the drive's phase in each record is fitted along. Of more than 20 000 samples of a
+    velocity those at neighbouring phases of the motion are averaged, in five parts of the record apart. The search begins at many
     places of a Sobol sequence, judged in batches, and goes on from the best by trust-region steps.
 
     Parameters
@@ -144,7 +145,7 @@ def _makes_laws(of: Parameters) -> bool:
     """Whether the models are laws and not robots, told from the first place between the bounds that makes one."""
     from scipy.stats import qmc
 
-    for place in qmc.Sobol(len(of.free), seed=0).random_base2(6):
+    for place in qmc.Sobol(len(of.free), rng=0).random_base2(6):
         try:
             return not hasattr(of.model(of.values(place), 0), "friction")
         except InputError:
@@ -162,6 +163,7 @@ def _driven(records: list[Any], of: Parameters, load: float | None, noise: float
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
     notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
+    notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
     if isinstance(problem, DrivenProblem):
         notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if m.flipped]
     return notes

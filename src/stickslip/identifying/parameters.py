@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.batch import stacked
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves, replace_leaf
+from stickslip.fields import leaves
 
 __all__ = ["Free", "Parameters"]
 
@@ -122,7 +122,8 @@ class Parameters:
         """
         made = [self.models(place) for place in places]
         good = [models for models in made if models is not None]
-        return np.array([models is not None for models in made], bool), [_stacked(list(each)) for each in zip(*good, strict=True)]
+        stacks = [stacked("identify", list(each)) for each in zip(*good, strict=True)]
+        return np.array([models is not None for models in made], bool), stacks
 
     def only(self, fixed: dict[str, float]) -> Parameters:
         """The same with some of the free parameters held."""
@@ -147,19 +148,15 @@ def parameters(
         if known is not None and name not in known:
             problems.add(f"{name!r} is not known; {did_you_mean(name, known)}")
     fixed = _fixed(arguments, count, problems)
+    _check_once(spread, tied or {}, arguments, count, problems)
     for name, rule in (tied or {}).items():
         if not callable(rule) and known is not None and rule not in known:
             problems.add(f"{name} is tied to {rule!r}, which is not known; {did_you_mean(str(rule), known)}")
     if not spread:
-        problems.add('free names no parameter; type for example free={"mu0": (0.05, 0.5)}')
+        example = "0.18" if what == "design" else "(0.05, 0.5)"
+        problems.add(f'free names no parameter; type for example free={{"mu0": {example}}}')
     problems.check()
     return Parameters(make, tuple(spread), fixed, dict(tied or {}))
-
-
-def _stacked(models: list[Any]) -> Any:
-    """Models of one kind as one whose numbers are arrays."""
-    tables = [dict(leaves(model)) for model in models]
-    return replace_leaf(models[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
 
 
 def _known(make: Any) -> list[str] | None:
@@ -188,6 +185,23 @@ def _free(free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
     return found
 
 
+def _check_once(free: list[Free], tied: dict[str, Any], arguments: dict[str, Any], count: int, problems: Problems) -> None:
+    """Every number has one source; an argument may be given where only some of the records have their own free one."""
+    names = [f.name for f in free]
+    for name in dict.fromkeys(f.argument for f in free):
+        own = [f"{name}[{f.record}]" for f in free if f.argument == name and f.record is not None]
+        if name in names and own:
+            problems.add(f"free names {name}, for all records, and {', '.join(dict.fromkeys(own))}; leave one of them out")
+        problems.found += [f"free names {one} twice, once as {name}[:]; leave one of them out" for one in own if own.count(one) > 1][:1]
+        if name in arguments and (name in names or len(set(own)) == count):
+            problems.add(f"{name} is free and given, as {name} = {arguments[name]!r}; leave one of them out")
+        if name in tied:
+            problems.add(f"{name} is free and tied; leave it out of free or out of tied")
+    problems.found += [
+        f"{name} is tied and given, as {name} = {arguments[name]!r}; leave one of them out" for name in tied if name in arguments
+    ]
+
+
 def _ordered(bounds: tuple[Any, ...], log: bool) -> bool:
     try:
         low, high = float(bounds[0]), float(bounds[1])
@@ -206,6 +220,3 @@ def _fixed(arguments: dict[str, Any], count: int, problems: Problems) -> tuple[d
         for record in range(count):
             fixed[record][name] = value[record] if many else value
     return tuple(fixed)
-
-
-Rule = Callable[[dict[str, Any]], Any]

@@ -258,9 +258,10 @@ def _distance(target: Target, seen: dict[str, Any]) -> Any:
 def _smoothed(target: Target) -> Any:
     """The mean cycle in as many bins as its noise allows."""
     bins = int(np.clip(target.count / 20, 12, 200))
-    index = np.minimum((np.mod(target.phase, 1.0) * bins).astype(int), bins - 1)
-    count = np.bincount(index, minlength=bins)
-    return (np.bincount(index, target.y, bins) / np.maximum(count, 1))[count > 0]
+    bins *= target.period
+    index = np.minimum((np.mod(target.phase / target.period, 1.0) * bins).astype(int), bins - 1)
+    weight = np.bincount(index, target.weight * np.ones(target.count), bins)
+    return np.bincount(index, target.weight * target.y, bins)[weight > 0] / weight[weight > 0]
 
 
 def _speed(target: Target) -> float:

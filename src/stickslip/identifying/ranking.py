@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, Problems
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.uncertainty import effective
 
@@ -197,13 +197,23 @@ def _named(fits: Any) -> dict[str, Fit]:
 def _check(named: dict[str, Fit]) -> None:
     if len(named) < 2:
         raise InputError("rank", [f"{len(named)} fits given; allowed are two or more; type ss.rank([fit_of_one_law, fit_of_another])"])
-    first = next(iter(named.values()))
-    for label, fit in named.items():
-        same = fit.count == first.count and np.allclose(fit.problem.y, first.problem.y, rtol=1e-9, atol=0.0)
-        if not same:
-            raise InputError(
-                "rank", [f"{label} was fitted to other values than the first; fit all laws to the same records in the same way"]
+    (one, first), *others = named.items()
+    problems = Problems("rank")
+    for label, fit in others:
+        if fit.count != first.count or not np.allclose(fit.problem.y, first.problem.y, rtol=1e-9, atol=0.0):
+            problems.add(f"{label} was fitted to other values than {one}; fit all laws to the same records in the same way")
+        elif _given(fit) != _given(first) or not np.allclose(fit.problem.sigma, first.problem.sigma, rtol=1e-9, atol=0.0):
+            problems.add(
+                f"{label} was fitted with {_noise(fit)} and {one} with {_noise(first)}, so that their misfits are counted in other units; "
+                "fit all laws with the same noise=, or all without"
             )
+    problems.check()
+
+
+def _noise(fit: Fit) -> str:
+    """The noise of a fit in words."""
+    sizes = dict.fromkeys(f"{size:.3g}" for size in (fit.problem.sigma.min(), fit.problem.sigma.max()))
+    return f"a noise of {' to '.join(sizes)}{'' if _given(fit) else ' (found in the record)'}"
 
 
 def _given(fit: Fit) -> bool:

@@ -2,84 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
+from stickslip.drives import Harmonic, MultiHarmonic
 from stickslip.errors import Problems
-from stickslip.fields import Record as Fields
-from stickslip.fields import at_least, positive
-from stickslip.maths import cos, pi, sin
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve
 
-__all__ = ["DistortedHarmonic", "virtual_rig"]
+__all__ = ["virtual_rig"]
 
 _OVER = 8  # the sensor's bandwidth is applied to this many times more samples
 CHANNELS = ("velocity", "absolute velocity", "position", "drive", "force", "acceleration")
-
-
-@dataclass(frozen=True, eq=False)
-class DistortedHarmonic(Fields):
-    r"""A harmonic drive with a second and a third harmonic: what an amplifier or a beam adds.
-
-    .. math:: \xi(t) = A\,(\sin\omega t + h_2\sin 2\omega t + h_3\sin 3\omega t)
-
-    Parameters
-    ----------
-    amplitude : float
-        A [m].
-    omega : float
-        [rad/s]
-    second, third : float
-        Parts of A [-].
-    """
-
-    amplitude: float
-    omega: float
-    second: float = 0.0
-    third: float = 0.0
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "amplitude": (at_least(0.0), "zero or more [m]"),
-        "omega": (positive, "a positive angular frequency [rad/s]"),
-    }
-
-    @property
-    def period(self) -> Any:
-        """Period [s]."""
-        return 2 * pi / self.omega
-
-    def position(self, t: Any) -> Any:
-        """Relative position [m]."""
-        w = self.omega * t
-        return self.amplitude * (sin(w) + self.second * sin(2 * w) + self.third * sin(3 * w))
-
-    def velocity(self, t: Any) -> Any:
-        """Relative velocity [m/s]."""
-        w = self.omega * t
-        return self.amplitude * self.omega * (cos(w) + 2 * self.second * cos(2 * w) + 3 * self.third * cos(3 * w))
-
-    def acceleration(self, t: Any) -> Any:
-        """Relative acceleration [m/s^2]."""
-        w = self.omega * t
-        return -self.amplitude * self.omega**2 * (sin(w) + 4 * self.second * sin(2 * w) + 9 * self.third * sin(3 * w))
-
-    @property
-    def velocity_scale(self) -> Any:
-        """A omega [m/s]."""
-        return self.amplitude * self.omega
-
-    @property
-    def specific_energy(self) -> Any:
-        """Half the squared velocity scale [J/kg]."""
-        return 0.5 * self.velocity_scale**2
-
-    @property
-    def stroke(self) -> Any:
-        """Twice the amplitude of the fundamental [m]."""
-        return 2 * self.amplitude
 
 
 def virtual_rig(
@@ -120,7 +55,7 @@ def virtual_rig(
     bandwidth : float, optional
         Of the sensor: a first-order low-pass [Hz].
     harmonics : tuple of float
-        Second and third harmonic of the drive, as parts of its amplitude.
+        Second and third harmonic of a harmonic drive, as parts of its amplitude: what an amplifier or a beam adds.
     resolution : float
         Step between neighbouring numbers of the digitizer [SI unit of the channel]; 0 for none.
     offset : float
@@ -140,9 +75,9 @@ def virtual_rig(
     >>> rec.synthetic, len(rec["velocity"]), round(rec.mean_velocity() * 1e3, 1)
     (True, 2000, 1.7)
     """
-    _check(noise, periods, settle, samples, channels, bandwidth, resolution)
+    _check(noise, periods, settle, samples, channels, bandwidth, resolution, harmonics, getattr(robot, "drive", None))
     if any(harmonics):
-        robot = robot.replace(drive=DistortedHarmonic(robot.drive.amplitude, robot.drive.omega, *harmonics))
+        robot = robot.replace(drive=MultiHarmonic(robot.drive.omega, tuple(robot.drive.amplitude * part for part in (1.0, *harmonics))))
     run = solve(robot, periods=settle + periods + 1, settle=settle, rtol=rtol, samples=8, keep="trajectory")
     T = run.period_time
     t = np.arange(round(periods * samples)) / samples * T
@@ -160,7 +95,9 @@ _UNITS = {"velocity": "m/s", "absolute velocity": "m/s", "position": "m", "drive
 _LABEL = "SYNTHETIC: made by a virtual rig, not measured"
 
 
-def _check(noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float) -> None:
+def _check(
+    noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, drive: Any
+) -> None:
     problems = Problems("virtual_rig")
     for name, value, least in (("noise", noise, 0), ("periods", periods, 1), ("settle", settle, 0), ("samples", samples, 4)):
         if not isinstance(value, (int, float, np.number)) or not least <= value < np.inf:
@@ -172,6 +109,13 @@ def _check(noise: float, periods: int, settle: int, samples: float, channels: An
         problems.add(f"bandwidth = {bandwidth!r}; allowed is a positive frequency [Hz], or None")
     if not resolution >= 0:
         problems.add(f"resolution = {resolution!r}; allowed is 0 or more")
+    if np.shape(harmonics) != (2,) or not np.isfinite(np.asarray(harmonics, float)).all():
+        problems.add(f"harmonics = {harmonics!r}; allowed are two parts of the amplitude; type for example harmonics=(0.05, 0.02)")
+    elif any(harmonics) and not isinstance(drive, Harmonic):
+        problems.add(
+            f"harmonics = {harmonics!r} and the drive is {type(drive).__name__}; allowed is a Harmonic; leave harmonics out, or give the "
+            "robot a drive with them: ss.MultiHarmonic(frequency=32.7, amplitudes=(5e-4, 1e-4))"
+        )
     problems.check()
 
 

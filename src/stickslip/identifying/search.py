@@ -47,7 +47,7 @@ def searched(problem: Any, starts: int, seed: int, progress: Callable[[int, int]
     from scipy.stats import qmc
 
     n = len(problem.parameters.free)
-    places = qmc.Sobol(n, seed=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
+    places = qmc.Sobol(n, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
     places = np.concatenate([np.full((1, n), 0.5), places])
     score = problem.coarse(places)
     if not np.isfinite(score).any():

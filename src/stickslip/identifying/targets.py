@@ -9,17 +9,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.identifying.averages import MOST, averaged
 from stickslip.records import Record
+from stickslip.records.measures import LONGEST, _repeats, mean_velocity
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
 from stickslip.records.tones import _finite
 
-__all__ = ["KINDS", "Target", "mean_target", "target"]
-
-#: What can be fitted.
-KINDS = ("velocity", "position", "mean", "force")
-_MOST = 20_000  # samples of one record; more are averaged over neighbouring phases
-_BINS = 4000
+__all__ = ["Target", "mean_target", "target"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +50,9 @@ class Target:
     slips: bool = False  # whether the frequency is fitted further
     transient: bool = False  # whether the first sample is where the motion starts, in a state that is fitted
     said: str | None = None  # what was done about a start that is not steady
+    cut: str | None = None  # what was left out of a very long record
+    period: int = 1  # drive periods after which the motion repeats, as far as the record tells
+    within: float = 0.0  # mean square, over all samples, of what was lost where they were averaged
 
     @property
     def course(self) -> Any:
@@ -63,6 +63,10 @@ class Target:
     def count(self) -> int:
         """Number of values."""
         return len(self.y)
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left of all samples, told from what is left of the values."""
+        return float(np.average(rest**2, weights=self.weight * np.ones(self.count))) + self.within
 
 
 def target(
@@ -80,8 +84,6 @@ def target(
     if not transient:
         rec, _, said = settled(rec, settle, frequency)
     if kind == "mean":
-        from stickslip.records.measures import mean_velocity
-
         found = mean_velocity(rec, frequency)
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
     t, y = _finite(rec[kind])
@@ -89,21 +91,22 @@ def target(
     level = noise(y) if sigma is None else float(sigma)
     if not level > 0:
         level = 1e-6 * float(np.ptp(y)) or 1.0
-    phase, weight = (t - t[0]) * f, np.ones(len(t))
-    slips = frequency is None and len(t) <= _MOST and phase[-1] > 2
-    if len(t) > _MOST and kind == "velocity" and not transient:
-        phase, y, weight = _averaged(phase, y)
-    return Target(kind, phase, y, level, f, sigma is not None, label, weight, slips, transient, said)
+    phase = (t - t[0]) * f
+    slips = frequency is None and phase[-1] > 2
+    repeats = None if transient else _repeats(phase, y if kind == "velocity" else np.gradient(y, t))
+    whole = Target(kind, phase, y, level, f, sigma is not None, label, np.ones(len(t)), slips, transient, said, None, repeats or 1)
+    return _fewer(whole, repeats) if len(t) > MOST and kind == "velocity" and not transient else whole
 
 
-def _averaged(phase: Any, y: Any) -> tuple[Any, Any, Any]:
-    """Means over neighbouring phases of one drive period."""
-    place = np.mod(phase, 1.0)
-    index = np.minimum((place * _BINS).astype(int), _BINS - 1)
-    count = np.bincount(index, minlength=_BINS)
-    kept = count > 0
-    means = [np.bincount(index, a, _BINS)[kept] / count[kept] for a in (place, y)]
-    return means[0], means[1], count[kept].astype(float)
+def _fewer(target: Target, repeats: int | None) -> Target:
+    """A target of very many samples with fewer values: averages where the motion repeats, else the end of the record."""
+    if repeats is None:
+        end = slice(target.count - MOST, None)
+        cut = f"the motion does not repeat within {LONGEST} drive periods: of {target.count} samples only the last {MOST} are compared"
+        return dataclasses.replace(target, phase=target.phase[end], y=target.y[end], weight=target.weight[end], cut=cut)
+    phase, y, weight, within, scatter = averaged(target.phase, target.y, repeats)
+    level = target.sigma if target.given_sigma else max(target.sigma, scatter)
+    return dataclasses.replace(target, phase=phase, y=y, weight=weight, within=within, sigma=level)
 
 
 def mean_target(value: Any, sigma: float | None, label: str) -> Target:

@@ -126,14 +126,13 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
     found = []
     for target, curve, rest in zip(fit.problem.targets, fit.predicted, fit._split(fit.residuals * fit.problem.sigma), strict=True):
         y = curve - rest
-        spread = float(np.sum((y - y.mean()) ** 2))
-        r2 = 1 - float(rest @ rest) / spread if len(y) > 1 and spread > 0 else float("nan")
+        square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
+        r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
         noise = float(getattr(target, "sigma", float("nan")))
         known = target.kind in ("velocity", "position") or getattr(target, "given_sigma", False)
-        order = np.argsort(np.mod(target.phase, 1.0), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
+        order = np.argsort(np.mod(target.phase, target.period), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
         shape = max(neighbours(rest), neighbours(rest[order]), key=abs)
-        rms = float(np.sqrt(np.average(rest**2, weights=getattr(target, "weight", 1.0) * np.ones(len(rest)))))
-        found.append(Quality(target.label, target.kind, len(rest), rms, noise if known else float("nan"), r2, shape))
+        found.append(Quality(target.label, target.kind, len(rest), float(np.sqrt(square)), noise if known else float("nan"), r2, shape))
     return tuple(found)
 
 

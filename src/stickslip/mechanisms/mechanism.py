@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from stickslip.batch import check_shape, shape_of
 from stickslip.errors import Problems
-from stickslip.fields import Record, at_least, positive
+from stickslip.fields import Frozen, at_least, positive
 from stickslip.forces import check_law
 from stickslip.maths import pi, sqrt
 from stickslip.tables import from_toml, record_html, to_toml
@@ -24,7 +24,7 @@ RULES: dict[str, Any] = {
 }
 
 
-class Mechanism(Record):
+class Mechanism(Frozen):
     """Base of the mechanisms: a mass with one contact. A subclass adds its fields, `acceleration` and where its energy goes."""
 
     kind: ClassVar[str] = ""  # its name in a study file

@@ -34,6 +34,13 @@ def bench(found: Any, figure: Any = None) -> Any:
     Returns
     -------
     matplotlib Figure
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.bench(ss.Coulomb(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24))
+    >>> len(ss.plot.bench(found).axes)
+    8
     """
     if isinstance(found, Bench):
         with publication():

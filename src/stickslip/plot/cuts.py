@@ -33,6 +33,13 @@ def line_cut(grid: Any, along: str, at: dict[str, Any] | None = None, lines: Seq
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 4e-4, 5e-4, 6e-4], tilt_deg=[1.7, 2.7, 3.7], law="coulomb")
+    >>> len(ss.plot.line_cut(grid, "amplitude", lines=[1.7, 3.7]).get_legend().get_texts())
+    2
     """
     part = _chosen(grid, along, at)
     rest = [str(d) for d in part["mean_velocity"].dims if d not in (along, "way")]

@@ -55,6 +55,13 @@ def continuation(
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=7e-4, stop=8e-4, tilt_deg=1.7, law="coulomb")
+    >>> ss.plot.continuation(branch, "mean_velocity").get_ylabel()
+    'mean velocity $V$ (mm/s)'
     """
     branches = list(branch) if isinstance(branch, (list, tuple)) else [branch]
     if not branches or not all(hasattr(b, "points") and hasattr(b, "special") for b in branches):
@@ -190,6 +197,14 @@ def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> diagram = ss.bifurcation(ss.presets.piezo_rig, parameter="amplitude", values=[4e-4, 6e-4], settle=20, points=4, follow=False,
+    ...                       tilt_deg=1.7, law="coulomb")
+    >>> ss.plot.bifurcation(diagram, "mean_velocity").get_xlabel()
+    'amplitude of the inner mass A (µm)'
     """
     if "parameter" not in getattr(diagram, "attrs", {}) or observable not in diagram:
         raise InputError(
@@ -225,6 +240,14 @@ def basins(found: Any, ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
+    >>> found = ss.basins(robot, v=[-0.01, 0.0, 0.01], z=[0.0, 1e-7], settle=60)
+    >>> ss.plot.basins(found).get_xlabel()
+    'velocity at the start (mm/s)'
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.lines import Line2D
@@ -293,6 +316,13 @@ def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> exponents = ss.lyapunov(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), periods=50)
+    >>> ss.plot.convergence(exponents).get_ylabel()
+    'exponent per drive period'
     """
     if not hasattr(exponents, "record"):
         raise InputError("plot", [f"{exponents!r}; allowed is what ss.lyapunov gives"])
@@ -326,6 +356,13 @@ def spectrum(lines: Any, ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
+    >>> ss.plot.spectrum(ss.spectrum(run)).get_xlabel()
+    'frequency / frequency of the drive'
     """
     if "amplitude" not in getattr(lines, "data_vars", {}):
         raise InputError("plot", [f"{type(lines).__name__} without an amplitude; allowed is the Dataset of ss.spectrum"])

@@ -40,6 +40,14 @@ def comparison(found: Any, ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=4.7, amplitude=4.564e-4, law="coulomb")
+    >>> found = ss.compare(ss.virtual_rig(robot, noise=1e-4, seed=1), robot, laws=["coulomb"])
+    >>> ss.plot.comparison(found).get_xlabel()
+    'drive periods'
     """
     with publication():
         ax = axes(ax)
@@ -70,6 +78,15 @@ def fitted(fit: Any, record: int = 0, ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> record = ss.virtual_rig(robot, noise=1e-4, seed=1)
+    >>> fit = ss.identify(record, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> ss.plot.fitted(fit).get_xlabel()
+    'drive periods'
     """
     with publication():
         ax = axes(ax)
@@ -124,6 +141,15 @@ def residuals(fit: Any, record: int = 0, ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> record = ss.virtual_rig(robot, noise=1e-4, seed=1)
+    >>> fit = ss.identify(record, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> ss.plot.residuals(fit).get_ylabel()
+    'model less record, velocity (µm/s)'
     """
     with publication():
         ax = axes(ax)
@@ -149,6 +175,13 @@ def record_spectrum(record: Any, channel: str = "velocity", ax: Any = None) -> A
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> ss.plot.record_spectrum(ss.virtual_rig(robot, noise=1e-4, seed=1)).get_xlabel()
+    'frequency (Hz)'
     """
     with publication():
         ax = axes(ax)

@@ -93,6 +93,13 @@ def velocity(run: Any, periods: float = 3, ax: Any = None, labels: Sequence[str]
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
+    >>> ss.plot.velocity(run, periods=2).get_ylabel()
+    'velocity $v$ (mm/s)'
     """
     runs = _runs(run)
     names, spans = _labels(runs, labels), [span(r, periods) for r in runs]
@@ -130,6 +137,13 @@ def phase(run: Any, periods: float | None = None, ax: Any = None, labels: Sequen
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
+    >>> ss.plot.phase(run).get_xlabel()
+    'displacement without drift $x - Vt$ (µm)'
     """
     runs = _runs(run)
     names = _labels(runs, labels)
@@ -181,6 +195,13 @@ def forces(run: Any, periods: float = 2, ax: Any = None) -> Any:
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
+    >>> ss.plot.forces(run).lines[-1].get_label()
+    'friction force $R$'
     """
     (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
     start, end = span(run, periods)

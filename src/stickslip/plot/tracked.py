@@ -30,6 +30,14 @@ def attractors(found: Any, quantity: str = "mean_velocity", ax: Any = None) -> A
     Returns
     -------
     matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.attractors(ss.presets.piezo_rig, parameter="amplitude", values=[5e-4, 6e-4], starts=dict(v=[0.0, 0.01]), settle=30,
+    ...                   tilt_deg=1.7, law="coulomb")
+    >>> ss.plot.attractors(found).get_ylabel()
+    'mean velocity (mm/s)'
     """
     if not {"share", "unsolved"} <= set(getattr(found, "data_vars", {})):
         raise InputError("plot", [f"{type(found).__name__} without attractors; allowed is the Dataset of ss.attractors"])

@@ -29,6 +29,14 @@ class Gap:
     length: float
 
 
+def _frozen(array: Any) -> Any:
+    """An array that nobody can write into: a copy, so that the caller's own array stays as it was, unless it is so already."""
+    if array.flags.writeable:
+        array = array.copy()
+        array.setflags(write=False)
+    return array
+
+
 @dataclass(frozen=True, eq=False)
 class Channel:
     """Numbers over an axis, nearly always time.
@@ -63,9 +71,7 @@ class Channel:
 
     def __post_init__(self) -> None:
         for name in ("values", "t"):
-            array = np.asarray(getattr(self, name))
-            array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, _frozen(np.asarray(getattr(self, name))))
 
     def __len__(self) -> int:
         return len(self.values)

@@ -128,13 +128,16 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
 def period_number(rec: Any, frequency: float | None = None) -> int | None:
     """After how many drive periods the motion repeats, 1 to 4; None if it does not, or not in a record this short."""
     t, v = _velocity(rec)
-    f = _frequency(rec, frequency)
-    place = (t - t[0]) * f
-    longest = min(LONGEST, int(place[-1] // 2))
+    return _repeats((t - t[0]) * _frequency(rec, frequency), v)
+
+
+def _repeats(place: Any, v: Any) -> int | None:
+    """The period number of a velocity at these places, counted in drive periods."""
+    longest = min(LONGEST, int((place[-1] - place[0]) // 2))
     left = {p: _left(place, v, p) for p in range(1, longest + 1)}
     if not left:
         return None
-    floor = max(noise(v) ** 2, 1e-6 * float(np.var(v)))
+    floor = float(np.fmax(noise(v) ** 2, 1e-6 * float(np.var(v))))
     least = min(left.values())
     best = next(p for p, rest in left.items() if rest <= 1.25 * least + floor)
     return best if left[best] <= 3 * floor + 0.02 * float(np.var(v)) else None

@@ -21,7 +21,7 @@ class Column:
     axis : Column, optional
         What the values stand over, where the file says so.
     role : str, optional
-        Where the file says so.
+        Where the file says so; "" where it says that there is none.
     """
 
     name: str

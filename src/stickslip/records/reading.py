@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import re
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.records.channel import ROLES, Channel
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
-from stickslip.records.saving import SYNTHETIC
+from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.units import heading, quantity_of, unit_of
 
 __all__ = ["read"]
@@ -89,6 +90,7 @@ def _record(
     problems = Problems("read")
     _rename(raw, columns, problems)
     _give_units(raw, units, problems)
+    _take_roles(raw)
     _check_roles(raw, roles, problems)
     if rate is not None and not rate > 0:
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
@@ -173,13 +175,25 @@ def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
 
 def _name_all(raw: Raw) -> None:
     """A name for every column, and no name twice."""
-    seen: dict[str, int] = {}
-    named = []
-    for i, c in enumerate(raw.columns, start=1):
-        name = c.name or f"column {i}"
-        seen[name] = seen.get(name, 0) + 1
-        named.append(Column(name if seen[name] == 1 else f"{name} ({seen[name]})", c.unit, c.values, c.axis, c.role))
-    raw.columns = named
+    wanted = [c.name or f"column {i}" for i, c in enumerate(raw.columns, start=1)]
+    taken, seen, again = set(wanted), dict.fromkeys(wanted, 0), []
+    for i, (c, name) in enumerate(zip(raw.columns, wanted, strict=True)):
+        seen[name] += 1
+        while seen[name] > 1 and (called := f"{name} ({seen[name]})") in taken:
+            seen[name] += 1
+        if seen[name] > 1:
+            again.append(called)
+            taken.add(called)
+        raw.columns[i] = dataclasses.replace(c, name=called if seen[name] > 1 else name)
+    if again:
+        shown = ", ".join(repr(n) for n in again[:6]) + (", ..." if len(again) > 6 else "")
+        raw.notes.append(f"names stand over several columns: the later ones are called {shown}")
+
+
+def _take_roles(raw: Raw) -> None:
+    """The roles that a file of ours tells."""
+    told = roles_in(raw.info.get("preamble", ""))
+    raw.columns = [dataclasses.replace(c, role=told.get(c.name, c.role)) for c in raw.columns]
 
 
 def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
@@ -194,6 +208,9 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
     axes = _table_axes(raw) if raw.table else {}
     used = {id(axis) for axis in axes.values()}
+    for c in raw.columns:
+        for part in (c, c.axis) if c.axis else (c,):
+            part.values.setflags(write=False)  # nobody else has these arrays: channels share them
     named, found = _roles([c for c in raw.columns if id(c) not in used], roles), []
     for c in raw.columns:
         if id(c) in used:
@@ -259,12 +276,13 @@ _OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi":
 
 
 def _roles(columns: list[Column], typed: dict[str, str]) -> dict[str, str | None]:
-    """What channels are for: as typed, else where name and unit leave no doubt. A name says more than a unit, and what is typed most."""
+    """What channels are for: as typed, else as the file says, else where name and unit leave no doubt.
+
+    A name says more than a unit, and what is typed most.
+    """
     alias = {"convected velocity": "velocity"}
-    if set(_OURS) <= {c.name for c in columns}:
-        found = {c.name: (_OURS.get(c.name), True) for c in columns}
-    else:
-        found = {c.name: _role_and_why(c) for c in columns}
+    ours = set(_OURS) <= {c.name for c in columns}
+    found = {c.name: (_OURS.get(c.name), True) if ours and c.role is None else _role_and_why(c) for c in columns}
     named = {role for role, by_name in found.values() if by_name}
     roles = {name: None if role in named and not by_name else role for name, (role, by_name) in found.items()}
     given = {name: alias.get(role, role) for name, role in typed.items()}
@@ -272,7 +290,9 @@ def _roles(columns: list[Column], typed: dict[str, str]) -> dict[str, str | None
 
 
 def _role_and_why(c: Column) -> tuple[str | None, bool]:
-    """What a channel is for, and whether its name says so."""
+    """What a channel is for, and whether its name (or the file) says so."""
+    if c.role is not None:
+        return c.role or None, True
     quantity = quantity_of(c.unit)
     for pattern, role, wanted in _ROLE_WORDS:
         if re.fullmatch(pattern, c.name, re.I) and (quantity is None or quantity in wanted):

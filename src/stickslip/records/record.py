@@ -61,6 +61,8 @@ class Record:
         named = _roles([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
         for text, values in columns.items():
             name, unit = heading(text)
+            if name in channels:
+                raise InputError("Record", [f"columns names {name!r} twice, the second time as {text!r}; give each a name of its own"])
             if np.shape(values) != np.shape(t):
                 raise InputError("Record", [f"{name} has shape {np.shape(values)} and t has {np.shape(t)}; give arrays of one length"])
             channels[name] = Channel(name, np.array(values, float), unit, np.array(t, float), "time", "s", named.get(name))
@@ -132,8 +134,8 @@ class Record:
     def save(self, path: str | Path) -> Path:
         """Write the channels to a CSV file that `ss.read` takes back with no options: units in the headings, every digit.
 
-        A synthetic record says so in its first line, and is one when it is read. What a channel is for is found again from its
-        name and unit.
+        A synthetic record says so in its first line, and is one when it is read. Where names and units do not tell what the channels
+        are for, lines before the table do.
 
         Parameters
         ----------

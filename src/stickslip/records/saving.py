@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import Problems
+from stickslip.records.channel import ROLES
 from stickslip.storage import moved_into_place, unwritable
 
-__all__ = ["SYNTHETIC", "save"]
+__all__ = ["SYNTHETIC", "roles_in", "save"]
 
 #: First line of a file whose numbers no sensor has seen; `read` looks for it.
 SYNTHETIC = "# stickslip: synthetic record, computed and not measured"
+#: A line with the role of a channel, where its name and unit do not tell it.
+_ROLE = "# stickslip: the role of "
 
 
 def save(rec: Any, path: str | Path) -> Path:
@@ -35,12 +39,47 @@ def save(rec: Any, path: str | Path) -> Path:
     file, first = io.StringIO(), channels[0]
     if rec.synthetic:
         file.write(SYNTHETIC + "\n")
+    file.writelines(_role_lines(channels))
     table = csv.writer(file, lineterminator="\n")
     table.writerow([_heading(first.axis_name or "axis", first.axis_unit), *(_heading(c.name, c.unit) for c in channels)])
     np.savetxt(file, np.column_stack([first.t, *(c.values for c in channels)]), delimiter=",", fmt="%.17g")
     with moved_into_place(path, unwritable("record")) as beside:
         beside.write_text(file.getvalue(), encoding="utf-8", newline="")
     return path
+
+
+def _role_lines(channels: list[Any]) -> list[str]:
+    """Lines that tell every role, if reading names and units would not find all of them again; without commas, which part columns."""
+    from stickslip.records.raw import Column
+    from stickslip.records.reading import _roles
+
+    if _roles([Column(c.name, c.unit, c.values) for c in channels], {}) == {c.name: c.role for c in channels}:
+        return []
+    names = [json.dumps(c.name).replace(",", "\\u002c") for c in channels]
+    return [f"{_ROLE}{name} is {c.role or 'not told'}\n" for name, c in zip(names, channels, strict=True)]
+
+
+def roles_in(text: str) -> dict[str, str]:
+    r"""The roles that lines before the table tell, by channel; "" for one that has none.
+
+    Examples
+    --------
+    >>> roles_in('# stickslip: the role of "F1" is load\n# stickslip: the role of "a\\u002c b" is not told')
+    {'F1': 'load', 'a, b': ''}
+    """
+    found = {}
+    for line in text.splitlines():
+        name, _, role = line.removeprefix(_ROLE).rpartition(" is ")
+        if line.startswith(_ROLE) and role in (*ROLES, "not told"):
+            found[_name(name)] = "" if role == "not told" else role
+    return found
+
+
+def _name(text: str) -> str:
+    try:
+        return str(json.loads(text))
+    except ValueError:  # somebody wrote the line by hand
+        return text
 
 
 def _beside(a: Any, b: Any) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.measures import _velocity
+from stickslip.records.measures import _repeats, _velocity
 
 __all__ = ["settled", "settling_periods"]
 
@@ -34,14 +34,15 @@ def settling_periods(rec: Any, frequency: float) -> int:
     if periods < _FEWEST:
         return 0
     half = place >= periods // 2
-    bins = int(np.clip(half.sum() / 8, 16, 400))
-    index = np.minimum((np.mod(place, 1.0) * bins).astype(int), bins - 1)
+    repeats = _repeats(place[half], v[half]) or 1
+    bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(place / repeats, 1.0)
+    index = np.minimum((turn * bins).astype(int), bins - 1)
     count = np.bincount(index[half], minlength=bins)
     if (count == 0).any():
         mean = np.interp(np.arange(bins), np.flatnonzero(count), np.bincount(index[half], v[half], bins)[count > 0] / count[count > 0])
     else:
         mean = np.bincount(index[half], v[half], bins) / count
-    rest = v - np.interp(np.mod(place, 1.0) * bins - 0.5, np.arange(bins), mean, period=bins)
+    rest = v - np.interp(turn * bins - 0.5, np.arange(bins), mean, period=bins)
     each = np.minimum(place.astype(int), periods - 1)
     number = np.maximum(np.bincount(each, minlength=periods), 1)
     size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number

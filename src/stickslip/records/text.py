@@ -15,6 +15,8 @@ from stickslip.records.units import heading, unit_of
 
 __all__ = ["decoded", "parse", "table"]
 
+_PREAMBLE = 20_000  # characters before the table that are kept
+
 
 def decoded(data: bytes) -> str:
     """The text that the bytes hold; an error if they are none."""
@@ -67,7 +69,7 @@ def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, s
     rest = [line.strip() for line in lines if line.strip()]
     if not fitting:
         if rest:
-            raw.info["preamble"] = "\n".join(rest)[:4000]
+            raw.info["preamble"] = "\n".join(rest)[:_PREAMBLE]
         return None
     last = fitting[-1]
     units = [unit_of(cell.strip("[]()")) for cell in last]
@@ -79,7 +81,7 @@ def _headings(lines: list[str], dialect: Dialect, raw: Raw) -> list[tuple[str, s
     else:
         used, found = 1, [heading(cell) for cell in last]
     if len(rest) > used:
-        raw.info["preamble"] = "\n".join(rest[:-used])[:4000]
+        raw.info["preamble"] = "\n".join(rest[:-used])[:_PREAMBLE]
     return found
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.storage import moved_into_place, unwritable
 
 __all__ = ["outside_addresses", "page", "svg_address", "write"]
 
@@ -76,10 +77,8 @@ def outside_addresses(text: str) -> list[str]:
 
 
 def write(path: str | Path, text: str) -> Path:
-    """Write a page; returns its path."""
+    """Write a page; returns its path. An existing file is replaced, at the end and at once."""
     path = Path(path)
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError("report", [f"{str(path)!r} cannot be written: {error.strerror}; choose another folder"]) from None
+    with moved_into_place(path, unwritable("report")) as beside:
+        beside.write_text(text, encoding="utf-8")
     return path

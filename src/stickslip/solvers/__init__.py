@@ -53,7 +53,9 @@ def solve(
     rtol : float
         Relative tolerance for dynamic laws, 1e-3 to 1e-12. Exact arcs do not need it.
     start : dict
-        Start values of ``x`` [m], ``v`` [m/s] and ``z`` [m]; what is left out is zero. Arrays broadcast with the batch.
+        Start values of ``x`` [m], ``v`` [m/s], inner states ``z`` [m] and, of a law that remembers, its whole numbers ``memory``; what is
+        left out is zero. Arrays broadcast with the batch. Where a law has several of ``z`` or of ``memory`` their shape is (batch, count):
+        the last axis holds them, and one number stands for all of them.
     workers : int
         Threads for a batch. The result does not depend on it.
     keep : {"trajectory", "summary"}, optional
@@ -96,6 +98,9 @@ def solve(
 def _solver(todo: Request) -> Callable[[Request], Any]:
     """The function that does what was asked."""
     name, law = todo.method, todo.model.friction
+    if getattr(law, "scalar_only", False) and name in ("rk4", "rodas4", "rodas5p"):
+        kind = type(law).__name__
+        raise InputError("solve", [f'method = {name!r} is compiled, and {kind} is written for plain numbers only; type method="auto"'])
     if name == "auto":
         name = "dop853" if getattr(law, "scalar_only", False) else "rosenbrock" if is_dynamic(law) else "exact"
     if name == "exact":

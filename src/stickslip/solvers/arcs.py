@@ -104,8 +104,8 @@ def handles(model: Any) -> str | None:
     if not (hasattr(law, "sliding") and hasattr(law, "breakaway")):
         return f"{name} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
     if not isinstance(getattr(model, "drive", None), Harmonic):
-        drive = type(getattr(model, "drive", model)).__name__
-        return f"the drive is {drive}; exact arcs are closed formulas for Harmonic drives only"
+        drive = f"the drive is {type(model.drive).__name__}" if hasattr(model, "drive") else f"{type(model).__name__} has no drive"
+        return f"{drive}; exact arcs are closed formulas for Harmonic drives only"
     if not getattr(model, "cyclic", False):
         return f"position appears in the equations of {type(model).__name__}; exact arcs are for robots"
     if hasattr(model.track, "grip"):

@@ -22,7 +22,7 @@ from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["handles", "solve", "solve_batch", "solve_one", "solve_rows"]
+__all__ = ["batch", "handles", "solve", "solve_batch", "solve_one", "solve_rows", "summary"]
 
 Array = Any
 Progress = Callable[[int, int], None]  # cases done, cases
@@ -42,13 +42,25 @@ def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
     if handles(todo.model) is not None:  # no closed arcs: polynomials of high order, exact to rounding too
         return stepping.run(todo, None, REPEAT / 10)
-    start = dict(x=todo.start[:, 0].reshape(todo.labels.shape), v=todo.start[:, 1].reshape(todo.labels.shape))
     if todo.keep == "trajectory":
-        return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, start))
-    raw = solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, start, todo.workers, todo.progress)
+        return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, _start_of(todo)))
+    return summary(todo, batch(todo))
+
+
+def _start_of(todo: Request) -> dict[str, Any]:
+    return dict(x=todo.start[:, 0].reshape(todo.labels.shape), v=todo.start[:, 1].reshape(todo.labels.shape))
+
+
+def batch(todo: Request) -> dict[str, Array]:
+    """The raw results of `solve_batch` as asked, times in seconds."""
+    raw = solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, _start_of(todo), todo.workers, todo.progress)
     raw["seg_time"] = raw["seg_time"] * reduced(todo.model).period[:, None]
-    names = NEEDED
-    return gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in names}))])
+    return raw
+
+
+def summary(todo: Request, raw: dict[str, Array]) -> Summary:
+    """A summary from raw results."""
+    return gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in NEEDED}))])
 
 
 def _kernel() -> Any:

@@ -15,12 +15,12 @@ import numpy as np
 from stickslip.batch import rows_of
 from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import exact
-from stickslip.solvers.arcs import handles, reduced
-from stickslip.solvers.gather import NEEDED, Raw, gather
+from stickslip.solvers.arcs import Arcs, handles, reduced
+from stickslip.solvers.gather import NEEDED
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 
-__all__ = ["applies", "orbit_rows", "solve"]
+__all__ = ["applies", "orbit_rows", "solve", "solve_waiting", "ways_from"]
 
 Array = Any
 TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
@@ -109,8 +109,13 @@ def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
     _scale(raw, np.where(driven, arcs.drive, 1.0), arcs.omega, arcs.period)
     if len(hard):
         _wait_for(raw, hard, todo)
-    summary = gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in NEEDED}))])
-    return summary, {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
+    return exact.summary(todo, raw), {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
+
+
+def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
+    """The same period after period from the start that was asked for; beside the summary the ways [m] and v_end [m/s]."""
+    raw = exact.batch(todo)
+    return exact.summary(todo, raw), {**ways_from(raw, reduced(todo.model), todo.workers), "v_end": raw["v_end"]}
 
 
 def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> None:
@@ -128,13 +133,17 @@ def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
     table = rows_of(todo.model, names)[hard]
     model = replace_leaf(todo.model, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
     found, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
-    seconds = found["seg_time"] * arcs.period[:, None]
-    for name in NEEDED:
-        raw[name][hard] = seconds if name == "seg_time" else found[name]
-    drive = np.where(arcs.drive > 0, arcs.drive, np.nan)
-    rows, _ = exact._rows(arcs, found["v_end"])
-    settled = (found["status"] <= _FOUND) & (found["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
+    found["seg_time"] = found["seg_time"] * arcs.period[:, None]
+    found |= ways_from(found, arcs, todo.workers)
+    for name in (*NEEDED, *_WAYS):
+        raw[name][hard] = found[name]
+
+
+def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:
+    """The ways forwards and backwards of the motions in which runs of `exact.solve_batch` ended [m]; NaN where that was none."""
+    rows, _ = exact._rows(arcs, raw["v_end"])
+    settled = (raw["status"] <= _FOUND) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
     rows[~settled] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
-    ways = orbit_rows(rows, np.where(settled, found["period"], 0), todo.workers)
-    for name in _WAYS:
-        raw[name][hard] = np.where(settled & (ways["status"] == _FOUND), ways[name] * (drive / arcs.omega**2), np.nan)
+    ways = orbit_rows(rows, np.where(settled, raw["period"], 0), workers)
+    metres = np.where(arcs.drive > 0, arcs.drive, np.nan) / arcs.omega**2
+    return {name: np.where(settled & (ways["status"] == _FOUND), ways[name] * metres, np.nan) for name in _WAYS}

@@ -188,9 +188,9 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
         if name not in columns:
             problems.add(f"start has no {name!r}; {did_you_mean(str(name), columns)}")
             continue
+        several = len(columns[name])
         try:
             values = np.asarray(value, dtype=float)
-            several = len(columns[name])
             if name == "memory" and np.any(values != np.round(values)):
                 problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")
             elif several > 1:
@@ -202,7 +202,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
                     continue
                 table[:, columns[name][0]] = spread(value, labels)
         except (TypeError, ValueError) as error:
-            allowed = f"a finite number or an array that broadcasts to {labels.shape}"
+            allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
             problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
     if not np.all(np.isfinite(table)):
         problems.add(f"start = {start!r} is not finite; allowed are finite numbers")

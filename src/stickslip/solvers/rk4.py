@@ -15,7 +15,7 @@ import numpy as np
 
 from stickslip.batch import rows_of
 from stickslip.engine import rk4 as engine
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, SolveError, is_whole
 from stickslip.fields import replace_leaf
 from stickslip.forces import is_dynamic
 from stickslip.pieces import PolynomialPieces
@@ -25,10 +25,12 @@ from stickslip.solvers.request import Request
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["STEPS", "solve"]
+__all__ = ["ALLOWED", "STEPS", "allows", "solve"]
 
 #: Steps per drive period, if none are asked for.
 STEPS = 2000
+#: What may be asked for.
+ALLOWED = "a whole number of steps per period, 4 to 10000000"
 #: Steps that one call of the kernel does: it returns to Python so that Ctrl-C works.
 SLICE = 1_000_000
 #: Pieces of dense output per drive period; finer steps are thinned.
@@ -36,13 +38,22 @@ PIECES = 1000
 _NOT_A_NUMBER = 4
 
 
+def allows(steps: Any) -> bool:
+    """Whether this is a number of steps per period.
+
+    Examples
+    --------
+    >>> allows(2000), allows(3), allows(2000.0)
+    (True, False, False)
+    """
+    return is_whole(steps) and 4 <= steps <= 10_000_000
+
+
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked; the option ``steps`` is the number of steps in each drive period."""
     steps = todo.options.get("steps", STEPS)
-    if not isinstance(steps, (int, np.integer)) or isinstance(steps, bool) or not 4 <= steps <= 10_000_000:
-        raise InputError(
-            "solve", [f"steps = {steps!r}; allowed is a whole number of steps per period, 4 to 10000000; type for example steps={STEPS}"]
-        )
+    if not allows(steps):
+        raise InputError("solve", [f"steps = {steps!r}; allowed is {ALLOWED}; type for example steps={STEPS}"])
     kernel = engine.kernel(todo.model)
     rows = rows_of(todo.model, kernel.names)
     if todo.keep == "summary":
@@ -90,11 +101,14 @@ class _March:
         """x, v and z at the starts of the periods, and at the end."""
         return np.concatenate(self.strobe)
 
+    def instants(self, every: int, first: int = 0) -> Any:
+        """Times of the nodes that are kept from period `first` on, one step in `every`, and of the end [s]."""
+        starts = np.arange(0, self.steps, every) / self.steps
+        return np.append((np.arange(first, self.done)[:, None] + starts).ravel(), self.done) * float(self.model.period)
+
     def pieces(self) -> PolynomialPieces:
         """Dense output from the kept nodes, for all periods done."""
-        T, n = float(self.model.period), self.kernel.states
-        starts = np.arange(0, self.steps, self.every) / self.steps
-        t = np.append((np.arange(self.done)[:, None] + starts).ravel(), self.done) * T
+        t, n = self.instants(self.every), self.kernel.states
         nodes = np.concatenate(self.nodes)
         y = np.concatenate([nodes[:, : n + 1], self.state[None, :]])
         slope = np.concatenate([nodes[:, n + 1 :], nodes[:1, n + 1 :]])
@@ -178,7 +192,11 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         asked += count
         if march.done < asked:
             return {**strobes.NOTHING, "status": _NOT_A_NUMBER, "periods_run": march.done}
-        period = strobes.period_of(march.model, march.strobes, (0.1 if todo.auto else 30.0) * todo.rtol)
+        if todo.auto:  # whether to stop: closer, and over the later half of what was run so far
+            tolerance, settle = 0.1 * todo.rtol, march.done // 2
+        else:
+            tolerance, settle = strobes.strobe_tolerance(todo.method, todo.rtol), todo.settle
+        period = strobes.period_of(march.model, march.strobes, tolerance, settle)
         if period and todo.auto:
             break
     settle = march.done - period if todo.auto and period else todo.settle
@@ -203,9 +221,10 @@ def _last(todo: Request, march: _March, period: int) -> tuple[int, Any, Any]:
     """Segments and extremes of one more motion period, at the instants of the steps."""
     march.nodes.clear()
     march.extremes = np.array([np.inf, -np.inf])
-    march.go(period, every=max(1, march.steps // 5000))
-    nodes = np.concatenate(march.nodes)
-    v, z = nodes[:, 1], nodes[:, 2 : 1 + march.kernel.states]
+    first, every = march.done, max(1, march.steps // 5000)
+    march.go(period, every)
+    t, nodes = march.instants(every, first), np.concatenate(march.nodes)
+    x, v, z = nodes[:, 0], nodes[:, 1], nodes[:, 2 : 1 + march.kernel.states]
     mode = np.where(v > 0, 1, -1) if is_dynamic(march.model.friction) else np.sign(v).astype(int)
-    codes = strobes.codes_of(march.model, v, z, mode, todo.slip_ratio)
+    codes = strobes.codes_of(march.model, v, z, mode, todo.slip_ratio, t[:-1], x)
     return strobes.segments_of(np.full(len(v), period * float(march.model.period) / len(v)), codes)

@@ -44,13 +44,14 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
 
 
-def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any, Any]:
-    """The summary of a batch, and of every case at its end v (cases,), the law's inner states (cases, states) and its memories."""
+def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
+    """The summary of a batch, and of every case at its end x, v (cases,), the law's inner states (cases, states) and its memories."""
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = _Table(todo, kernel)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
     summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table.offset))])
-    return summary, results.end[:, 1] + table.offset, results.end[:, 2 : 2 + states_of(todo.model.friction)], results.memory
+    x, v, z, _ = np.split(results.end, [1, 2, 2 + states_of(todo.model.friction)], axis=1)
+    return summary, x[:, 0], v[:, 0] + table.offset, z, results.memory
 
 
 def _method(tableau: Tableau | None) -> str:

@@ -27,11 +27,6 @@ class Column:
     dims: tuple[str, ...]
     values: Array
 
-    @property
-    def is_words(self) -> bool:
-        """Whether the values choose a kind (a law, a way of treating the incline) and are no numbers."""
-        return self.values.dtype.kind not in "iuf"
-
 
 @dataclass(frozen=True, eq=False)
 class Space:

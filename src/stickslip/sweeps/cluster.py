@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.datasets import jsonable
 from stickslip.errors import InputError, StickslipError
+from stickslip.jsontext import plain
+from stickslip.storage import from_text
 from stickslip.sweeps.axes import Column, Space
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
@@ -53,7 +54,7 @@ def message(plan: Plan, k: int) -> dict[str, Any]:
 
 
 def _named(make: Any) -> dict[str, Any]:
-    """Where a worker finds the maker: by import, or as the TOML text of a robot."""
+    """Where a worker finds the maker: by import, or as the TOML text of a robot or a mechanism."""
     if not callable(make):
         try:
             return {"toml": make.to_toml()}
@@ -69,7 +70,7 @@ def _named(make: Any) -> dict[str, Any]:
 
 def _plain(name: str, value: Any) -> Any:
     if isinstance(value, (str, int, float, bool, type(None), np.generic)):
-        return jsonable(value)
+        return plain(value)
     raise InputError(
         "sweep", [f"{name} is a {type(value).__name__}, which a cluster is not sent; let the maker make it from numbers and words"]
     )
@@ -90,9 +91,7 @@ def from_message(told: dict[str, Any]) -> Plan:
 
 def _found(make: dict[str, Any]) -> Any:
     if "toml" in make:
-        from stickslip.robot import Robot
-
-        return Robot.from_toml(make["toml"])
+        return from_text(make["toml"])
     found: Any = importlib.import_module(make["module"])
     for part in make["name"].split("."):
         found = getattr(found, part)

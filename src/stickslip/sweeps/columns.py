@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -10,24 +11,14 @@ from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
 __all__ = [
-    "BAD",
-    "BETWEEN",
-    "COLUMNS",
-    "FAILED",
-    "STATUSES",
-    "TYPES",
-    "UNDONE",
-    "coded",
-    "described",
-    "empty",
-    "filled",
-    "flags",
-    "vacant",
-    "words",
-]
+    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "characters", "coded", "described", "empty",
+    "filled", "flags", "from_characters", "joined", "vacant", "words",
+]  # fmt: skip
 
 Array = Any
 BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
+#: What the names of end states begin with, beside the columns of cases that others start from.
+END = "end."
 #: What a status code says; those from 100 on are a sweep's own.
 STATUSES: dict[int, str] = {
     **STATUS,
@@ -44,6 +35,11 @@ COLUMNS: dict[str, str] = {
     "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "periods_run": "i4",
     "status": "i1",
 }  # fmt: skip
+
+
+def all_failed(status: Array) -> bool:
+    """Whether there are cases and every one of them failed with an error: then the law or the maker is wrong, and not some numbers."""
+    return len(status) > 0 and bool((status == FAILED).all())
 
 
 def empty(count: int) -> dict[str, Array]:
@@ -69,6 +65,25 @@ def _unknown(name: str, count: int) -> Array:
     """A column of cases that have no result yet."""
     nothing = {"motion_type": TYPES[0], "status": UNDONE}.get(name, np.nan if COLUMNS[name] == "f8" else None)
     return np.zeros(count, COLUMNS[name]) if nothing is None else np.full(count, nothing, COLUMNS[name])
+
+
+def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
+    """Columns of cases one after the other; where a part lacks one that another has, its cases have no result in it.
+
+    Examples
+    --------
+    >>> joined([{"status": np.array([100])}, {"status": np.array([0]), "margin": np.array([0.5])}])["margin"].tolist()
+    [nan, 0.5]
+    """
+    known = {name: values for part in parts for name, values in part.items()}
+    found = {}
+    for name, like in known.items():
+        found[name] = np.concatenate([part[name] if name in part else _lacking(name, len(part["status"]), like) for part in parts])
+    return found
+
+
+def _lacking(name: str, count: int, like: Array) -> Array:
+    return _unknown(name, count) if name in COLUMNS else np.full((count, *like.shape[1:]), np.nan)
 
 
 def coded(name: str, values: Array) -> Array:
@@ -101,6 +116,34 @@ def words(name: str, values: Array) -> Array:
     return values
 
 
+def characters(values: Array) -> tuple[Array, str]:
+    """Values that are no numbers as UTF-8 characters along a last dimension; and how they are kept: as text, as JSON, or JSON of bools."""
+    values = np.char.decode(values) if values.dtype.kind == "S" else values
+    kept = {"U": "text", "b": "bool"}.get(values.dtype.kind, "json")
+    flat = values.ravel().tolist()
+    texts = flat if kept == "text" else [json.dumps(v, default=str, ensure_ascii=False) for v in flat]
+    raw = np.array([text.encode() for text in texts], "S")
+    return raw.view("S1").reshape(*values.shape, raw.dtype.itemsize), kept
+
+
+def from_characters(texts: Array, kept: str) -> Array:
+    """Values from their texts, an array of bytes or of words; the opposite of `characters`.
+
+    Examples
+    --------
+    >>> raw, kept = characters(np.array([None, True, "µ", 2.5], object))
+    >>> from_characters(raw.view(f"S{raw.shape[-1]}")[..., 0], kept).tolist()
+    [None, True, 'µ', 2.5]
+    """
+    told = [text.decode() if isinstance(text, bytes) else text for text in texts.ravel().tolist()]
+    values = np.empty(len(told), object)
+    for i, text in enumerate(told):  # one by one: a value may be a list
+        values[i] = text if kept == "text" else json.loads(text)
+    if kept == "bool" or all(isinstance(v, str) for v in values):
+        values = values.astype(bool if kept == "bool" else str)
+    return values.reshape(texts.shape)
+
+
 def flags(name: str) -> dict[str, Any]:
     """CF attributes of a column of codes: flag_values and flag_meanings, one word for each."""
     if name == "motion_type":
@@ -114,8 +157,10 @@ def flags(name: str) -> dict[str, Any]:
 
 
 def described(name: str) -> dict[str, Any]:
-    """Units, long name and symbol of a column."""
-    variable = VARIABLES[name]
+    """Units, long name and symbol of a column; nothing of one that is not ours."""
+    variable = VARIABLES.get(name)
+    if variable is None:
+        return {}
     told: dict[str, Any] = {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
     if name == "status":
         told["flag_meanings"] = "; ".join(f"{code}: {sentence}" for code, sentence in STATUSES.items())

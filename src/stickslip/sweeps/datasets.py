@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.datasets import jsonable
 from stickslip.errors import InputError
+from stickslip.jsontext import plain
 from stickslip.presets import DIMENSIONLESS
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import COLUMNS, described
@@ -69,7 +69,7 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
     told = {
         "maker": maker_of(plan.make),
-        "fixed": json.dumps(jsonable(fixed)),
+        "fixed": json.dumps(plain(fixed)),
         "numbers": json.dumps(shared_numbers(plan.make, plan.space)),
     }
     return {**words, **told, **_robot_of(plan.make)}
@@ -87,19 +87,19 @@ def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: 
     """The columns, flat in the order of the results, as an `xarray.Dataset`."""
     from stickslip.sweeps.solving import kept_columns
 
-    kept = {name: columns[name].reshape(plan.shape) for name in kept_columns(plan)}
-    attributes = {**attributes_of(plan), **{k: json.dumps(jsonable(v)) for k, v in more.items()}}
+    kept = {name: (plan.dims, columns[name].reshape(plan.shape)) for name in kept_columns(plan)}
+    attributes = {**attributes_of(plan), **{k: json.dumps(plain(v)) for k, v in more.items()}}
     if notes:
         attributes["notes"] = json.dumps(notes, ensure_ascii=False)
-    return assembled(plan.dims, kept, labels_of(plan), attributes)
+    return assembled(kept, labels_of(plan), attributes)
 
 
-def assembled(dims: tuple[str, ...], columns: dict[str, Any], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:
-    """A dataset with units and names on everything."""
+def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:
+    """A dataset of columns, given by their dimensions and values, with units and names on everything."""
     import xarray as xr
 
     unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
-    data = {name: (dims, values, described(name) | unitless) for name, values in columns.items()}
+    data = {name: (dims, values, described(name) | unitless) for name, (dims, values) in columns.items()}
     coords = {name: (column.dims, _label(column.values), _told(name)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)
 

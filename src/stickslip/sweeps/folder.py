@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip.errors import InputError, StickslipError
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import coded, described, empty, flags
+from stickslip.sweeps.columns import characters, coded, described, empty, flags
 from stickslip.sweeps.datasets import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, manifest
 from stickslip.sweeps.planning import Plan
@@ -96,11 +96,8 @@ def axes_file(labels: dict[str, Column]) -> bytes:
     for i, (name, column) in enumerate(labels.items()):
         values, dims, attrs = np.asarray(column.values), column.dims, {"coordinate": name}
         if values.dtype.kind not in "iuf":
-            kinds = "json" if values.dtype.kind == "O" else "text"
-            texts = np.array([json.dumps(v, default=str) if kinds == "json" else str(v) for v in values.ravel().tolist()], dtype=object)
-            raw = np.array([t.encode() for t in texts.tolist()], "S")
-            values = raw.view("S1").reshape(*values.shape, raw.dtype.itemsize)
-            dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kinds}
+            values, kept = characters(values)
+            dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kept}
         variables[name.replace(".", "_") if name not in dims else name] = (dims, values, attrs)
     return written(variables, {"stickslip_content": "axes of a study"})
 
@@ -208,7 +205,7 @@ class Study:
 
     def _sweep_up(self) -> None:
         """Remove what a killed process left half written of our tiles."""
-        ours = {f".{file_of(self.folder, k).name}" for k in self._ours}
+        ours = {f".{file_of(self.folder, k).name}" for k in self.ours}
         try:
             for path in (self.folder / TILES).glob(".*.part"):
                 if path.name.split(".nc.")[0] + ".nc" in ours:
@@ -217,7 +214,8 @@ class Study:
             raise unwritable(self.folder / TILES / "x", error) from None
 
     @property
-    def _ours(self) -> range:
+    def ours(self) -> range:
+        """The tiles of our shard."""
         i, n = self.shard or (1, 1)
         return range(i - 1, self.plan.tiles, n)
 
@@ -226,13 +224,13 @@ class Study:
         """Our tiles that are there."""
         names = {p.name for p in (self.folder / TILES).iterdir()} if (self.folder / TILES).exists() else set()
         study = self.manifest["study"]
-        return tuple(k for k in self._ours if (p := file_of(self.folder, k)).name in names and tile_is_good(p, study))
+        return tuple(k for k in self.ours if (p := file_of(self.folder, k)).name in names and tile_is_good(p, study))
 
     @property
     def todo(self) -> Iterable[int]:
         """Our tiles that are not."""
         done = set(self.done)
-        return [k for k in self._ours if k not in done]
+        return [k for k in self.ours if k not in done]
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
         """Keep a tile."""

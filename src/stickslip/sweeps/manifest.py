@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import hashlib
 import inspect
 import json
+import sys
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from stickslip.datasets import jsonable
 from stickslip.fields import is_array, leaves
+from stickslip.jsontext import plain
 from stickslip.sweeps.columns import COLUMNS
 from stickslip.sweeps.datasets import attributes_of, maker_of, provenance_of
 from stickslip.sweeps.planning import Plan
@@ -41,7 +45,7 @@ def identity(plan: Plan) -> dict[str, str]:
     versions = provenance_of(plan)["versions"]
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
-    parts |= {name: jsonable(value) for name, value in plan.space.fixed.items()}
+    parts |= {name: plain(value) for name, value in plan.space.fixed.items()}
     parts |= {f"option {name}": value for name, value in plan.options.items()}
     parts |= {f"version of {name}": versions[name] for name in _DECISIVE}
     parts |= {"maker": maker_of(plan.make), "robot": _robot(plan), "start": digest(plan.start)}
@@ -51,28 +55,59 @@ def identity(plan: Plan) -> dict[str, str]:
 
 
 def _robot(plan: Plan) -> str:
-    """The first robot's kind and numbers, and the text of a law or maker that is not ours, as a hash."""
+    """The first robot's kind and numbers, and the text of every class and function in it that is not ours, as a hash."""
     if plan.sample is None:
         return "none"
-    robot = plan.sample[0]
-    told = [(name, _first(value)) for name, value in leaves(robot, kinds=True)]
-    foreign = [thing for thing in (type(robot.friction), type(robot.drive), plan.make) if not _ours(thing)]
-    return digest([[name, str(value)] for name, value in told] + [_source(thing) for thing in foreign])
+    parts = list(leaves(plan.sample[0], kinds=True))
+    told = [[name, _told(_first(value))] for name, value in parts]
+    things = [plan.make, *(thing for _, value in parts if not is_array(value) for thing in _within(value))]
+    foreign = dict.fromkeys(part for thing in things for part in _parts_of(thing) if not _known(part))
+    return digest(told + [_source(part) for part in foreign])
+
+
+def _within(value: Any) -> Iterator[Any]:
+    """A value, and what is in it if it is a list."""
+    yield value
+    for item in value if isinstance(value, (list, tuple)) else ():
+        if dataclasses.is_dataclass(item) and not isinstance(item, type):
+            yield from (thing for _, part in leaves(item, kinds=True) for thing in _within(part))
+        else:
+            yield from _within(item)
 
 
 def _first(value: Any) -> Any:
-    if isinstance(value, type):
-        return f"{value.__module__}.{value.__qualname__}"
     return np.asarray(value).ravel()[0] if is_array(value) else value
 
 
-def _ours(thing: Any) -> bool:
-    return str(getattr(thing, "__module__", type(thing).__module__)).partition(".")[0] == "stickslip"
+def _told(value: Any) -> str:
+    """A value as text that is the same in every process."""
+    if isinstance(value, type) or inspect.isroutine(value):
+        return f"{value.__module__}.{value.__qualname__}"
+    if isinstance(value, (list, tuple)):
+        return str([_told(item) for item in value])
+    if type(value).__repr__ is object.__repr__:  # which says an address
+        return f"{_told(type(value))} {sorted(vars(value).items()) if hasattr(value, '__dict__') else ''}"
+    return str(value)
 
 
-def _source(thing: Any) -> str:
+def _parts_of(thing: Any) -> tuple[Any, ...]:
+    """The classes and functions whose text says what a thing does: a function itself, of anything else its class and those under it."""
+    if isinstance(thing, functools.partial):
+        return _parts_of(thing.func)
+    if inspect.isroutine(thing):
+        return (thing,)
+    return (thing if isinstance(thing, type) else type(thing)).__mro__
+
+
+def _known(part: Any) -> bool:
+    """Whether a class or a function is ours or Python's, whose versions are noted."""
+    module = str(getattr(part, "__module__", None) or "builtins").partition(".")[0]
+    return module in ("stickslip", "numpy") or module in sys.stdlib_module_names
+
+
+def _source(part: Any) -> str:
     try:
-        return inspect.getsource(thing)
+        return inspect.getsource(part)
     except (OSError, TypeError):
         return ""
 
@@ -106,7 +141,8 @@ def differences(mine: dict[str, str], theirs: dict[str, str]) -> list[str]:
             if name.startswith("axis ") and a and b:
                 found.append(f"the values of {name[5:]} are others")
             elif name in ("robot", "start") and a and b:
-                found.append(f"the {name} has other numbers or another kind")
+                edited = ", or the text of a class or a function of your own is another" if name == "robot" else ""
+                found.append(f"the {name} has other numbers or another kind{edited}")
             else:
                 found.append(f"{name} was {a or 'not there'}, now it is {b or 'not there'}")
     return found

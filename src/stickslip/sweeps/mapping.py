@@ -10,11 +10,11 @@ import numpy as np
 
 from stickslip.errors import InputError, Problems
 from stickslip.robot import Robot
-from stickslip.sweeps.columns import BETWEEN, COLUMNS, FAILED, empty
-from stickslip.sweeps.datasets import dataset, provenance_of
+from stickslip.sweeps.columns import BETWEEN, COLUMNS, all_failed, empty
+from stickslip.sweeps.datasets import dataset, labels_of, provenance_of
 from stickslip.sweeps.planning import SOLVER, Plan, planned
 from stickslip.sweeps.progress import Watch
-from stickslip.sweeps.running import sweep
+from stickslip.sweeps.running import carried_out
 from stickslip.sweeps.solving import Cancelled, solved_points
 
 __all__ = ["map"]
@@ -53,28 +53,36 @@ def map(make: Callable[..., Robot] | Robot, refine: bool = False, coarse: int = 
     >>> bool((grid.status == 102).mean() > 0.6), grid.motion_type.sel(amplitude=6e-4, omega=205, method="nearest").item()
     (True, 'III')
     """
+    how = {name: arguments.pop(name) for name in _HOW if name in arguments}
+    if refine:
+        _check_refining({**how, **arguments}, coarse)
+    start, along, tile = (arguments.pop(name, None) for name in ("start", "continue_along", "tile"))
+    options = {name: arguments.pop(name, default) for name, default in SOLVER.items()}
+    plan = planned(make, (), arguments, start, along, tile, **options)
+    _check_plane(plan)
     if not refine:
-        grid = sweep(make, **arguments)
-        _check_plane([str(d) for d in grid["mean_velocity"].dims], [grid[d].dtype.kind == "f" for d in grid["mean_velocity"].dims])
-        return grid
-    refused = [n for n in ("out", "resume", "shard", "client", "continue_along", "tile") if arguments.pop(n, None)]
-    if refused:
-        raise InputError(
-            "map", [f"{', '.join(refused)} cannot go with refine=True, which works in memory; leave it out, or type refine=False"]
-        )
+        return carried_out(plan, tile, **how)
+    return _Refined(plan, how.get("workers", 1), Watch(plan.cases, how.get("progress"))).grid(coarse)
+
+
+_HOW = ("workers", "out", "resume", "shard", "client", "retries", "progress")
+
+
+def _check_refining(given: dict[str, Any], coarse: Any) -> None:
     problems = Problems("map")
+    refused = [n for n in ("out", "resume", "shard", "client", "continue_along", "tile") if given.get(n)]
+    if refused:
+        problems.add(f"{', '.join(refused)} cannot go with refine=True, which works in memory; leave it out, or type refine=False")
     problems.whole("coarse", coarse, 2, example=33)
     problems.check()
-    own = {name: arguments.pop(name, default) for name, default in (("workers", 1), ("progress", None), ("start", None), ("retries", 3))}
-    options = {name: arguments.pop(name, default) for name, default in SOLVER.items()}
-    plan = planned(make, (), arguments, own["start"], None, None, **options)
-    _check_plane(list(plan.dims), [plan.space.coords[d].values.dtype.kind == "f" for d in plan.dims])
-    return _Refined(plan, own["workers"], Watch(plan.cases, own["progress"])).grid(coarse)
 
 
-def _check_plane(dims: list[str], numbers: list[bool]) -> None:
-    if len(dims) != 2 or not all(numbers):
-        raise InputError("map", [f"the axes are {', '.join(dims) or 'none'}; allowed are exactly two, of numbers; type sweep for others"])
+def _check_plane(plan: Plan) -> None:
+    """A plane has two axes of numbers: told before anything is computed."""
+    labels = labels_of(plan)
+    if len(plan.dims) != 2 or not all(d in labels and labels[d].values.dtype.kind == "f" for d in plan.dims):
+        named = ", ".join(plan.dims) or "none"
+        raise InputError("map", [f"the axes are {named}; allowed are exactly two, of numbers; type sweep for others"])
 
 
 class _Refined:
@@ -104,7 +112,7 @@ class _Refined:
             self._compute(self._beside(changing, lines, finer))
             lines = finer
         self.columns["status"][~self.known & (self.kind != "")] = BETWEEN
-        if (self.columns["status"][self.known] == FAILED).all():
+        if all_failed(self.columns["status"][self.known]):
             raise InputError("map", list(self.notes))
         found = dataset(self.plan, {n: v.ravel() for n, v in self.columns.items()}, {"provenance": provenance_of(self.plan)}, self.notes)
         return found.assign_attrs(refined=json.dumps({"computed": int(self.known.sum()), "cases": self.plan.cases, "coarse": coarse}))

@@ -12,7 +12,7 @@ from xarray.core import indexing
 
 from stickslip.errors import InputError
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import COLUMNS, empty, words
+from stickslip.sweeps.columns import COLUMNS, empty, from_characters, words
 from stickslip.sweeps.datasets import assembled
 from stickslip.sweeps.folder import AXES, TILES, file_of, read_manifest
 
@@ -50,9 +50,9 @@ def open_study(folder: str | Path) -> Any:
     told = read_manifest(folder)
     import xarray as xr
 
-    columns = {name: xr.Variable(told["dims"], indexing.LazilyIndexedArray(_Tiled(folder, told, name))) for name in told["columns"]}
-    data = {name: variable for name, variable in columns.items()}
-    grid = assembled(tuple(told["dims"]), {name: v._data for name, v in data.items()}, read_labels(folder), told["attributes"])
+    dims = tuple(told["dims"])
+    columns = {name: xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, told, name)))._data for name in told["columns"]}
+    grid = assembled({name: (dims, values) for name, values in columns.items()}, read_labels(folder), told["attributes"])
     grid.attrs["provenance"] = json.dumps(told["provenance"])
     grid.attrs["study"] = told["study"]
     notes = _notes(folder, told)
@@ -76,15 +76,19 @@ def _open_file(path: Path) -> Any:
         what = "is a run; type ss.load(path)" if content == "trajectory" else "was not written by export; open it with xarray.open_dataset"
         raise InputError("study", [f"{str(path)!r} {what}"])
     grid.attrs.pop("Conventions", None)
-    labels = {}
-    for name in [n for n in grid.variables if n not in COLUMNS or n in grid.coords]:
-        values = grid[name].values
-        labels[str(name)] = Column(tuple(map(str, grid[name].dims)), np.char.decode(values) if values.dtype.kind == "S" else values)
-    columns = {str(n): _decoded(str(n), grid[n].values) for n in grid.data_vars if n not in labels}
-    return assembled(tuple(map(str, grid["mean_velocity"].dims)), columns, labels, dict(grid.attrs))
+    read = {str(name): (tuple(map(str, grid[name].dims)), _decoded(str(name), grid[name])) for name in grid.variables}
+    labels = {name: Column(dims, values) for name, (dims, values) in read.items() if name in grid.coords}
+    found = assembled({name: column for name, column in read.items() if name not in labels}, labels, dict(grid.attrs))
+    for name in found.data_vars:
+        found[name].attrs = found[name].attrs or {k: v for k, v in grid[name].attrs.items() if k != "kept_as"}
+    return found
 
 
-def _decoded(name: str, values: Array) -> Array:
+def _decoded(name: str, variable: Any) -> Array:
+    """Words again where a file has characters or codes."""
+    values = variable.values
+    if "kept_as" in variable.attrs:
+        return from_characters(values, variable.attrs["kept_as"])
     return np.char.decode(values).astype(COLUMNS[name]) if values.dtype.kind == "S" else words(name, values)
 
 
@@ -116,12 +120,7 @@ def read_labels(folder: Path) -> dict[str, Column]:
             values = variable[...]
             if "kept_as" in variable.attrs:
                 dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
-                decoded = [t.decode() for t in texts.ravel().tolist()]
-                if _text(variable.attrs["kept_as"]) == "json":
-                    decoded = [json.loads(t) for t in decoded]
-                values = np.empty(texts.shape, object)
-                values.ravel()[:] = decoded
-                values = values if any(not isinstance(v, str) for v in decoded) else values.astype(str)
+                values = from_characters(texts, _text(variable.attrs["kept_as"]))
             labels[_text(variable.attrs["coordinate"])] = Column(dims, values)
     return labels
 

@@ -170,6 +170,12 @@ def _check_options(plan: Plan) -> None:
         return
     arguments = solver_arguments(plan.options)
     request(plan.sample[0], start=None, workers=1, keep="summary", samples=400, progress=None, options={}, **arguments)
+    if plan.along is not None:
+        from stickslip.sweeps.following import unfollowed
+
+        why = unfollowed(plan.sample[0], plan.options["method"])
+        if why is not None:
+            raise InputError("sweep", [why])
 
 
 def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
+from stickslip.batch import point_by_point
 from stickslip.errors import InputError
-from stickslip.fields import leaves, replace_leaf
+from stickslip.fields import leaves
 from stickslip.robot import Robot
 from stickslip.sweeps.axes import START, Space
 
@@ -90,19 +91,7 @@ def _batch(make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Robot
     except (TypeError, ValueError):
         if not numbers:
             raise
-    return _point_by_point(make, fixed, numbers)
-
-
-def _point_by_point(make: Callable[..., Robot], fixed: dict[str, Any], numbers: dict[str, Array]) -> Robot:
-    points = zip(*(values.tolist() for values in numbers.values()), strict=True)
-    robots = [make(**fixed, **dict(zip(numbers, point, strict=True))) for point in points]
-    kinds = {tuple(name for name, _ in leaves(robot)) + tuple(type(part) for part in vars(robot).values()) for robot in robots}
-    if len(kinds) > 1:
-        raise InputError(
-            "sweep", [f"the maker returns robots of {len(kinds)} kinds over the grid; allowed is one kind; sweep each kind by itself"]
-        )
-    tables = [dict(leaves(robot)) for robot in robots]
-    return replace_leaf(robots[0], {name: np.array([float(table[name]) for table in tables]) for name in tables[0]})
+    return point_by_point("sweep", make, fixed, numbers)
 
 
 def _at(start: dict[str, Any] | None, places: Array) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
@@ -11,13 +12,13 @@ from typing import Any
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.robot import Robot
-from stickslip.sweeps.columns import FAILED
+from stickslip.sweeps.columns import all_failed
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
 from stickslip.sweeps.solving import Cancelled, solved
 
-__all__ = ["run_plan", "sweep", "tiles_of"]
+__all__ = ["carried_out", "run_plan", "sweep", "tiles_of"]
 
 Array = Any
 Done = tuple[int, dict[str, Array], dict[str, int]]
@@ -92,6 +93,12 @@ def sweep(
         mean_velocity, motion_type, pattern, period, margin, fractions, extremes, drive_power, cost_of_transport and status, with units
         and names. With `out` it reads from the folder what is looked at.
 
+    Raises
+    ------
+    InputError
+        Everything that is wrong with the arguments, at once, before the work begins. Also an error that every case makes, after it:
+        then the law or the maker is wrong. With `out` the folder is complete by then, and `open_study` reads it.
+
     Examples
     --------
     >>> import stickslip as ss
@@ -109,6 +116,21 @@ def sweep(
         "dwell": dwell,
     }
     plan = planned(make, designs, axes, start, continue_along, tile, **options)
+    return carried_out(plan, tile, workers, out, resume, shard, client, retries, progress)
+
+
+def carried_out(
+    plan: Plan,
+    tile: int | None = None,
+    workers: int = 1,
+    out: str | Path | None = None,
+    resume: bool = False,
+    shard: tuple[int, int] | str | None = None,
+    client: Any = None,
+    retries: int = 3,
+    progress: Callable[[Progress], Any] | None = None,
+) -> Any:
+    """The dataset of a plan, in memory or in a folder; arguments as for `sweep`."""
     problems = Problems("sweep")
     problems.whole("workers", workers, 1, example=2)
     if out is None and (resume or shard):
@@ -118,7 +140,7 @@ def sweep(
     if out is None:
         return _in_memory(plan, tile, workers, client, retries, watch)
     from stickslip.sweeps.folder import Study
-    from stickslip.sweeps.opening import open_study
+    from stickslip.sweeps.opening import open_study, read_tile
 
     study = Study.begin(Path(out), plan, resume=resume, shard=shard)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))
@@ -127,7 +149,11 @@ def sweep(
         study.write(k, columns, notes)
         watch.finished(k, columns["status"])
     study.finish()
-    return open_study(out)
+    grid = open_study(out)
+    if study.ours and all(all_failed(read_tile(study.folder, study.manifest, k, ["status"])["status"]) for k in study.ours):
+        kept = f"the folder {str(out)!r} is complete and says so of every case; correct this, and give another folder"
+        raise InputError("sweep", [*json.loads(grid.attrs.get("notes", "{}")), kept])
+    return grid
 
 
 def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries: int, watch: Watch) -> Any:
@@ -162,7 +188,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
     for k in left:  # the sweep was told to stop
         first, last = plan.bounds(k)
         _put(whole, (first, last), empty(last - first))
-    if plan.cases and (whole["status"] == FAILED).all():
+    if all_failed(whole["status"]):
         raise InputError("sweep", list(notes))
     return whole, notes
 

@@ -15,19 +15,23 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import orbits
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
-from stickslip.sweeps.columns import BAD, COLUMNS, FAILED, empty, filled
+from stickslip.sweeps.columns import BAD, COLUMNS, END, FAILED, empty, filled, joined
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
 
-__all__ = ["Cancelled", "columns_of", "kept_columns", "solved", "solved_points"]
+__all__ = ["Cancelled", "columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
 
 Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
 Tell = Callable[[int], None]  # cases begun
+Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
 
 
 class Cancelled(StickslipError):
     """A sweep that was told to stop."""
+
+
+_OURS = (Cancelled, KeyboardInterrupt, MemoryError, OSError)  # errors that are not about a case
 
 
 def solved(plan: Plan, k: int, workers: int = 1, tell: Tell | None = None) -> tuple[dict[str, Array], dict[str, int]]:
@@ -52,7 +56,7 @@ def solved_points(
             if tell is not None:
                 tell(before + count)
 
-        return _columns(group, plan.options, workers, begun, notes)
+        return columns_of_group(group, plan.options, workers, begun, notes)
 
     if len(groups) == 1 and not refused:  # all points, in their order
         return filled(found(groups[0]), len(points)), notes
@@ -80,33 +84,39 @@ def _counted(sentences: Any) -> dict[str, int]:
     return notes
 
 
-def _columns(group: Group, options: dict[str, Any], workers: int, tell: Any, notes: dict[str, int]) -> dict[str, Array]:
+def columns_of_group(
+    group: Group, options: dict[str, Any], workers: int, tell: Any, notes: dict[str, int], solver: Solver | None = None
+) -> dict[str, Array]:
     """The columns of a group; one that fails as a whole is halved until the cases that fail are alone."""
     try:
-        return columns_of(group.robot, group.start, options, workers, tell)
-    except (Cancelled, KeyboardInterrupt, MemoryError, OSError):
+        found = columns_of(group.robot, group.start, options, workers, tell, solver)
+        return {
+            name: values if len(values) == len(group.at) else np.repeat(values, len(group.at), axis=0) for name, values in found.items()
+        }
+    except _OURS:
         raise
     except Exception as error:
-        sentence = error.problems[0] if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
-        if len(group.at) == 1 or _fails_at_both_ends(group, options, sentence):
+        sentence = _sentence(error)
+        if len(group.at) == 1 or _fails_at_both_ends(group, options, sentence, solver):
             notes[sentence] = notes.get(sentence, 0) + len(group.at)
-            failed = empty(len(group.at))
-            failed["status"][:] = FAILED
-            return failed
-    parts = [_columns(part, options, workers, tell, notes) for part in _halves(group)]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+            return {"status": np.full(len(group.at), FAILED, COLUMNS["status"])}
+    return joined([columns_of_group(part, options, workers, tell, notes, solver) for part in _halves(group)])
 
 
-def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str) -> bool:
+def _sentence(error: Exception) -> str:
+    return error.problems[0] if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
+
+
+def _fails_at_both_ends(group: Group, options: dict[str, Any], sentence: str, solver: Solver | None) -> bool:
     """Whether the first and the last case fail alone with the same words: then the law is wrong, and not some of its numbers."""
     for part in (_part(group, np.array([0])), _part(group, np.array([len(group.at) - 1]))):
         try:
-            columns_of(part.robot, part.start, options, 1, None)
+            columns_of(part.robot, part.start, options, 1, None, solver)
             return False
-        except (KeyboardInterrupt, MemoryError, OSError):
+        except _OURS:
             raise
         except Exception as error:
-            if (error.problems[0] if isinstance(error, InputError) else f"{type(error).__name__}: {error}") != sentence:
+            if _sentence(error) != sentence:
                 return False
     return True
 
@@ -126,19 +136,22 @@ def _part(group: Group, at: Array) -> Group:
     return Group(group.at[at], robot, start)
 
 
-def columns_of(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> dict[str, Array]:
-    """The columns of a batch, or of one robot."""
+def columns_of(
+    robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any, solver: Solver | None = None
+) -> dict[str, Array]:
+    """The columns of a batch, or of one robot; and the states in which its cases end, where the solver tells them."""
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from many starts
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
-    many, more = _summary(robot, start, options, workers, tell)
+    many, more = (solver or _summary)(robot, start, options, workers, tell)
     found = {name: many.columns[name] for name in COLUMNS if name in many.columns}
     found |= _power(robot, many.columns, more) | _alphas(robot)
-    return {name: np.ravel(values) for name, values in found.items()}
+    ends = {name: values for name, values in more.items() if name.startswith(END)}
+    return {name: np.ravel(values) for name, values in found.items()} | ends
 
 
 def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
-    """A summary; for the steady motions of Coulomb robots with the ways that they go forwards and backwards."""
+    """A summary; of Coulomb robots with a harmonic drive the ways too that they go forwards and backwards."""
     from stickslip.solvers import solve
 
     asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
@@ -146,6 +159,8 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
         todo = request(robot, samples=400, options={}, **asked)
         if orbits.applies(todo):
             return orbits.solve(todo)
+        if handles(robot) is None:
+            return orbits.solve_waiting(todo)
     return solve(robot, **asked), {}
 
 

@@ -1,18 +1,18 @@
-"""A study as one file: netCDF4, MATLAB, CSV or Parquet, written tile by tile where the format allows it."""
+"""A study, or any labelled dataset, as one file: netCDF4, MATLAB, CSV or Parquet, written tile by tile where the format allows it."""
 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
-from stickslip.storage import moved_into_place
-from stickslip.sweeps.columns import COLUMNS, STATUSES, coded, described, empty, flags
-from stickslip.sweeps.folder import unwritable
+from stickslip.errors import InputError, Problems
+from stickslip.storage import moved_into_place, unwritable
+from stickslip.sweeps.columns import COLUMNS, STATUSES, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
 
 __all__ = ["FORMATS", "blocks_of", "export"]
@@ -28,7 +28,7 @@ def export(study: Any, path: str | Path) -> Path:
     Parameters
     ----------
     study : path or Dataset
-        A study folder, or what `sweep` returned.
+        A study folder, or what `sweep` returned, also with columns of your own; or any other dataset, such as a bifurcation diagram.
     path : path
         ``.nc`` (netCDF4, read by MATLAB's ncread and by xarray), ``.mat`` (MATLAB version 5), ``.csv`` or ``.parquet`` (one row for
         each case, words as text).
@@ -49,10 +49,24 @@ def export(study: Any, path: str | Path) -> Path:
     write = FORMATS.get(target.suffix.lower())
     if write is None:
         raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])
-    grid = study if hasattr(study, "data_vars") else open_study(study)
-    with moved_into_place(target, unwritable) as beside:
-        write(grid, beside)
+    data = _opened(study)
+    with moved_into_place(target, unwritable("export")) as beside:
+        write(data, beside)
     return target
+
+
+def _opened(study: Any) -> Any:
+    """The dataset that is to be written."""
+    what = f"{study!r} is given" if study is None or isinstance(study, (int, float)) else f"a {type(study).__name__} is given"
+    if isinstance(study, (str, os.PathLike)):
+        study = open_study(Path(study))
+    elif not hasattr(study, "data_vars"):
+        raise InputError(
+            "export", [f"{what}; allowed is a study folder, or what sweep returned; type for example export('study', 'grid.nc')"]
+        )
+    if not study.data_vars:
+        raise InputError("export", ["the dataset has no columns; allowed is what sweep returned, or a part of it that has some"])
+    return study
 
 
 def blocks_of(first: int, last: int, shape: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
@@ -80,127 +94,168 @@ def blocks_of(first: int, last: int, shape: tuple[int, ...]) -> Iterator[tuple[s
             first = end
 
 
-def _dims(grid: Any) -> tuple[str, ...]:
-    """The dimensions in the order of the results."""
-    return tuple(str(d) for d in grid["mean_velocity"].dims)
+def _dims(data: Any) -> tuple[str, ...]:
+    """The dimensions in the order of the rows: those of the column that has most, then others."""
+    most = max(data.data_vars, key=lambda name: data[name].ndim)
+    return tuple(map(str, dict.fromkeys([*data[most].dims, *data.dims])))
 
 
-def _size(grid: Any) -> int:
-    return int(np.prod([grid.sizes[d] for d in _dims(grid)], dtype=np.int64))
+def _size(values: Any) -> int:
+    return int(np.prod(values.shape, dtype=np.int64))
+
+
+def _is_sweep(data: Any) -> bool:
+    """Whether a dataset holds results of a sweep, which `open_study` opens again."""
+    return "mean_velocity" in data.data_vars and ("status" in data.data_vars or "maker" in data.attrs)
 
 
 # ---- grids ----
-def _netcdf(grid: Any, path: Path) -> None:
-    """A grid, block by block, so that memory does not grow with it."""
+def _netcdf(data: Any, path: Path) -> None:
+    """A sweep block by block, so that memory does not grow with it; any other dataset as xarray writes it."""
+    if not _is_sweep(data):
+        try:
+            data.to_netcdf(path, engine="h5netcdf")
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                "export", [f"the dataset cannot be kept in a netCDF file: {error}; leave out what is no number and no word"]
+            ) from None
+        return
     import h5netcdf
 
-    dims = _dims(grid)
-    shape = tuple(grid.sizes[d] for d in dims)
+    problems = Problems("export")
+    for name in data.variables:
+        if data[name].dtype.kind not in "iufbOSU":
+            problems.add(
+                f"{name} holds {data[name].dtype}; a file of a sweep keeps numbers, words, True and False; type drop_vars({name!r})"
+            )
+    problems.check()
     with h5netcdf.File(path, "w") as file:
-        file.dimensions = {**{d: n for d, n in zip(dims, shape, strict=True)}, "character": 32}
-        file.attrs.update({k: v for k, v in grid.attrs.items() if isinstance(v, (str, int, float))})
+        file.dimensions = {**{str(d): n for d, n in data.sizes.items()}, "character": 32}
+        file.attrs.update({k: v for k, v in data.attrs.items() if isinstance(v, (str, int, float))})
         file.attrs.update({"stickslip_content": "sweep", "Conventions": "CF-1.11"})
-        for name in grid.coords:
-            _coordinate(file, str(name), grid[name])
-        for name in map(str, grid.data_vars):
-            kind = coded(name, empty(1)[name] if name in COLUMNS else np.zeros(1, grid[name].dtype))
-            made = file.create_variable(name, (*dims, *(("character",) if kind.ndim > 1 else ())), kind.dtype)
-            made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
-            made.attrs["units"] = str(grid[name].attrs.get("units", "1"))
-            for first in range(0, _size(grid), _ROWS):
-                for block in blocks_of(first, min(first + _ROWS, _size(grid)), shape):
-                    made[(*block, *((slice(None),) if kind.ndim > 1 else ()))] = coded(name, np.asarray(grid[name][block].values))
+        labels = [str(name) for name in data.coords if name not in data.dims]
+        if labels:
+            file.attrs["coordinates"] = " ".join(labels)
+        for name in map(str, data.variables):
+            if name in COLUMNS and name in data.data_vars:
+                _column(file, name, data[name])
+            else:
+                _own(file, name, data[name])
 
 
-def _coordinate(file: Any, name: str, values: Any) -> None:
-    array = np.asarray(values.values)
-    if array.dtype.kind in "OSU":
-        array = array.astype("S")
-        length = max(array.dtype.itemsize, 1)
-        dim = f"{name}_characters"
-        file.dimensions[dim] = length
-        made = file.create_variable(name, (*values.dims, dim), data=array.astype(f"S{length}").view("S1").reshape(*array.shape, length))
-    else:
-        made = file.create_variable(name, values.dims, data=array)
-    made.attrs.update({k: str(v) for k, v in values.attrs.items()})
+def _column(file: Any, name: str, values: Any) -> None:
+    """One of our columns, its words as codes."""
+    kind = coded(name, empty(1)[name])
+    more = ("character",) if kind.ndim > 1 else ()
+    made = file.create_variable(name, (*values.dims, *more), kind.dtype)
+    made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
+    made.attrs["units"] = str(values.attrs.get("units", "1"))
+    for first in range(0, _size(values), _ROWS):
+        for block in blocks_of(first, min(first + _ROWS, _size(values)), values.shape):
+            made[(*block, *(slice(None) for _ in more))] = coded(name, np.asarray(values[block].values))
 
 
-def _matlab(grid: Any, path: Path) -> None:
+def _own(file: Any, name: str, values: Any) -> None:
+    """A coordinate, or a column that is not ours."""
+    array, dims, kept = np.asarray(values.values), values.dims, None
+    if array.dtype.kind not in "iuf":
+        array, kept = characters(array)
+        dims = (*dims, f"{name}_characters")
+        file.dimensions[dims[-1]] = array.shape[-1]
+    made = file.create_variable(name, dims, data=array)
+    made.attrs.update({k: v if isinstance(v, (int, float)) else str(v) for k, v in values.attrs.items()})
+    made.attrs.update({} if kept is None else {"kept_as": kept, "_Encoding": "utf-8"})
+
+
+def _matlab(data: Any, path: Path) -> None:
     from scipy.io import savemat
 
-    dims, kept = _dims(grid), {}
-    for name in [*map(str, grid.coords), *map(str, grid.data_vars)]:
-        values = np.asarray(grid[name].values)
+    kept = {}
+    for name in [*map(str, data.coords), *map(str, data.data_vars)]:
+        values = np.asarray(data[name].values)
         if values.dtype.kind in "OSU":
-            values = coded(name, values) if name == "motion_type" else values.astype(object)
+            values = coded(name, values) if name == "motion_type" else _cells(values)
         if values.nbytes > _MAT:
             raise InputError("export", [f"{name} has {values.nbytes / 1e9:.1f} GB; a .mat file allows 2 GB; type export(study, 'grid.nc')"])
         kept[name.replace(".", "_")] = values
-    units = {name.replace(".", "_"): str(grid[name].attrs.get("units", "1")) for name in [*grid.coords, *grid.data_vars]}
-    types = list(flags("motion_type")["flag_meanings"].split())
-    info = {k: v for k, v in grid.attrs.items() if isinstance(v, (str, int, float))}
-    meanings = {"dimensions": np.array(list(dims), object), "units": units, "motion_types": np.array(types, object), "study": info}
+    units = {name.replace(".", "_"): str(data[name].attrs.get("units", "1")) for name in map(str, [*data.coords, *data.data_vars])}
+    types = {"motion_types": np.array(TYPES, object)} if "motion_type" in data.data_vars else {}
+    about = {str(k): v for k, v in data.attrs.items() if isinstance(v, (str, int, float))}
+    meanings = {"dimensions": np.array(_dims(data), object), "units": units, **types, "study" if _is_sweep(data) else "about": about}
     savemat(path, {**kept, **meanings}, oned_as="column", appendmat=False, long_field_names=True)
 
 
+def _cells(values: Array) -> Array:
+    """What a cell array can hold: words, numbers, and nothing."""
+    cells = np.empty(values.shape, object)
+    for place, value in np.ndenumerate(values):
+        cells[place] = np.zeros((0, 0)) if value is None else value if isinstance(value, (str, int, float)) else str(value)
+    return cells
+
+
 # ---- rows ----
-def _rows(grid: Any) -> Iterator[dict[str, Array]]:
+def _rows(data: Any) -> Iterator[dict[str, Array]]:
     """Coordinates and columns of some cases at a time, flat."""
-    dims = _dims(grid)
-    shape = tuple(grid.sizes[d] for d in dims)
-    for first in range(0, _size(grid), _ROWS):
-        numbers = np.arange(first, min(first + _ROWS, _size(grid)))
+    dims = _dims(data)
+    shape = tuple(data.sizes[d] for d in dims)
+    count = int(np.prod(shape, dtype=np.int64))
+    for first in range(0, count, _ROWS):
+        numbers = np.arange(first, min(first + _ROWS, count))
         index = dict(zip(dims, np.unravel_index(numbers, shape), strict=True)) if dims else {}
         part: dict[str, Array] = {}
-        for name in _columns(grid):
-            if name in grid.coords:
-                values = np.asarray(grid[name].values)
-                part[name] = np.broadcast_to(values[tuple(index[str(d)] for d in grid[name].dims)], numbers.shape)
+        for name in _columns(data):
+            if name in data.data_vars and data[name].dims == dims:
+                blocks = [np.asarray(data[name][b].values).ravel() for b in blocks_of(first, first + len(numbers), shape)]
+                part[name] = np.concatenate(blocks)
             else:
-                blocks = [np.asarray(grid[name][b].values).ravel() for b in blocks_of(first, first + len(numbers), shape)]
-                part[name] = np.concatenate(blocks) if blocks else np.zeros(0)
+                values = np.asarray(data[name].values)
+                part[name] = np.broadcast_to(values[tuple(index[str(d)] for d in data[name].dims)], numbers.shape)
         yield part
 
 
-def _columns(grid: Any) -> list[str]:
-    dims = _dims(grid)
-    return [*dims, *(str(n) for n in grid.coords if n not in dims), *(str(n) for n in grid.data_vars)]
+def _columns(data: Any) -> list[str]:
+    dims = _dims(data)
+    return [*dims, *(str(n) for n in data.coords if n not in dims), *(str(n) for n in data.data_vars)]
 
 
-def _headed(grid: Any, name: str) -> str:
-    unit = grid[name].attrs.get("units", "1")
+def _headed(data: Any, name: str) -> str:
+    unit = data[name].attrs.get("units", "1")
     return name if unit in ("", "1") else f"{name} [{unit}]"
 
 
 def _sentences(codes: Array) -> list[str]:
-    """What status codes say; both ways to finish with a period count as settled."""
+    """What status codes say; that of a strobe point that repeats in one word."""
     told = STATUSES | {1: "settled"}
     return [told.get(int(code), f"status {code}") for code in codes]
 
 
-def _csv(grid: Any, path: Path) -> None:
+def _texts(name: str, values: Array) -> list[str | None]:
+    return list(_sentences(values)) if name == "status" else [None if v is None else str(v) for v in values.tolist()]
+
+
+def _csv(data: Any, path: Path) -> None:
     import csv
 
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow([_headed(grid, name) for name in _columns(grid)])
-        for part in _rows(grid):
+        writer.writerow([_headed(data, name) for name in _columns(data)])
+        for part in _rows(data):
             columns = [_sentences(values) if name == "status" else values.tolist() for name, values in part.items()]
             writer.writerows(zip(*columns, strict=True))
 
 
-def _parquet(grid: Any, path: Path) -> None:
+def _parquet(data: Any, path: Path) -> None:
     try:
         import pyarrow as pa
         import pyarrow.parquet as pq
     except ImportError:
         raise InputError("export", ['Parquet needs pyarrow; type pip install "stickslip[parquet]", or give a .csv or .nc path']) from None
-    units = {name.encode(): str(grid[name].attrs.get("units", "1")).encode() for name in _columns(grid)}
-    about = {b"stickslip": json.dumps({k: str(v) for k, v in grid.attrs.items()}).encode(), **{b"unit " + k: v for k, v in units.items()}}
+    units = {name.encode(): str(data[name].attrs.get("units", "1")).encode() for name in _columns(data)}
+    about = {b"stickslip": json.dumps({k: str(v) for k, v in data.attrs.items()}).encode(), **{b"unit " + k: v for k, v in units.items()}}
     writer = None
     try:
-        for part in _rows(grid):
-            arrays = [_sentences(v) if n == "status" else v.tolist() if v.dtype.kind in "OSU" else v for n, v in part.items()]
+        for part in _rows(data):
+            arrays = [pa.array(_texts(n, v), pa.string()) if n == "status" or v.dtype.kind in "OSU" else v for n, v in part.items()]
             rows = pa.table(arrays, names=list(part)).replace_schema_metadata(about)
             writer = writer or pq.ParquetWriter(path, rows.schema)
             writer.write_table(rows)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stickslip.errors import InputError, did_you_mean
+
 __all__ = ["Claim", "LawReport"]
 
 
@@ -63,7 +65,10 @@ class LawReport:
 
     def __getitem__(self, name: str) -> Claim:
         """The claim of this name."""
-        return next(claim for claim in self.claims if claim.name == name)
+        found = {claim.name: claim for claim in self.claims}
+        if name not in found:
+            raise InputError("check_law", [f"has no claim {name!r}; {did_you_mean(name, found)}"])
+        return found[name]
 
     def __str__(self) -> str:
         return "\n".join([self.law, *(f"  {claim}" for claim in self.claims)])

@@ -20,7 +20,7 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     """Raw results of one case."""
     T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
     strobe = _strobe(todo, model, pieces)
-    period = strobes.period_of(model, strobe, 30 * todo.rtol)
+    period = strobes.period_of(model, strobe, strobes.strobe_tolerance(todo.method, todo.rtol), todo.settle)
     settle = todo.periods - period if todo.auto and period else todo.settle
     displacement, window = strobes.window_of(strobe, settle, period)
     count = _LOOKS * (period or 1)

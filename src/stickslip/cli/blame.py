@@ -1,0 +1,56 @@
+"""Whose mistake an exception is: ours, or that of the code that a command was told to run."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from pathlib import Path
+
+__all__ = ["in_your_code"]
+
+
+def in_your_code(error: BaseException) -> str | None:
+    """Where in the user's own code it went wrong and how, as a sentence; None if the mistake is ours.
+
+    The innermost line that is neither a library's nor Python's decides.
+
+    Parameters
+    ----------
+    error : exception
+        With its traceback.
+
+    Examples
+    --------
+    >>> in_your_code(KeyError("nobody raised this")) is None
+    True
+    """
+    how = f"{type(error).__name__}: {error}"
+    if isinstance(error, SyntaxError) and error.filename and _is_yours(error.filename):
+        return _sentence(error.filename, error.lineno, f": {type(error).__name__}: {error.msg}")
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if _within(frame.filename, _OURS):
+            return None
+        if _is_yours(frame.filename):
+            return _sentence(frame.filename, frame.lineno, f", in {frame.name}: {how}")
+    return None
+
+
+def _sentence(file: str, line: int | None, what: str) -> str:
+    return f"your code: {file}, line {line}{what}; mend it there, or set STICKSLIP_TRACEBACK=1 to see how it was called"
+
+
+_OURS = (str(Path(__file__).resolve().parent.parent),)
+
+
+def _is_yours(file: str) -> bool:
+    """Whether a file is no part of us, of Python or of an installed library."""
+    from stickslip.engine.cache import folder
+
+    paths = sysconfig.get_paths()
+    libraries = tuple(paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
+    return not file.startswith("<") and not _within(file, (*_OURS, *libraries, str(folder())))
+
+
+def _within(file: str, folders: tuple[str, ...]) -> bool:
+    path = Path(file).resolve()
+    return any(path.is_relative_to(Path(folder).resolve()) for folder in folders)
