@@ -123,7 +123,7 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
     """An instance from its arguments; every unknown, missing or bad one is noted."""
     fields, taken = {f.name: f for f in dataclasses.fields(cls)}, arguments_of(cls)
     for name in [n for n in arguments if n not in taken]:
-        hint = other_words(name, arguments[name], list(taken), " = ") or did_you_mean(name, taken)
+        hint = other_words(name, arguments[name], taken, " = ") or did_you_mean(name, taken)
         problems.add(f"{where}.{name} is not known; {hint}")
         del arguments[name]
     for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in PARTS]:
@@ -132,8 +132,7 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
             continue
         example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
         problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
-        value = _read_back(example)
-        arguments[name] = (value,) if is_tuple_field(fields[name]) and not isinstance(value, (list, tuple)) else value
+        arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
     lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
     try:
         made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
@@ -143,12 +142,13 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
     return None if lacking else made
 
 
-def _read_back(example: str) -> Any:
-    """The value of an example, so that the other fields can be judged beside it; 1 of one that is no text of a study file."""
+def _read_back(example: str, otherwise: Any) -> Any:
+    """The value of an example, so that the other fields can be judged beside it."""
     try:
-        return tomllib.loads(f"x = {example}")["x"]
+        value = tomllib.loads(f"x = {example}")["x"]
     except tomllib.TOMLDecodeError:
-        return 1.0
+        return otherwise
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _stand_in(part: str) -> Any:
