@@ -14,7 +14,7 @@ TYPES = {"rest": "#999999", "II": "#56B4E9", "I": "#009E73", "III": "#E69F00", "
 def curves(ax: plt.Axes) -> None:
     """Velocity of the rig at 1.7 degrees under LuGre and Coulomb friction."""
     runs = [ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law=law)) for law in ("coulomb", "lugre")]
-    ss.plot.velocity(runs, periods=2, ax=ax, labels=["Coulomb, exact", "LuGre"])
+    ss.plot.velocity(runs, periods=2, ax=ax, labels=["Coulomb", "LuGre"])
 
 
 def speeds(ax: plt.Axes) -> None:

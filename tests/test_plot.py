@@ -46,7 +46,7 @@ def test_phase_takes_the_drift_out_and_closes(run):
 
 def test_several_runs_share_the_axes_and_get_a_legend(run):
     ax = ss.plot.velocity([run, run], labels=["one", "two"])
-    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["one", "two", "sticks"]
+    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["one", "two", "one sticks"]
     with pytest.raises(ss.InputError, match="one for each run"):
         ss.plot.phase([run, run], labels=["one"])
 

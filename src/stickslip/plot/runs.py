@@ -93,13 +93,13 @@ def _finish(ax: Any, runs: list[Any], more: Sequence[Any] = ()) -> Any:
     return ax
 
 
-def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float) -> list[Any]:
+def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float, name: str = "") -> list[Any]:
     """Bands where the contact sticks, and the word for them in the legend."""
     from matplotlib.patches import Patch
 
     for a, b in rests:
         ax.axvspan((a - start) * factor, (b - start) * factor, color=SHADE, linewidth=0, zorder=0)
-    return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label="sticks")] if rests else []
+    return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label=f"{name} sticks".lstrip())] if rests else []
 
 
 def _time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit: str) -> None:
@@ -147,7 +147,7 @@ def velocity(
     factor, unit = prefix(*(v for _, v in curves))
     with publication():
         ax = axes(ax)
-        shaded = _shade(ax, rests(runs[0], *spans[0]), spans[0][0], time)
+        shaded = _shade(ax, rests(runs[0], *spans[0]), spans[0][0], time, names[0] if len(runs) > 1 else "")
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
         for i, ((t, v), (start, _), name) in enumerate(zip(curves, spans, names, strict=True)):
             ax.plot((t - start) * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
