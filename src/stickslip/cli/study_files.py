@@ -86,10 +86,16 @@ def _imported(name: str, folder: Path | None = None) -> Any:
         if error.name is None or not f"{where}.".startswith(f"{error.name}."):
             raise  # the module is there, and what it imports is not
         raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
-    if not callable(getattr(module, function, None)):
-        near = did_you_mean(function, [n for n in vars(module) if callable(vars(module)[n]) and not n.startswith("_")])
+    made = getattr(module, function, None)
+    if not _is_ours(made):
+        near = did_you_mean(function, [n for n, value in vars(module).items() if _is_ours(value) and not n.startswith("_")])
         raise InputError("robot", [f"{name!r} cannot be imported: {where} has no function {function!r}; {near}"])
-    return getattr(module, function)
+    return made
+
+
+def _is_ours(made: Any) -> bool:
+    """Whether something may be a maker, a robot or mechanism, or a law."""
+    return callable(made) or hasattr(made, "friction") or hasattr(made, "breakaway") or hasattr(made, "rate")
 
 
 # ---- reading ----
