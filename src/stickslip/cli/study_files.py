@@ -87,13 +87,13 @@ def _imported(name: str, folder: Path | None = None) -> Any:
             raise  # the module is there, and what it imports is not
         raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
     made = getattr(module, function, None)
-    if not _is_ours(made):
-        near = did_you_mean(function, [n for n, value in vars(module).items() if _is_ours(value) and not n.startswith("_")])
+    if not _is_usable(made):
+        near = did_you_mean(function, [n for n, value in vars(module).items() if _is_usable(value) and not n.startswith("_")])
         raise InputError("robot", [f"{name!r} cannot be imported: {where} has no function {function!r}; {near}"])
     return made
 
 
-def _is_ours(made: Any) -> bool:
+def _is_usable(made: Any) -> bool:
     """Whether something may be a maker, a robot or mechanism, or a law."""
     return callable(made) or hasattr(made, "friction") or hasattr(made, "breakaway") or hasattr(made, "rate")
 
