@@ -202,7 +202,7 @@ def test_everything_wrong_with_the_arguments_is_reported_at_once():
     rec = records(1e-3, amplitudes=[5e-4])
     with pytest.raises(InputError) as error:
         ss.identify(rec, rig, free={"mu0": (0.5, 0.1), "muu": (0.1, 0.2)}, tied={"f0": "nobody"}, amplitude=[1e-4, 2e-4])
-    assert len(error.value.problems) == 4
+    assert len(error.value.problems) == 5
     with pytest.raises(InputError, match="allowed is a Record"):
         ss.identify(["run.csv"], rig, free={"mu0": (0.1, 0.2)})
     with pytest.raises(InputError, match="widen or correct the bounds"):
@@ -377,7 +377,7 @@ def test_design_reports_everything_wrong_at_once():
     with pytest.raises(InputError) as error:
         ss.design(rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7)
     told = "\n".join(error.value.problems)
-    assert len(error.value.problems) == 7 and "using = 'foo'; allowed is one of velocity, position" in told
+    assert len(error.value.problems) == 8 and "using = 'foo'; allowed is one of velocity, position" in told
     for words in ("experiments is empty", "mu0 = (0.1, 0.3); allowed is the value", "did you mean 'mu0'", "noise = -1.0", "samples = 0"):
         assert words in told
     with pytest.raises(InputError, match=r"amplitude = 0\.0005; allowed is a list of values"):
@@ -535,3 +535,28 @@ def test_a_long_record_that_does_not_repeat_is_cut_and_says_so():
     assert "of 30000 samples only the last 20000 are compared" in seen.cut
     found = ss.compare(rec, rig(mu0=0.04, **ONE), laws=["lugre"], frequency=10.0, settle=0)
     assert seen.cut in found.notes
+
+
+def _refusing(sigma0):
+    raise InputError("law", [f"sigma0 = {sigma0:g} is not stiff"])
+
+
+def test_what_the_maker_misses_is_said_in_its_own_words(capsys, tmp_path):
+    from stickslip.cli import main
+
+    """A number that was forgotten is no matter of bounds."""
+    t = np.arange(200) / 100
+    rec = ss.Record.of(t, {"x [m]": np.sin(t), "force [N]": np.cos(t), "load [N]": np.ones(200)})
+    with pytest.raises(ss.InputError, match="sigma0 is missing; type its value, sigma0="):
+        ss.identify(rec, ss.Dahl, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)})
+    with pytest.raises(ss.InputError, match=r"none of 65 places .*: law: sigma0 = 2 is not stiff"):
+        ss.identify(rec, _refusing, free={"sigma0": (1.0, 3.0)})
+    with pytest.raises(ss.InputError, match="amplitude is missing") as caught:
+        ss.identify([0.001, 0.002], ss.presets.piezo_rig, free={"amplitude[0]": (1e-4, 1e-3), "mu0": (0.1, 1.0)}, oops=1)
+    assert len(caught.value.problems) == 3 and "tilt_deg is missing" in str(caught.value)
+    rec.save(tmp_path / "r.csv")
+    assert main(["identify", "dahl", "--record", str(tmp_path / "r.csv"), "--free", "mu_plus=0.1..1", "--free", "mu_minus=0.1..1"]) == 2
+    assert "sigma0 is missing" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["identify", "--help"])
+    assert "name of a preset, of a law" in " ".join(capsys.readouterr().out.split())

@@ -11,6 +11,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["act"]
 
+_ROBOT = "name of a preset, of a law (see `stickslip laws`; its force is fitted over the record's motion), or path of a TOML study file"
 _MORE = """\
 example: stickslip identify piezo_rig tilt_deg=1.7 amplitude=5e-4,8e-4 --record a.csv --record b.csv
            --free mu0=0.05..0.5 --free v_s=2e-4..2e-2:log
@@ -49,7 +50,8 @@ _KEYS = (
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Fit parameters of a robot to measured records, with intervals and what the residuals say.", more=_MORE)
+    about = "Fit parameters of a robot, or of a friction law, to measured records, with intervals and what the residuals say."
+    made = parser(command, about, robot=_ROBOT, more=_MORE)
     made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (again for more)")
     made.add_argument("--mean", metavar="V,V", help="mean velocities instead of records [m/s]")
     made.add_argument(

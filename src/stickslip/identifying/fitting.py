@@ -12,7 +12,7 @@ from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
-from stickslip.identifying.search import polished, searched
+from stickslip.identifying.search import multistart, polished, searched
 from stickslip.identifying.targets import target
 from stickslip.identifying.uncertainty import covariance_of
 from stickslip.records import Record
@@ -99,7 +99,7 @@ def identify(
     """
     records = as_list(records)
     _check(records, using, noise, starts)
-    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient)
+    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed)
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, progress)
@@ -116,11 +116,12 @@ def as_list(records: Any) -> list[Any]:
 def problem_of(
     records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
     frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
-    settle: int | str = "auto", transient: bool = False,
+    settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0,
 ) -> SteadyProblem | DrivenProblem:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
-    if using == "force" or (using == "auto" and _makes_laws(of)):
+    first = of.first_models(multistart(len(of.free), starts, seed))
+    if using == "force" or (using == "auto" and not hasattr(first[0], "friction")):
         return _driven(records, of, load, noise)
     targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
     return SteadyProblem(of, targets, rtol)
@@ -139,18 +140,6 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
         problems.add(f"noise = {noise!r}; allowed is a positive standard deviation, or None")
     problems.whole("starts", starts, 1, example=64)
     problems.check()
-
-
-def _makes_laws(of: Parameters) -> bool:
-    """Whether the models are laws and not robots, told from the first place between the bounds that makes one."""
-    from scipy.stats import qmc
-
-    for place in qmc.Sobol(len(of.free), seed=0).random_base2(6):
-        try:
-            return not hasattr(of.model(of.values(place), 0), "friction")
-        except InputError:
-            continue
-    return False
 
 
 def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None) -> DrivenProblem:
