@@ -432,6 +432,30 @@ def test_the_report_is_one_page_that_needs_nothing_else(fit, tmp_path):
     assert "Coulomb" in page and "LuGre" in page and page.count("<img") == 1
 
 
+def test_a_report_names_the_record_the_part_and_what_was_left_out(tmp_path):
+    """A page made in Python says the same of its record as one made by the command."""
+    t, x = strokes()
+    load = np.where(np.arange(len(t)) % 50 == 7, -1.0, 10.0)
+    made = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x)), "N [N]": load}, roles={"F": "force", "N": "load"})
+    rec = ss.read(made.save(tmp_path / "loops.csv")).between(0.0, 0.75 * t[-1])
+    fit = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.05, 1.0), "mu_minus": (0.05, 1.0)}, starts=2)
+    left = len(rec["F"]) - fit.count
+    assert left > 0 and any(f"of {len(rec['F'])} samples {left} have no positive load" in w for w in fit.warnings)
+    page = fit.report(tmp_path / "fit.html").read_text(encoding="utf-8")
+    for words in (
+        "Record 0",
+        "loops.csv",
+        rec.source["sha256"],
+        f"0 to {0.75 * t[-1]:g} s",
+        "record 0: none",
+        f"{left} have no positive load",
+    ):
+        assert words in page
+    both = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=8)
+    compared = ss.compare(ss.read(both.save(tmp_path / "rig.csv")), rig(tilt_deg=1.7, amplitude=5e-4), laws="coulomb")
+    assert "rig.csv" in compared.report(tmp_path / "c.html").read_text(encoding="utf-8")
+
+
 def keep(rec, place):
     c = rec["velocity"]
     np.savetxt(place, np.column_stack([c.t, c.values]), delimiter=",", header="t [s],v [m/s]", comments="")

@@ -27,9 +27,7 @@ def act(command: str, words: list[str]) -> int:
 
     found = compare(rec, study.robot(), laws=[law for law in asked.laws.split(",") if law], settle=recorded.settle(asked))
     if report is not None:
-        from stickslip.identifying.doors import write_report
-
-        write_report(report, [], comparison=found, sources=[rec])
+        found.report(report)
     if figure is not None:
         found.plot().figure.savefig(figure)
     if asked.json:

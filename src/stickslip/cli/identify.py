@@ -75,9 +75,7 @@ def act(command: str, words: list[str]) -> int:
     method = "profile" if asked.profile else "covariance"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if report is not None:
-        from stickslip.identifying.doors import write_report
-
-        write_report(report, [fit], sources=[rec for rec in records if hasattr(rec, "channels")])
+        fit.report(report)
     if asked.json:
         show.print_json(_numbers(fit, intervals, asked.level, method))
     else:

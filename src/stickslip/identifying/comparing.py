@@ -71,6 +71,8 @@ class Comparison:
     samples : tuple of arrays
         Phase and value of every sample.
     notes : tuple of str
+    source : Record
+        What was compared, whole.
     """
 
     record: Row
@@ -79,6 +81,7 @@ class Comparison:
     kind: str
     samples: tuple[Any, Any]
     notes: tuple[str, ...]
+    source: Any = None
 
     def __getitem__(self, label: str) -> Row:
         """The row of this label."""
@@ -170,6 +173,7 @@ def compare(
     ('LuGre', 'II', True)
     """
     robots = _robots(record, robot, laws)
+    whole = record
     record, _, said = settled(record, settle, frequency)
     seen = target(record, using, noise, frequency, "record", 0)
     curves = {label: steady_curve(model, None, rtol) for label, model in robots.items()}
@@ -178,7 +182,7 @@ def compare(
     best = min(rows, key=lambda row: row.rms).label
     return Comparison(
         _measured(record, seen, shifts[best]), rows, seen.sigma, seen.kind,
-        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *_notes(record, robot, seen, curves)),
+        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *_notes(record, robot, seen, curves)), whole,
     )  # fmt: skip
 
 

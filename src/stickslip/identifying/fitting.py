@@ -105,7 +105,7 @@ def identify(
     best, agree = searched(rough, starts, seed, progress)
     best = polished(problem, best.place)
     problem.solves += rough.solves
-    return _fit(problem, best, starts, agree, notes, noise is not None, seed)
+    return _fit(problem, best, starts, agree, notes, noise is not None, seed, tuple(records))
 
 
 def as_list(records: Any) -> list[Any]:
@@ -158,7 +158,7 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     return notes
 
 
-def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], given: bool, seed: int) -> Fit:
+def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], given: bool, seed: int, records: tuple[Any, ...]) -> Fit:
     free = problem.parameters.free
     n, count = len(free), len(best.residuals)
     if best.cost >= 0.99 * count * 1e8:
@@ -197,6 +197,7 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         tuple(notes),
         law,
         provenance,
+        records,
     )
 
 
