@@ -201,3 +201,40 @@ def test_a_drive_that_is_slow_beside_the_samples_is_found():
 def test_a_step_response_has_no_drive():
     rec = ss.read(path(LDV), units={"LDV": "m/s", "t": "s"})
     assert rec.summary.frequency is None and rec.between(0, 1e-4).summary.frequency is None
+
+
+def loops():
+    """A record with force and position only, and one gap."""
+    t = np.delete(np.arange(400) / 100, slice(50, 60))
+    columns = {"Normal [uN]": 5e6 + t, "Position [mm]": np.sin(2 * np.pi * t), "Friction [uN]": np.sign(np.cos(2 * np.pi * t))}
+    return ss.Record.of(t, columns)
+
+
+def test_a_part_has_the_notes_of_the_part(tmp_path):
+    rec = ss.read(loops().save(tmp_path / "loops.csv"))
+    gap = "1 gap in time: the longest is 0.11 s, after 0.49 s"
+    assert gap in rec.notes and rec.between(0, 1).notes == rec.notes and gap not in rec.between(1, 2).notes
+
+
+def test_no_channel_is_proposed_for_what_its_unit_is_not(tmp_path):
+    rec = ss.read(place := loops().save(tmp_path / "loops.csv"))
+    with pytest.raises(InputError, match="none of them is in a unit of velocity; take a record that has one"):
+        rec["velocity"]
+    with pytest.raises(InputError, match=r"'Normal' is in uN, a unit of force, and cannot be the velocity"):
+        ss.read(place, roles={"Normal": "velocity"})
+    forced = ss.read(place, units={"Normal": "m/s"}, roles={"Normal": "velocity"})
+    assert any("'uN' of the file, of force, is replaced by 'm/s', of velocity" in note for note in forced.notes)
+    assert not any("replaced" in note for note in ss.read(place, units={"Normal": "mN"}).notes)
+
+
+def test_a_figure_that_cannot_be_drawn_costs_no_summary(tmp_path, capsys):
+    from stickslip.cli import main
+
+    place, figure = str(loops().save(tmp_path / "loops.csv")), tmp_path / "f.png"
+    assert main(["read", place, "--figure", str(figure)]) == 0
+    assert f"figure: spectrum of Position, written to {figure}" in capsys.readouterr().out and figure.is_file()
+    bare = tmp_path / "bare.csv"
+    bare.write_text("t,a\n" + "\n".join(f"{i},{i % 3}" for i in range(50)))
+    assert main(["read", str(bare), "--figure", str(tmp_path / "g.png")]) == 0
+    out = capsys.readouterr().out
+    assert "50 values" in out and "figure: left out: the unit of " in out and not (tmp_path / "g.png").exists()

@@ -18,13 +18,13 @@ def act(command: str, words: list[str]) -> int:
     made = parser(command, "Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.", robot=False, more=_MORE)
     made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
     recorded.add_options(made)
-    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity (.png, .svg or .pdf)")
+    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of what else there is (.png, .svg or .pdf)")
     asked = made.parse_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
     rec = recorded.opened(asked.file, asked)
     found = _measured(rec, recorded.settle(asked))
     if figure is not None:
-        _draw(rec, figure)
+        found["figure"] = _draw(rec, figure)
     if asked.json:
         show.print_json(_record(rec, found))
     else:
@@ -56,12 +56,23 @@ def _record(rec: Any, found: dict[str, Any]) -> dict[str, Any]:
     return {**asdict(rec.summary), "measures": found, "source": {k: str(v) for k, v in rec.source.items()}}
 
 
-def _draw(rec: Any, path: Any) -> None:
+def _draw(rec: Any, path: Any) -> str:
+    """Draw a spectrum, and say of which channel; or say why there is none."""
     from matplotlib.figure import Figure
 
     from stickslip import plot
+    from stickslip.records.channel import ROLES
 
-    with plot.publication():
-        figure = Figure(figsize=(5.0, 3.0), layout="constrained")
-        plot.record_spectrum(rec, ax=figure.subplots())
-        figure.savefig(path)
+    ranked = sorted(rec.channels.values(), key=lambda c: ROLES.index(c.role) if c.role in ROLES else len(ROLES))
+    why = "no channel can be used"
+    for c in ranked:
+        try:
+            with plot.publication():
+                figure = Figure(figsize=(5.0, 3.0), layout="constrained")
+                plot.record_spectrum(rec, c.name, ax=figure.subplots())
+                figure.savefig(path)
+        except InputError as error:
+            why = error.problems[0] if c is ranked[0] else why
+        else:
+            return f"spectrum of {c.name}, written to {path}"
+    return f"left out: {why}"
