@@ -5,7 +5,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.errors import InputError
-from stickslip.identifying.driven import Motion, driven_force
+from stickslip.identifying.driven import Motion, driven_force, motion_of
 from stickslip.identifying.targets import target
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
@@ -584,3 +584,10 @@ def test_what_the_maker_misses_is_said_in_its_own_words(capsys, tmp_path):
     with pytest.raises(SystemExit):
         main(["identify", "--help"])
     assert "name of a preset, of a law" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_force_over_less_than_a_period_is_fitted_without_a_lead():
+    t, x = strokes(n=400, periods=0.97)
+    rec = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x))}, roles={"F": "force"})
+    for part in (rec, rec.between(0.0, 0.9), rec.between(0.1, 0.6)):
+        assert motion_of(part, 10.0, "record").before == 0

@@ -120,9 +120,10 @@ def _first_period(rec: Any, t: Any, F: Any) -> int:
         frequency = rec.drive_frequency().value
     except InputError:
         return 0
+    if (t[-1] - t[0]) * frequency < 2:
+        return 0
     lead = int(np.searchsorted(t, t[0] + 1 / frequency))
-    back = abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F)
-    return lead if back and (t[-1] - t[0]) * frequency >= 2 else 0
+    return lead if abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F) else 0
 
 
 def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
