@@ -591,3 +591,27 @@ def test_a_force_over_less_than_a_period_is_fitted_without_a_lead():
     rec = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x))}, roles={"F": "force"})
     for part in (rec, rec.between(0.0, 0.9), rec.between(0.1, 0.6)):
         assert motion_of(part, 10.0, "record").before == 0
+
+
+def test_the_commands_say_what_to_type_in_the_shell(tmp_path, capsys):
+    from stickslip.cli import main
+
+    bare = tmp_path / "bare.csv"
+    bare.write_text("t,LDV\n" + "\n".join(f"{i},{i % 3}" for i in range(50)))
+    assert main(["read", str(bare)]) == 0
+    out = capsys.readouterr().out
+    assert "--unit LDV=m/s" in out and "--unit t=s" in out and "units=" not in out
+    assert main(["identify", "dahl", "--record", str(bare), "--free", "mu_plus=0.1..1", "mu_minus=1", "sigma0=3"]) == 2
+    assert "type --unit LDV=N --role LDV=force" in capsys.readouterr().err
+    assert main(["compare", "dahl", "--record", str(bare)]) == 2
+    assert "stickslip identify dahl" in (said := capsys.readouterr().err) and "ss.rank([ss.identify(rec, ss.Dahl" in said
+
+
+def test_compare_takes_every_law_of_its_preset_and_says_what_it_wrote(tmp_path, capsys):
+    from stickslip.cli import main
+
+    place, page = records(1e-4, law="coulomb", amplitudes=[5e-4])[0].save(tmp_path / "r.csv"), tmp_path / "c.html"
+    words = ["tilt_deg=1.7", "amplitude=5e-4", "--record", str(place), "--laws", "coulomb,coulomb-static", "--report", str(page)]
+    assert main(["compare", "piezo_rig", *words]) == 0
+    out = capsys.readouterr().out
+    assert "\ncoulomb-static " in out and f"written to {page}" in out and page.is_file()

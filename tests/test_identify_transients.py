@@ -96,9 +96,9 @@ def test_the_bootstrap_of_a_force_is_one_batch():
     assert low < 0.3 < high
 
 
-@pytest.mark.parametrize("missing", [slice(700, 1900), slice(0, 1200), slice(1000, 2000), slice(300, 900)])
+@pytest.mark.parametrize("missing", [slice(500, 1700), slice(700, 1900)])
 def test_missing_samples_are_no_transient(missing):
-    whole = ss.virtual_rig(rig(law="coulomb", **ARGUMENTS), noise=1e-4, seed=1)
+    whole = ss.virtual_rig(rig(law="coulomb", tilt_deg=1.7, amplitude=5e-4), noise=1e-4, seed=1)
     v = whole["velocity"].values.copy()
     v[missing] = np.nan
     rec = ss.Record.of(whole["velocity"].t, {"v [m/s]": v})

@@ -66,12 +66,13 @@ def act(command: str, words: list[str]) -> int:
     asked = made.parse_intermixed_args(words)
     report = show.writable("--report", asked.report, (".html",))
     job = _study(asked) if _is_study(asked.robot) else _typed(asked)
-    records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
+    make = _maker(job["make"])
 
     from stickslip.identifying import identify
 
-    make = _maker(job["make"])
-    fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
+    with recorded.in_words_of_the_shell():
+        records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
+        fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
     method = "profile" if asked.profile else "covariance"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if report is not None:
@@ -79,10 +80,12 @@ def act(command: str, words: list[str]) -> int:
     if asked.json:
         show.print_json(_numbers(fit, intervals, asked.level, method))
     else:
-        print(fit.report())
+        print(recorded.typed(fit.report()))
         if asked.profile or asked.level != 0.95:
             for name, (low, high) in intervals.items():
                 print(f"  {name}: {100 * asked.level:g} % {low:.6g} to {high:.6g} ({method})")
+        if report is not None:
+            print(f"written to {report}")
     return 0
 
 

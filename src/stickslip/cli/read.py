@@ -21,16 +21,17 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of what else there is (.png, .svg or .pdf)")
     asked = made.parse_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
-    rec = recorded.opened(asked.file, asked)
+    with recorded.in_words_of_the_shell():
+        rec = recorded.opened(asked.file, asked)
     found = _measured(rec, recorded.settle(asked))
     if figure is not None:
         found["figure"] = _draw(rec, figure)
     if asked.json:
         show.print_json(_record(rec, found))
     else:
-        print(rec.summary)
+        print(recorded.typed(str(rec.summary)))
         for name, text in found.items():
-            print(f"{name}: {text}")
+            print(f"{name}: {recorded.typed(text)}")
     return 0
 
 
@@ -42,7 +43,7 @@ def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
     try:
         rec, _, said = settled(rec, settle)
         if said:
-            found["start"] = said.replace("compared with steady motion; settle=0 takes", "measured; --settle 0 takes")
+            found["start"] = said.replace("compared with steady motion;", "measured;")
         found["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
         found["motion type"] = rec.motion().verdict
     except InputError:

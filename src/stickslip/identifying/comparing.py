@@ -220,7 +220,10 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
         if twin is not None:
             return twin
     if law.lower() in LAWS:
-        problems.add(f"laws names {law!r}, whose numbers the robot (with {own}) does not have; give the law itself, such as ss.LuGre(...)")
+        problems.add(
+            f"laws names {law!r}, whose numbers the robot (with {own}) does not have; "
+            f"give the law itself, with its numbers: laws=[ss.{LAWS[law.lower()].__name__}(...)] in Python"
+        )
     else:
         problems.add(f"laws names {law!r}; {did_you_mean(law, LAWS)}")
     return None

@@ -83,8 +83,8 @@ def overview(rec: Any) -> Overview:
         lines = tuple(_line(c) for c in rec.channels.values())
         try:
             found = rec.drive_frequency()
-        except NotPeriodic as error:
-            why = error.problems[0]
+        except NotPeriodic as said:
+            why = said.problems[0]
         except (InputError, np.linalg.LinAlgError):
             pass
     value, error = (None, None) if found is None else (found.value, found.error)
