@@ -1,5 +1,7 @@
 """Parameters from records of a known truth: found, with intervals that cover, and with honest words where data cannot tell."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.identifying.driven import Motion, driven_force, motion_of
 from stickslip.identifying.targets import target
+from stickslip.identifying.words import rounded
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
 FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
@@ -228,6 +231,13 @@ def test_a_number_with_two_sources_is_an_error_that_names_both():
 def test_the_fit_can_be_read_aloud(fit):
     text = fit.report()
     assert all(name in text for name in TRUTH) and "95 %" in text and "synthetic" in text and "LuGre" in repr(fit)
+
+
+def test_fitted_numbers_have_the_units_that_are_known(fit, tmp_path):
+    text = fit.report()
+    assert re.search(r"sigma2 += \S+ ± \S+ N s/m   95 %", text) and re.search(r"mu0 += \S+ ± \S+   95 %", text)
+    assert re.search(r"v_s += \S+ ± \S+ m/s", text) and "sigma2 (N s/m)" in fit.report(tmp_path / "f.html").read_text(encoding="utf-8")
+    assert rounded(1.5, 7700.0) == "1.5" and rounded(0.18, 54.0) == "0.18"
 
 
 # force against motion ---------------------------------------------------------------------------------------------

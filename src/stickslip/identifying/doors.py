@@ -66,12 +66,13 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.identifying.words import parameter_rows, rounded, unit_of_kind
+    from stickslip.identifying.words import parameter_rows, rounded, unit_of_kind, unit_of_parameter
 
     free = {f.name: f for f in fit.problem.parameters.free}
     rows = [
         {
             "name": n,
+            "unit": unit_of_parameter(fit, n),
             "value": rounded(v, e),
             "error": e,
             "low": rounded(a, e),
