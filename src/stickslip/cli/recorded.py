@@ -34,7 +34,7 @@ def typed(text: str) -> str:
     Examples
     --------
     >>> typed('type units={"LDV": "m/s"} with the right one'), typed("settle=0 takes them as steady")
-    ('type --unit "LDV=m/s" with the right one', '--settle 0 takes them as steady')
+    ('type --unit LDV=m/s with the right one', '--settle 0 takes them as steady')
     """
     for pattern, words in _TYPED:
         text = re.sub(pattern, words, text)
