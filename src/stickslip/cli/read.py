@@ -11,6 +11,7 @@ from stickslip.errors import InputError
 __all__ = ["act"]
 
 _MORE = "example: stickslip read run.csv --unit LDV=m/s --unit t=s --figure spectrum.png"
+_FREQUENCY = "; if it is, type frequency=... [Hz]"  # of the functions; this command measures without one
 
 
 def act(command: str, words: list[str]) -> int:
@@ -29,7 +30,7 @@ def act(command: str, words: list[str]) -> int:
     if asked.json:
         show.print_json(_record(rec, found))
     else:
-        print(recorded.typed(str(rec.summary)))
+        print(recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""))
         for name, text in found.items():
             print(f"{name}: {recorded.typed(text)}")
     return 0

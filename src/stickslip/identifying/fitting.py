@@ -15,6 +15,7 @@ from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import multistart, polished, searched
 from stickslip.identifying.targets import target
 from stickslip.identifying.uncertainty import covariance_of
+from stickslip.identifying.words import counted
 from stickslip.records import Record
 
 __all__ = ["identify"]
@@ -171,7 +172,7 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         covariance = covariance_of(best.jacobian, scale, n) * np.outer(slope, slope)
     errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(values)}
     if dof < 1 and not given:
-        notes = [*notes, f"{count} values and {n} free parameters: nothing is left to tell the noise; type noise=..."]
+        notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
     from stickslip import __version__
 
     law = _law_name(problem.parameters.model(values, 0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.sweeps.naming import AXES
 
-__all__ = ["parameter_rows", "rounded", "told", "unit_of_kind", "unit_of_parameter"]
+__all__ = ["counted", "parameter_rows", "rounded", "told", "unit_of_kind", "unit_of_parameter"]
 
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
@@ -46,14 +46,15 @@ def unit_of_parameter(fit: Any, name: str) -> str:
     return "" if unit == "1" else unit
 
 
-def _counted(number: int, what: str) -> str:
+def counted(number: int, what: str) -> str:
+    """A number of things."""
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def told(fit: Any) -> str:
     """The fit as text."""
-    records, parameters = _counted(len(fit.problem.targets), "record"), _counted(len(fit.names), "parameter")
-    rows = [f"{fit.law} fitted to {records}, {fit.count} values; {parameters} free"]
+    records, parameters = counted(len(fit.problem.targets), "record"), counted(len(fit.names), "parameter")
+    rows = [f"{fit.law} fitted to {records}, {counted(fit.count, 'value')}; {parameters} free"]
     width = max(len(name) for name in fit.names)
     for name, value, error, low, high in parameter_rows(fit):
         sure = f"± {error:.2g} {unit_of_parameter(fit, name)}".rstrip()
