@@ -1,12 +1,15 @@
 """Parameters from records of a known truth: found, with intervals that cover, and with honest words where data cannot tell."""
 
+import re
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from stickslip.errors import InputError
-from stickslip.identifying.driven import Motion, driven_force
+from stickslip.identifying.driven import Motion, driven_force, motion_of
 from stickslip.identifying.targets import target
+from stickslip.identifying.words import rounded
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
 FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
@@ -203,7 +206,7 @@ def test_everything_wrong_with_the_arguments_is_reported_at_once():
     rec = records(1e-3, amplitudes=[5e-4])
     with pytest.raises(InputError) as error:
         ss.identify(rec, rig, free={"mu0": (0.5, 0.1), "muu": (0.1, 0.2)}, tied={"f0": "nobody"}, amplitude=[1e-4, 2e-4])
-    assert len(error.value.problems) == 4
+    assert len(error.value.problems) == 5
     with pytest.raises(InputError, match="allowed is a Record"):
         ss.identify(["run.csv"], rig, free={"mu0": (0.1, 0.2)})
     with pytest.raises(InputError, match="widen or correct the bounds"):
@@ -229,6 +232,13 @@ def test_a_number_with_two_sources_is_an_error_that_names_both():
 def test_the_fit_can_be_read_aloud(fit):
     text = fit.report()
     assert all(name in text for name in TRUTH) and "95 %" in text and "synthetic" in text and "LuGre" in repr(fit)
+
+
+def test_fitted_numbers_have_the_units_that_are_known(fit, tmp_path):
+    text = fit.report()
+    assert re.search(r"sigma2 += \S+ ± \S+ N s/m   95 %", text) and re.search(r"mu0 += \S+ ± \S+   95 %", text)
+    assert re.search(r"v_s += \S+ ± \S+ m/s", text) and "sigma2 (N s/m)" in fit.report(tmp_path / "f.html").read_text(encoding="utf-8")
+    assert rounded(1.5, 7700.0) == "1.5" and rounded(0.18, 54.0) == "0.18"
 
 
 # force against motion ---------------------------------------------------------------------------------------------
@@ -378,7 +388,7 @@ def test_design_reports_everything_wrong_at_once():
     with pytest.raises(InputError) as error:
         ss.design(rig, free={"mu0": (0.1, 0.3), "muu": 0.1}, experiments=[], noise=-1.0, samples=0, together=0, using="foo", tilt_deg=1.7)
     told = "\n".join(error.value.problems)
-    assert len(error.value.problems) == 7 and "using = 'foo'; allowed is one of velocity, position" in told
+    assert len(error.value.problems) == 8 and "using = 'foo'; allowed is one of velocity, position" in told
     for words in ("experiments is empty", "mu0 = (0.1, 0.3); allowed is the value", "did you mean 'mu0'", "noise = -1.0", "samples = 0"):
         assert words in told
     with pytest.raises(InputError, match=r"amplitude = 0\.0005; allowed is a list of values"):
@@ -440,6 +450,30 @@ def test_the_report_is_one_page_that_needs_nothing_else(fit, tmp_path):
     rec, robot = records(1e-4, amplitudes=[5e-4])[0], rig(tilt_deg=1.7, amplitude=5e-4)
     page = ss.compare(rec, robot).report(tmp_path / "c.html").read_text(encoding="utf-8")
     assert "Coulomb" in page and "LuGre" in page and page.count("<img") == 1
+
+
+def test_a_report_names_the_record_the_part_and_what_was_left_out(tmp_path):
+    """A page made in Python says the same of its record as one made by the command."""
+    t, x = strokes()
+    load = np.where(np.arange(len(t)) % 50 == 7, -1.0, 10.0)
+    made = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x)), "N [N]": load}, roles={"F": "force", "N": "load"})
+    rec = ss.read(made.save(tmp_path / "loops.csv")).between(0.0, 0.75 * t[-1])
+    fit = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.05, 1.0), "mu_minus": (0.05, 1.0)}, starts=2)
+    left = len(rec["F"]) - fit.count
+    assert left > 0 and any(f"of {len(rec['F'])} samples {left} have no positive load" in w for w in fit.warnings)
+    page = fit.report(tmp_path / "fit.html").read_text(encoding="utf-8")
+    for words in (
+        "Record 0",
+        "loops.csv",
+        rec.source["sha256"],
+        f"0 to {0.75 * t[-1]:g} s",
+        "record 0: none",
+        f"{left} have no positive load",
+    ):
+        assert words in page
+    both = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=8)
+    compared = ss.compare(ss.read(both.save(tmp_path / "rig.csv")), rig(tilt_deg=1.7, amplitude=5e-4), laws="coulomb")
+    assert "rig.csv" in compared.report(tmp_path / "c.html").read_text(encoding="utf-8")
 
 
 def keep(rec, place):
@@ -545,3 +579,59 @@ def test_a_long_record_that_does_not_repeat_is_cut_and_says_so():
     assert "of 30000 samples only the last 20000 are compared" in seen.cut
     found = ss.compare(rec, rig(mu0=0.04, **ONE), laws=["lugre"], frequency=10.0, settle=0)
     assert seen.cut in found.notes
+
+
+def _refusing(sigma0):
+    raise InputError("law", [f"sigma0 = {sigma0:g} is not stiff"])
+
+
+def test_what_the_maker_misses_is_said_in_its_own_words(capsys, tmp_path):
+    from stickslip.cli import main
+
+    """A number that was forgotten is no matter of bounds."""
+    t = np.arange(200) / 100
+    rec = ss.Record.of(t, {"x [m]": np.sin(t), "force [N]": np.cos(t), "load [N]": np.ones(200)})
+    with pytest.raises(ss.InputError, match="sigma0 is missing; type its value, sigma0="):
+        ss.identify(rec, ss.Dahl, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)})
+    with pytest.raises(ss.InputError, match=r"none of 65 places .*: law: sigma0 = 2 is not stiff"):
+        ss.identify(rec, _refusing, free={"sigma0": (1.0, 3.0)})
+    with pytest.raises(ss.InputError, match="amplitude is missing") as caught:
+        ss.identify([0.001, 0.002], ss.presets.piezo_rig, free={"amplitude[0]": (1e-4, 1e-3), "mu0": (0.1, 1.0)}, oops=1)
+    assert len(caught.value.problems) == 3 and "tilt_deg is missing" in str(caught.value)
+    rec.save(tmp_path / "r.csv")
+    assert main(["identify", "dahl", "--record", str(tmp_path / "r.csv"), "--free", "mu_plus=0.1..1", "--free", "mu_minus=0.1..1"]) == 2
+    assert "sigma0 is missing" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["identify", "--help"])
+    assert "name of a preset, of a law" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_force_over_less_than_a_period_is_fitted_without_a_lead():
+    t, x = strokes(n=400, periods=0.97)
+    rec = ss.Record.of(t, {"x [m]": x, "F [N]": np.sign(np.gradient(x))}, roles={"F": "force"})
+    for part in (rec, rec.between(0.0, 0.9), rec.between(0.1, 0.6)):
+        assert motion_of(part, 10.0, "record").before == 0
+
+
+def test_the_commands_say_what_to_type_in_the_shell(tmp_path, capsys):
+    from stickslip.cli import main
+
+    bare = tmp_path / "bare.csv"
+    bare.write_text("t,LDV\n" + "\n".join(f"{i},{i % 3}" for i in range(50)))
+    assert main(["read", str(bare)]) == 0
+    out = capsys.readouterr().out
+    assert "--unit LDV=m/s" in out and "--unit t=s" in out and "units=" not in out
+    assert main(["identify", "dahl", "--record", str(bare), "--free", "mu_plus=0.1..1", "mu_minus=1", "sigma0=3"]) == 2
+    assert "type --unit LDV=N --role LDV=force" in capsys.readouterr().err
+    assert main(["compare", "dahl", "--record", str(bare)]) == 2
+    assert "stickslip identify dahl" in (said := capsys.readouterr().err) and "ss.rank([ss.identify(rec, ss.Dahl" in said
+
+
+def test_compare_takes_every_law_of_its_preset_and_says_what_it_wrote(tmp_path, capsys):
+    from stickslip.cli import main
+
+    place, page = records(1e-4, law="coulomb", amplitudes=[5e-4])[0].save(tmp_path / "r.csv"), tmp_path / "c.html"
+    words = ["tilt_deg=1.7", "amplitude=5e-4", "--record", str(place), "--laws", "coulomb,coulomb-static", "--report", str(page)]
+    assert main(["compare", "piezo_rig", *words]) == 0
+    out = capsys.readouterr().out
+    assert "\ncoulomb-static " in out and f"written to {page}" in out and page.is_file()

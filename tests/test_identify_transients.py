@@ -7,7 +7,7 @@ import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.identifying.bootstrapping import _resampled_values, bootstrap
 from stickslip.identifying.search import polished
-from stickslip.records.settling import settling_periods
+from stickslip.records.settling import settled, settling_periods
 
 rig = ss.presets.piezo_rig
 ARGUMENTS = dict(tilt_deg=1.7, amplitude=1.2e-3)
@@ -94,3 +94,12 @@ def test_the_bootstrap_of_a_force_is_one_batch():
     assert spread == pytest.approx(list(fit.errors.values()), rel=0.25) and fit.problem.solves == before
     low, high = fit.interval("mu_plus", method="bootstrap", repeats=50, workers=2)
     assert low < 0.3 < high
+
+
+@pytest.mark.parametrize("missing", [slice(500, 1700), slice(700, 1900)])
+def test_missing_samples_are_no_transient(missing):
+    whole = ss.virtual_rig(rig(law="coulomb", tilt_deg=1.7, amplitude=5e-4), noise=1e-4, seed=1)
+    v = whole["velocity"].values.copy()
+    v[missing] = np.nan
+    rec = ss.Record.of(whole["velocity"].t, {"v [m/s]": v})
+    assert settled(rec)[1:] == (0, None)

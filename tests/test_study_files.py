@@ -240,3 +240,14 @@ def test_the_bench_takes_a_law_of_ones_own(call, forgotten, words, mu):
 def test_the_bench_says_what_a_law_of_ones_own_lacks(call, forgotten):
     assert "mu is missing; Mine has no default for it; type for example mu=1.0" in call("bench", "mine.py:Mine", mine=OWN)[2]
     assert "did you mean 'coulomb'?; a law of your own is file.py:Name" in call("bench", "coulom")[2]
+
+
+def test_two_files_of_one_name_are_two_modules_and_a_librarys_name_is_refused(call, tmp_path, forgotten):
+    for folder, mu in (("one", 0.3), ("two", 0.4)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.py").write_text(OWN.replace("0.6", str(mu)))
+        code, out, _ = call("bench", f"{folder}/mine.py:hard", "--only", "steady", "--json")
+        assert code == 0 and json.loads(out)["parameters"] == {"mu": mu}
+    (tmp_path / "json.py").write_text(OWN)
+    code, _, err = call("run", "json.py:rig", "amplitude=6e-4")
+    assert code == 2 and "has the name of a module that is loaded already (json)" in err

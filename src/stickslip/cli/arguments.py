@@ -84,13 +84,16 @@ class Parser(argparse.ArgumentParser):
         return str(action.metavar or action.dest.upper())
 
 
-def parser(command: str, about: str, robot: bool = True, more: str = "", code: bool = False) -> Parser:
-    """A parser with what all commands share; `code` says that one without ROBOT takes study files all the same."""
+_ROBOT = "name of a preset, path of a TOML study file, or module:function of your own"
+
+
+def parser(command: str, about: str, robot: bool | str = True, more: str = "", code: bool = False) -> Parser:
+    """A parser with what all commands share; `robot` may say what else stands there, `code` that one without takes study files too."""
     plain = argparse.RawDescriptionHelpFormatter
     end = "\n\n".join(part.rstrip("\n") for part in (more, transcript(command)) if part)
     made = Parser(prog=f"stickslip {command}", description=about, epilog=end, allow_abbrev=False, formatter_class=plain)
     if robot:
-        made.add_argument("robot", metavar="ROBOT", help="name of a preset, path of a TOML study file, or module:function of your own")
+        made.add_argument("robot", metavar="ROBOT", help=robot if isinstance(robot, str) else _ROBOT)
         made.add_argument(
             "settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot, and arguments of the solver (optional)"
         )

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+from typing import Any
+
 from stickslip.cli import recorded, show
 from stickslip.cli.arguments import parser, subject
+from stickslip.errors import InputError
 
 __all__ = ["act"]
 
@@ -20,16 +24,16 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--figure", metavar="FILE", help="draw record and laws (.png, .svg or .pdf)")
     asked = made.parse_intermixed_args(words)
     report, figure = show.writable("--report", asked.report, (".html",)), show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
+    _check_robot(asked.robot)
     study = subject(asked.robot, asked.settings, solver=())
-    rec = recorded.opened(asked.record, asked)
 
     from stickslip.identifying import compare
 
-    found = compare(rec, study.robot(), laws=[law for law in asked.laws.split(",") if law], settle=recorded.settle(asked))
+    with recorded.in_words_of_the_shell():
+        rec = recorded.opened(asked.record, asked)
+        found = compare(rec, study.robot(), laws=_laws(asked.laws, study), settle=recorded.settle(asked))
     if report is not None:
-        from stickslip.identifying.doors import write_report
-
-        write_report(report, [], comparison=found, sources=[rec])
+        found.report(report)
     if figure is not None:
         show.draw_to(figure, found.plot().figure)
     if asked.json:
@@ -38,5 +42,29 @@ def act(command: str, words: list[str]) -> int:
         )
     else:
         print(study.title())
-        print(found)
+        print("\n".join([recorded.typed(str(found)), *(f"written to {path}" for path in (report, figure) if path is not None)]))
     return 0
+
+
+def _check_robot(name: str) -> None:
+    """Laws alone give a force over a motion, which is fitted and ranked."""
+    from stickslip.friction import LAWS
+    from stickslip.presets import PRESETS
+
+    if name.lower() not in LAWS or name in PRESETS:
+        return
+    robot, fit = "piezo_rig tilt_deg=1.7 amplitude=5.525e-4", f"ss.identify(rec, ss.{LAWS[name.lower()].__name__}, free={{...}})"
+    said = f"{name!r} is a law and no robot; give a robot, such as {robot}; laws are fitted to records of force with"
+    typed = f"stickslip identify {name} --record FILE --free NAME=A..B, and ranked in Python: ss.rank([{fit}, ...])"
+    raise InputError("compare", [f"{said} {typed}"])
+
+
+def _laws(text: str, study: Any) -> dict[str, Any] | list[str]:
+    """Laws by name: those that go with the robot, or what its preset makes of them (law=NAME)."""
+    from stickslip.friction import LAWS
+
+    names = [law for law in text.split(",") if law]
+    takes = callable(study.make) and "law" in inspect.signature(study.make).parameters
+    if not takes or all(law.lower() in LAWS for law in names):
+        return names
+    return {law: law if law.lower() in LAWS else study.make(**{**study.arguments, "law": law}) for law in names}

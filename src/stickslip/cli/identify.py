@@ -11,6 +11,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 
 __all__ = ["act"]
 
+_ROBOT = "name of a preset, of a law (see `stickslip laws`; its force is fitted over the record's motion), or path of a TOML study file"
 _MORE = """\
 example: stickslip identify piezo_rig tilt_deg=1.7 amplitude=5e-4,8e-4 --record a.csv --record b.csv
            --free mu0=0.05..0.5 --free v_s=2e-4..2e-2:log
@@ -49,7 +50,8 @@ _KEYS = (
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Fit parameters of a robot to measured records, with intervals and what the residuals say.", more=_MORE)
+    about = "Fit parameters of a robot, or of a friction law, to measured records, with intervals and what the residuals say."
+    made = parser(command, about, robot=_ROBOT, more=_MORE)
     made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (again for more)")
     made.add_argument("--mean", metavar="V,V", help="mean velocities instead of records [m/s]")
     made.add_argument(
@@ -66,25 +68,26 @@ def act(command: str, words: list[str]) -> int:
         raise InputError("--level", [f"{asked.level:g}; allowed is above 0 and below 1; type for example --level 0.95"])
     report = show.writable("--report", asked.report, (".html",))
     job = _study(asked) if _is_study(asked.robot) else _typed(asked)
-    records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
+    make = _maker(job["make"])
 
     from stickslip.identifying import identify
 
-    make = _maker(job["make"])
-    fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
+    with recorded.in_words_of_the_shell():
+        records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
+        fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
     method = "profile" if asked.profile else "covariance"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if report is not None:
-        from stickslip.identifying.doors import write_report
-
-        write_report(report, [fit], sources=[rec for rec in records if hasattr(rec, "channels")])
+        fit.report(report)
     if asked.json:
         show.print_json(_numbers(fit, intervals, asked.level, method))
     else:
-        print(fit.report())
+        print(recorded.typed(fit.report()))
         if asked.profile or asked.level != 0.95:
             for name, (low, high) in intervals.items():
                 print(f"  {name}: {100 * asked.level:g} % {low:.6g} to {high:.6g} ({method})")
+        if report is not None:
+            print(f"written to {report}")
     return 0
 
 

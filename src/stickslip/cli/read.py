@@ -11,6 +11,7 @@ from stickslip.errors import InputError
 __all__ = ["act"]
 
 _MORE = "example: stickslip read run.csv --unit LDV=m/s --unit t=s --figure spectrum.png"
+_FREQUENCY = "; if it is, type frequency=... [Hz]"  # of the functions; this command measures without one
 
 
 def act(command: str, words: list[str]) -> int:
@@ -18,19 +19,20 @@ def act(command: str, words: list[str]) -> int:
     made = parser(command, "Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.", robot=False, more=_MORE)
     made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
     recorded.add_options(made)
-    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity (.png, .svg or .pdf)")
+    made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of what else there is (.png, .svg or .pdf)")
     asked = made.parse_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
-    rec = recorded.opened(asked.file, asked)
+    with recorded.in_words_of_the_shell():
+        rec = recorded.opened(asked.file, asked)
     found = _measured(rec, recorded.settle(asked))
     if figure is not None:
-        _draw(rec, figure)
+        found["figure"] = _draw(rec, figure)
     if asked.json:
         show.print_json(_record(rec, found))
     else:
-        print(rec.summary)
+        print(recorded.typed(str(rec.summary)).replace(_FREQUENCY, ""))
         for name, text in found.items():
-            print(f"{name}: {text}")
+            print(f"{name}: {recorded.typed(text)}")
     return 0
 
 
@@ -42,7 +44,7 @@ def _measured(rec: Any, settle: int | str) -> dict[str, Any]:
     try:
         rec, _, said = settled(rec, settle)
         if said:
-            found["start"] = said.replace("compared with steady motion; settle=0 takes", "measured; --settle 0 takes")
+            found["start"] = said.replace("compared with steady motion;", "measured;")
         found["mean velocity"] = show.quantity(rec.mean_velocity(), "m/s")
         found["motion type"] = rec.motion().verdict
     except InputError:
@@ -56,12 +58,23 @@ def _record(rec: Any, found: dict[str, Any]) -> dict[str, Any]:
     return {**asdict(rec.summary), "measures": found, "source": {k: str(v) for k, v in rec.source.items()}}
 
 
-def _draw(rec: Any, path: Any) -> None:
+def _draw(rec: Any, path: Any) -> str:
+    """Draw a spectrum, and say of which channel; or say why there is none."""
     from matplotlib.figure import Figure
 
     from stickslip import plot
+    from stickslip.records.channel import ROLES
 
-    with plot.publication():
-        figure = Figure(figsize=(5.0, 3.0), layout="constrained")
-        plot.record_spectrum(rec, ax=figure.subplots())
-        show.draw_to(path, figure)
+    ranked = sorted(rec.channels.values(), key=lambda c: ROLES.index(c.role) if c.role in ROLES else len(ROLES))
+    why = "no channel can be used"
+    for c in ranked:
+        try:
+            with plot.publication():
+                figure = Figure(figsize=(5.0, 3.0), layout="constrained")
+                plot.record_spectrum(rec, c.name, ax=figure.subplots())
+                show.draw_to(path, figure)
+        except InputError as error:
+            why = error.problems[0] if c is ranked[0] else why
+        else:
+            return f"spectrum of {c.name}, written to {path}"
+    return f"left out: {why}"

@@ -2,12 +2,52 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from stickslip.cli.arguments import Parser
 from stickslip.errors import InputError
 
-__all__ = ["add_options", "opened", "pairs", "settle"]
+__all__ = ["add_options", "in_words_of_the_shell", "opened", "pairs", "settle", "typed"]
+
+#: What the functions say is to be typed, and what the command line calls it.
+_TYPED = (
+    (r'units=\{"([^"]*)": "([^"]*)"\}', r'--unit "\1=\2"'),
+    (r'roles=\{"([^"]*)": "([^"]*)"\}(?: \(--role [^)]*\))?', r'--role "\1=\2"'),
+    (r"roles=\{\"\.\.\.\": \"(\w+)\"\} when reading", r"--role NAME=\1"),
+    (r'columns=\["([^]]*)"(?:, \.\.\.)?\]', r'--columns "\1,..."'),
+    (r"ss\.read\(path, ((?:--\w+ \"[^\"]*\"(?:, )?)+)\)", r"\1"),
+    (r"\brate=(\S+) \[Hz\]", r"--rate HZ"),
+    (r"\bsettle=(\d+)", r"--settle \1"),
+    (r"\btransient=True\b", "--transient"),
+    (r"\bnoise=\.\.\.", "--noise ..."),
+    (r'separator="([^"]*)"', r'--separator "\1"'),
+    (r'decimal="([^"]*)"', r'--decimal "\1"'),
+)
+
+
+def typed(text: str) -> str:
+    """A sentence with what is to be typed on the command line, where it says what to type in Python.
+
+    Examples
+    --------
+    >>> typed('type units={"LDV": "m/s"} with the right one'), typed("settle=0 takes them as steady")
+    ('type --unit LDV=m/s with the right one', '--settle 0 takes them as steady')
+    """
+    for pattern, words in _TYPED:
+        text = re.sub(pattern, words, text)
+    return re.sub(r'(--(?:unit|role) )"([^\s"]+)"', r"\1\2", text).replace(", --role", " --role")
+
+
+@contextmanager
+def in_words_of_the_shell() -> Iterator[None]:
+    """Errors of what is done inside say what to type on the command line."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.what, [typed(sentence) for sentence in error.problems]) from None
 
 
 def add_options(made: Parser) -> None:

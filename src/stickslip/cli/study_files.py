@@ -24,6 +24,7 @@ SOLVER = (
 )  # fmt: skip
 #: Whether a study file may name code in this command.
 ALLOW_CODE: ContextVar[bool] = ContextVar("allow_code", default=False)
+_FILES: set[str] = set()  # names under which files of the user are loaded as modules
 _TABLES = ("robot", "mechanism", "make", "arguments", "solve", "identify")
 
 
@@ -77,6 +78,7 @@ def _imported(name: str, folder: Path | None = None) -> Any:
     if path.suffix == ".py":
         sys.path.insert(0, str(path.resolve().parent))
         where = path.stem
+        _make_room(where, path.resolve())
     elif "" not in sys.path:
         sys.path.insert(0, "")
     what = "give module:function or file.py:function, of a function that returns a Robot"
@@ -86,11 +88,25 @@ def _imported(name: str, folder: Path | None = None) -> Any:
         if error.name is None or not f"{where}.".startswith(f"{error.name}."):
             raise  # the module is there, and what it imports is not
         raise InputError("robot", [f"{name!r} cannot be imported ({error}); {what}"]) from None
+    if path.suffix == ".py":
+        _FILES.add(where)
     made = getattr(module, function, None)
     if not _is_usable(made):
         near = did_you_mean(function, [n for n, value in vars(module).items() if _is_usable(value) and not n.startswith("_")])
         raise InputError("robot", [f"{name!r} cannot be imported: {where} has no function {function!r}; {near}"])
     return made
+
+
+def _make_room(name: str, path: Path) -> None:
+    """Another module of this name that is loaded already must not be taken for the file."""
+    import sys
+
+    old = getattr(sys.modules.get(name), "__file__", None)
+    if name not in sys.modules or (old is not None and Path(old).resolve() == path):
+        return
+    if old is None or name not in _FILES:
+        raise InputError("robot", [f"{path} has the name of a module that is loaded already ({name}); give the file another name"])
+    del sys.modules[name]
 
 
 def _is_usable(made: Any) -> bool:

@@ -72,6 +72,8 @@ class Comparison:
     samples : tuple of arrays
         Phase and value of every sample.
     notes : tuple of str
+    source : Record
+        What was compared, whole.
     """
 
     record: Row
@@ -80,6 +82,7 @@ class Comparison:
     kind: str
     samples: tuple[Any, Any]
     notes: tuple[str, ...]
+    source: Any = None
 
     def __getitem__(self, label: str) -> Row:
         """The row of this label."""
@@ -171,6 +174,7 @@ def compare(
     ('LuGre', 'II', True)
     """
     robots = _robots(record, robot, laws)
+    whole = record
     record, _, said = settled(record, settle, frequency)
     seen = target(record, using, noise, frequency, "record", 0)
     curves = {label: steady_curve(model, None, rtol) for label, model in robots.items()}
@@ -181,7 +185,7 @@ def compare(
     notes = [*_notes(record, robot, seen, curves), *_words(measured, rows)]
     return Comparison(
         measured, rows, seen.sigma, seen.kind,
-        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *notes),
+        (np.mod(seen.phase + shifts[best], 1.0), seen.y), (*filter(None, (said, seen.cut)), *notes), whole,
     )  # fmt: skip
 
 
@@ -219,7 +223,10 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
         if twin is not None:
             return twin
     if law.lower() in LAWS:
-        problems.add(f"laws names {law!r}, whose numbers the robot (with {own}) does not have; give the law itself, such as ss.LuGre(...)")
+        problems.add(
+            f"laws names {law!r}, whose numbers the robot (with {own}) does not have; "
+            f"give the law itself, with its numbers: laws=[ss.{LAWS[law.lower()].__name__}(...)] in Python"
+        )
     else:
         problems.add(f"laws names {law!r}; {did_you_mean(law, LAWS)}")
     return None

@@ -28,8 +28,8 @@ def plot_comparison(found: Any, ax: Any) -> Any:
     return plot.comparison(found, ax)
 
 
-def write_report(path: str | Path, fits: list[Any], comparison: Any = None, ranking: Any = None, sources: list[Any] | None = None) -> Path:
-    """Write one HTML file with data, fits, residuals, uncertainties, ranking and provenance; returns its path.
+def write_report(path: str | Path, fits: list[Any], comparison: Any = None, ranking: Any = None) -> Path:
+    """Write one HTML file with data, fits, residuals, uncertainties, ranking and provenance, the records' included; returns its path.
 
     Parameters
     ----------
@@ -37,8 +37,6 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
     fits : list of Fit
     comparison : Comparison, optional
     ranking : Ranking, optional
-    sources : list of Record, optional
-        The records, for their provenance.
     """
     from stickslip import __version__, report
 
@@ -60,7 +58,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
         ranking=None
         if ranking is None
         else {"rows": ranking.rows, "verdict": ranking.verdict, "effective": ranking.effective, "count": ranking.count},
-        sources=[_source(rec) for rec in sources or []],
+        sources=_sources(fits, comparison),
         provenance={"stickslip": __version__, "Python": platform.python_version(), "system": platform.platform()},
     )
     return report.write(path, made)
@@ -68,12 +66,13 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.identifying.words import parameter_rows, rounded, unit_of_kind
+    from stickslip.identifying.words import parameter_rows, rounded, unit_of_kind, unit_of_parameter
 
     free = {f.name: f for f in fit.problem.parameters.free}
     rows = [
         {
             "name": n,
+            "unit": unit_of_parameter(fit, n),
             "value": rounded(v, e),
             "error": e,
             "low": rounded(a, e),
@@ -96,11 +95,19 @@ def _told(fit: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _source(rec: Any) -> dict[str, Any]:
-    return {
-        "summary": str(rec.summary),
-        "source": {k: v for k, v in rec.source.items() if k in ("path", "format", "bytes", "sha256", "dialect")},
-    }
+def _sources(fits: list[Any], comparison: Any) -> list[dict[str, Any]]:
+    """Every record behind these results once, by its number."""
+    measured = [(i, rec) for fit in fits for i, rec in enumerate(fit.records)]
+    measured += [] if comparison is None else [(0, comparison.source)]
+    once = {id(rec): (i, rec) for i, rec in measured if hasattr(rec, "channels")}
+    return [_source(i, rec) for i, rec in once.values()]
+
+
+def _source(number: int, rec: Any) -> dict[str, Any]:
+    told = {k: v for k, v in rec.source.items() if k in ("path", "format", "bytes", "sha256", "dialect")}
+    if "between" in rec.source:
+        told["part"] = "{:g} to {:g} s".format(*rec.source["between"])
+    return {"number": number, "summary": str(rec.summary), "source": told}
 
 
 def _drawn(draw: Callable[[Any], Any]) -> str:

@@ -45,6 +45,7 @@ class Motion:
     before: int
     flipped: bool
     label: str
+    cut: str | None = None  # which samples were left out, and why
 
     @property
     def kind(self) -> str:
@@ -90,8 +91,11 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
     if load is None and "load" not in rec:
         raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
     N = rec["load"].si if load is None else np.full(len(t), float(load))
-    good = np.isfinite(t) & np.isfinite(x) & np.isfinite(F) & np.isfinite(N) & (N > 0)
-    good &= np.concatenate([[True], np.diff(t) > 0])
+    known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(F) & np.isfinite(N), ~(N <= 0)
+    good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
+    why = {"miss a value": ~known, "have no positive load": known & ~pressed, "come at times that do not rise": known & pressed & ~good}
+    reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
+    cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
     t, x, F, N = t[good], x[good], F[good], N[good]
     if len(t) < 16:
         raise InputError("identify", [f"{label} has {len(t)} samples with position, force and a positive load; allowed are 16 or more"])
@@ -103,7 +107,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         t = np.concatenate([t[:lead] - shift, t])
         x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    return Motion(t, v, N, F, lead, flipped, label)
+    return Motion(t, v, N, F, lead, flipped, label, cut)
 
 
 def _integrated(t: Any, v: Any) -> Any:
@@ -116,9 +120,10 @@ def _first_period(rec: Any, t: Any, F: Any) -> int:
         frequency = rec.drive_frequency().value
     except InputError:
         return 0
+    if (t[-1] - t[0]) * frequency < 2:
+        return 0
     lead = int(np.searchsorted(t, t[0] + 1 / frequency))
-    back = abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F)
-    return lead if back and (t[-1] - t[0]) * frequency >= 2 else 0
+    return lead if abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F) else 0
 
 
 def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:

@@ -80,6 +80,8 @@ class Fit:
     notes : tuple of str
     law : str
     provenance : dict
+    records : tuple
+        What was fitted: records, and mean velocities.
 
     Examples
     --------
@@ -105,6 +107,7 @@ class Fit:
     notes: tuple[str, ...]
     law: str
     provenance: dict[str, Any] = field(default_factory=dict)
+    records: tuple[Any, ...] = ()
 
     # ---- how sure ----
     @property

@@ -12,9 +12,10 @@ from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
-from stickslip.identifying.search import polished, searched
+from stickslip.identifying.search import multistart, polished, searched
 from stickslip.identifying.targets import target
 from stickslip.identifying.uncertainty import covariance_of
+from stickslip.identifying.words import counted
 from stickslip.records import Record
 
 __all__ = ["identify"]
@@ -99,13 +100,13 @@ def identify(
     """
     records = as_list(records)
     _check(records, using, noise, starts)
-    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient)
+    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed)
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, progress)
     best = polished(problem, best.place)
     problem.solves += rough.solves
-    return _fit(problem, best, starts, agree, notes, noise is not None, seed)
+    return _fit(problem, best, starts, agree, notes, noise is not None, seed, tuple(records))
 
 
 def as_list(records: Any) -> list[Any]:
@@ -116,11 +117,12 @@ def as_list(records: Any) -> list[Any]:
 def problem_of(
     records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
     frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
-    settle: int | str = "auto", transient: bool = False,
+    settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0,
 ) -> SteadyProblem | DrivenProblem:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
-    if using == "force" or (using == "auto" and _makes_laws(of)):
+    first = of.first_models(multistart(len(of.free), starts, seed))
+    if using == "force" or (using == "auto" and not hasattr(first[0], "friction")):
         return _driven(records, of, load, noise)
     targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
     return SteadyProblem(of, targets, rtol)
@@ -141,18 +143,6 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     problems.check()
 
 
-def _makes_laws(of: Parameters) -> bool:
-    """Whether the models are laws and not robots, told from the first place between the bounds that makes one."""
-    from scipy.stats import qmc
-
-    for place in qmc.Sobol(len(of.free), rng=0).random_base2(6):
-        try:
-            return not hasattr(of.model(of.values(place), 0), "friction")
-        except InputError:
-            continue
-    return False
-
-
 def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None) -> DrivenProblem:
     motions = tuple(motion_of(rec, load, f"record {i}") for i, rec in enumerate(records))
     spread = float(np.std(np.concatenate([m.y for m in motions])))
@@ -169,7 +159,7 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     return notes
 
 
-def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], given: bool, seed: int) -> Fit:
+def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], given: bool, seed: int, records: tuple[Any, ...]) -> Fit:
     free = problem.parameters.free
     n, count = len(free), len(best.residuals)
     if best.cost >= 0.99 * count * 1e8:
@@ -182,7 +172,7 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         covariance = covariance_of(best.jacobian, scale, n) * np.outer(slope, slope)
     errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(values)}
     if dof < 1 and not given:
-        notes = [*notes, f"{count} values and {n} free parameters: nothing is left to tell the noise; type noise=..."]
+        notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
     from stickslip import __version__
 
     law = _law_name(problem.parameters.model(values, 0))
@@ -208,6 +198,7 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         tuple(notes),
         law,
         provenance,
+        records,
     )
 
 

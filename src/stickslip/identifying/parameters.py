@@ -107,6 +107,18 @@ class Parameters:
         arguments = self.arguments(values, record)
         return self.make(**arguments) if callable(self.make) else self.make.replace(arguments)
 
+    def first_models(self, places: Any) -> list[Any]:
+        """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""
+        said = ""
+        for place in places:
+            values = self.values(place)
+            try:
+                return [self.model(values, record) for record in range(len(self.fixed))]
+            except InputError as error:
+                said = said or f"{error} (at {', '.join(f'{name} = {value:.4g}' for name, value in values.items())})"
+        none = f"none of {len(places)} places between the bounds makes a model"
+        raise InputError("identify", [f"{none}: {said}; mend that, or widen or correct the bounds"])
+
     def models(self, place: Any) -> list[Any] | None:
         """The models of all records at a place; None where there is none for one of them."""
         values = self.values(place)
@@ -148,6 +160,10 @@ def parameters(
         if known is not None and name not in known:
             problems.add(f"{name!r} is not known; {did_you_mean(name, known)}")
     fixed = _fixed(arguments, count, problems)
+    for name in _needed(make):
+        own = {f.record for f in spread if f.argument == name}
+        if name not in {*arguments, *(tied or {}), *free} and None not in own and len(own) < count:
+            problems.add(f"{name} is missing; type its value, {name}=..., or make it free")
     _check_once(spread, tied or {}, arguments, count, problems)
     for name, rule in (tied or {}).items():
         if not callable(rule) and known is not None and rule not in known:
@@ -165,6 +181,14 @@ def _known(make: Any) -> list[str] | None:
         return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
     found = inspect.signature(make).parameters.values()
     return None if any(p.kind is p.VAR_KEYWORD for p in found) else [p.name for p in found]
+
+
+def _needed(make: Any) -> list[str]:
+    """Arguments that have no default."""
+    if not callable(make):
+        return []
+    found = inspect.signature(make).parameters.values()
+    return [p.name for p in found if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
 
 
 def _free(free: dict[str, Any], count: int, problems: Problems) -> list[Free]:

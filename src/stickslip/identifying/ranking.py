@@ -78,7 +78,7 @@ class Ranking:
 
     def __str__(self) -> str:
         width = max(len(r.label) for r in self.rows)
-        lines = [f"{'':<{width}}  numbers  rms        ΔAICc      ΔBIC       weight  held out"]
+        lines = [f"{'':<{width}}  numbers  rms [σ]    ΔAICc      ΔBIC       weight  held out"]
         for r in self.rows:
             held = "" if np.isnan(r.held_out) else f"{r.held_out:.4g}"
             lines.append(

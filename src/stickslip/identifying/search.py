@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 
-__all__ = ["Found", "polished", "searched"]
+__all__ = ["Found", "multistart", "polished", "searched"]
 
 _ALIGNED = 16  # places that are judged by their curves
 _POLISHED = 3  # places from which steps are taken
@@ -32,6 +32,14 @@ class Found:
         return float(self.residuals @ self.residuals)
 
 
+def multistart(numbers: int, starts: int, seed: int) -> Any:
+    """Places of a multistart: the middle between all bounds, then those of a Sobol sequence."""
+    from scipy.stats import qmc
+
+    places = qmc.Sobol(numbers, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
+    return np.concatenate([np.full((1, numbers), 0.5), places])
+
+
 def searched(problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None) -> tuple[Found, int]:
     """The best place of a multistart, and how many of the polished starts ended there, roughly.
 
@@ -44,14 +52,11 @@ def searched(problem: Any, starts: int, seed: int, progress: Callable[[int, int]
     progress : callable, optional
         Called with (done, in all).
     """
-    from scipy.stats import qmc
-
-    n = len(problem.parameters.free)
-    places = qmc.Sobol(n, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
-    places = np.concatenate([np.full((1, n), 0.5), places])
+    places = multistart(len(problem.parameters.free), starts, seed)
     score = problem.coarse(places)
     if not np.isfinite(score).any():
-        raise InputError("identify", [f"none of {len(places)} places between the bounds makes a model; widen or correct the bounds"])
+        none = f"at none of {len(places)} places between the bounds can the model be solved"
+        raise InputError("identify", [f"{none}; widen or correct the bounds"])
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
     if problem.nuisances == 0:  # the batch has judged them already
         chosen = [(float(score[i]), problem.aligned(places[i])) for i in order]

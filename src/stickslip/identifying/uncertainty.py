@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.identifying.search import polished
+from stickslip.identifying.words import unit_of_kind
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
@@ -146,7 +147,8 @@ def remarks(fit: Fit) -> list[str]:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
     for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
-            why = f"residuals of {q.rms:.3g}" + (f" where the noise is {q.noise:.3g}" if np.isfinite(q.noise) else "")
+            unit = unit_of_kind(q.kind)
+            why = f"residuals of {q.rms:.3g} {unit}" + (f" where the noise is {q.noise:.3g} {unit}" if np.isfinite(q.noise) else "")
             narrow = np.sqrt(q.count / effective(rest))
             found.append(
                 f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: the law or the drive is not that of the record; "

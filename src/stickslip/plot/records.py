@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
+from stickslip.records.units import SI, quantity_of
 
 __all__ = ["comparison", "fitted", "record_spectrum", "residuals"]
 
@@ -185,7 +186,7 @@ def record_spectrum(record: Any, channel: str = "velocity", ax: Any = None) -> A
     """
     with publication():
         ax = axes(ax)
-        lines, amplitude = record.spectrum(channel)
+        measured, (lines, amplitude) = record[channel], record.spectrum(channel)
         ax.semilogy(lines[1:], np.maximum(amplitude[1:], 1e-300), color=COLOURS[0], linewidth=0.8)
-        ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {record[channel].name} (SI)")
+        ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {measured.name} ({SI.get(quantity_of(measured.unit) or '', 'SI')})")
     return ax

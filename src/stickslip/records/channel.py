@@ -11,12 +11,16 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.units import unit_of
 
-__all__ = ["ROLES", "Channel", "Gap"]
+__all__ = ["MEASURED", "ROLES", "Channel", "Gap"]
 
 #: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (
     "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage",
 )  # fmt: skip
+#: What the unit of a channel in a role may measure, where that is not what the role is called.
+MEASURED = {
+    "absolute velocity": ("velocity",), "load": ("force",), "drive": ("velocity", "position", "acceleration", "voltage"),
+}  # fmt: skip
 #: An interval longer than this many usual ones is a gap.
 _GAP = 1.5
 

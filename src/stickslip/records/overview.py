@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.tones import NotPeriodic
 from stickslip.records.units import unit_of
 
 __all__ = ["Line", "Overview", "clipped", "noise", "overview"]
@@ -45,6 +46,8 @@ class Overview:
     notes : tuple of str
     format : str
     synthetic : bool
+    aperiodic : str or None
+        Why there is no drive frequency, where the record was searched for one.
     """
 
     lines: tuple[Line, ...]
@@ -53,10 +56,11 @@ class Overview:
     notes: tuple[str, ...]
     format: str
     synthetic: bool
+    aperiodic: str | None = None
 
     def __str__(self) -> str:
         rows = ["SYNTHETIC: computed, not measured"] if self.synthetic else []
-        rows.append(f"{self.format}, {len(self.lines)} channels")
+        rows.append(f"{self.format}, {len(self.lines)} channel{'' if len(self.lines) == 1 else 's'}")
         for c in self.lines:
             more = [f"noise {c.noise:.3g}" if np.isfinite(c.noise) else "", f"{c.gaps} gaps" if c.gaps else ""]
             more += [f"{c.missing} missing" if c.missing else "", f"{c.clipped} clipped" if c.clipped else ""]
@@ -67,19 +71,24 @@ class Overview:
             )
         if self.frequency is not None:
             rows.append(f"drive frequency {self.frequency:.9g} ± {self.frequency_error:.2g} Hz")
+        elif self.aperiodic is not None:
+            rows.append(f"no drive frequency: {self.aperiodic}")
         return "\n".join([*rows, *(f"note: {note}" for note in self.notes)])
 
 
 def overview(rec: Any) -> Overview:
     """The summary of a record."""
+    found, why = None, None
     with np.errstate(all="ignore"):  # a damaged record holds any number
         lines = tuple(_line(c) for c in rec.channels.values())
         try:
             found = rec.drive_frequency()
+        except NotPeriodic as said:
+            why = said.problems[0]
         except (InputError, np.linalg.LinAlgError):
-            found = None
+            pass
     value, error = (None, None) if found is None else (found.value, found.error)
-    return Overview(lines, value, error, rec.notes, str(rec.source.get("format", "")), rec.synthetic)
+    return Overview(lines, value, error, rec.notes, str(rec.source.get("format", "")), rec.synthetic, why)
 
 
 def _line(c: Any) -> Line:

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.records.channel import ROLES, Channel
+from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.units import heading, quantity_of, unit_of
 
-__all__ = ["read"]
+__all__ = ["read", "remarks"]
 
 _TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
@@ -166,6 +166,13 @@ def _give_units(raw: Raw, units: dict[str, str], problems: Problems) -> None:
         elif unit_of(text) is None:
             problems.add(f'the unit {text!r} of {name!r} is not known; allowed are SI units with prefixes, such as "mm/s", "uN", "bar"')
 
+    for c in {id(c): c for c in (*raw.columns, *(c.axis for c in raw.columns if c.axis is not None))}.values():
+        old, new = quantity_of(c.unit), quantity_of(units.get(c.name))
+        if old and new and old != new:
+            raw.notes.append(
+                f"{c.name}: the unit {c.unit!r} of the file, of {old}, is replaced by {units[c.name]!r}, of {new}, as was typed"
+            )
+
     def with_unit(c: Column) -> Column:
         axis = None if c.axis is None else with_unit(c.axis)
         return Column(c.name, units.get(c.name, c.unit), c.values, axis, c.role)
@@ -202,6 +209,11 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
             problems.add(f"roles names {name!r}; {did_you_mean(name, [c.name for c in raw.columns])}")
         if role not in ROLES and role != "convected velocity":
             problems.add(f"the role {role!r} of {name!r} is not known; {did_you_mean(role, ROLES)}")
+    for c in raw.columns:
+        role = {"convected velocity": "velocity"}.get(roles.get(c.name, ""), roles.get(c.name, ""))
+        measures = quantity_of(c.unit)
+        if role in ROLES and measures not in (None, "ratio", *MEASURED.get(role, (role,))):
+            problems.add(f"{c.name!r} is in {c.unit}, a unit of {measures}, and cannot be the {role}; give another channel this role")
 
 
 # ---- axes ----
@@ -220,7 +232,7 @@ def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Chann
     if not found and raw.columns:
         c = raw.columns[0]
         found = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
-    _remark(found, raw.notes)
+    raw.notes += remarks(found)
     return found
 
 
@@ -300,8 +312,9 @@ def _role_and_why(c: Column) -> tuple[str | None, bool]:
     return (quantity if quantity in ("velocity", "position", "force", "acceleration", "pressure", "voltage") else None), False
 
 
-def _remark(channels: list[Channel], notes: list[str]) -> None:
+def remarks(channels: list[Channel]) -> list[str]:
     """What a user must know about these channels before using them."""
+    notes: list[str] = []
     bare = [c.name for c in channels if c.unit is None]
     if bare:
         shown = ", ".join(repr(n) for n in bare[:6]) + (", ..." if len(bare) > 6 else "")
@@ -318,6 +331,7 @@ def _remark(channels: list[Channel], notes: list[str]) -> None:
         _remark_axis(c, notes)
     for c in channels:
         _remark_values(c, notes)
+    return notes
 
 
 def _remark_axis(c: Channel, notes: list[str]) -> None:
@@ -330,7 +344,8 @@ def _remark_axis(c: Channel, notes: list[str]) -> None:
         notes.append(f"{c.axis_name} is missing at {missing} samples")
     if c.gaps:
         longest = max(c.gaps, key=lambda g: g.length)
-        notes.append(f"{len(c.gaps)} gaps in {c.axis_name}: the longest is {longest.length:.6g}, after {longest.start:.9g}")
+        count, unit = f"{len(c.gaps)} gap{'' if len(c.gaps) == 1 else 's'}", f" {c.axis_unit}" if c.axis_unit else ""
+        notes.append(f"{count} in {c.axis_name}: the longest is {longest.length:.6g}{unit}, after {longest.start:.9g}{unit}")
 
 
 def _remark_values(c: Channel, notes: list[str]) -> None:

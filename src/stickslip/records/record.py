@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, did_you_mean
-from stickslip.records.channel import ROLES, Channel
+from stickslip.records.channel import MEASURED, ROLES, Channel
+from stickslip.records.units import quantity_of
 
 __all__ = ["Record"]
 
@@ -87,12 +88,17 @@ class Record:
     def _missing(self, key: str) -> str:
         names = ", ".join(repr(n) for n in self.channels)
         if key in ROLES:
-            first = next(iter(self.channels), "column 2")
-            unit = {"velocity": "m/s", "position": "mm", "force": "N"}.get(key, "1")
-            return (
-                f"no channel is known to be the {key}; the channels are {names}; type ss.read(path, "
-                f'units={{"{first}": "{unit}"}}, roles={{"{first}": "{key}"}}) with the right one'
-            )
+            said = f"no channel is known to be the {key}; the channels are {names}"
+            wanted = MEASURED.get(key, (key,))
+            fitting = [c for c in self.channels.values() if quantity_of(c.unit) in wanted]
+            bare = [c for c in self.channels.values() if quantity_of(c.unit) is None]
+            if fitting:
+                return f'{said}; type ss.read(path, roles={{"{fitting[0].name}": "{key}"}}) with the right one'
+            if not bare:
+                return f"{said}, and none of them is in a unit of {' or '.join(wanted)}; take a record that has one"
+            unit = {"position": "mm", "force": "N", "load": "N", "acceleration": "m/s^2", "pressure": "bar", "voltage": "V"}.get(key, "m/s")
+            first = bare[0].name
+            return f'{said}; type ss.read(path, units={{"{first}": "{unit}"}}, roles={{"{first}": "{key}"}}) with the right one'
         return f"has no channel {key!r}; {did_you_mean(key, [*self.channels, *ROLES])}"
 
     def __contains__(self, key: str) -> bool:
@@ -114,7 +120,16 @@ class Record:
             cut[name] = dataclasses.replace(c, values=c.values[keep], t=c.t[keep])
         if not any(len(c) for c in cut.values()):
             raise InputError("record", [f"has no sample between {start:g} and {end:g} s"])
-        return self.replace(channels=cut, source={**self.source, "between": [start, end]})
+        return self.replace(channels=cut, notes=self._notes_of(cut), source={**self.source, "between": [start, end]})
+
+    def _notes_of(self, part: dict[str, Channel]) -> tuple[str, ...]:
+        """The notes, those on gaps and missing values as they are in a part of the record."""
+        from stickslip.records.reading import remarks
+
+        with np.errstate(all="ignore"):  # a damaged record holds any number
+            of_all, of_part = remarks(list(self.channels.values())), remarks(list(part.values()))
+        kept = [note for note in self.notes if note not in of_all]
+        return (*kept, *(dict.fromkeys(of_part) if len(kept) < len(self.notes) else ()))
 
     def derived(self, heading: str, values: Any, like: str, role: str | None = None) -> Record:
         """With one channel more, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""

@@ -34,6 +34,11 @@ def settling_periods(rec: Any, frequency: float) -> int:
     if periods < _FEWEST:
         return 0
     half = place >= periods // 2
+    each = np.minimum(place.astype(int), periods - 1)
+    held = np.bincount(each, minlength=periods)  # samples in each; where they are missing nothing can differ
+    seen = held >= 0.5 * np.median(held[held > 0])
+    if seen.sum() < _FEWEST or seen[periods // 2 :].sum() < _FEWEST // 2:
+        return 0
     repeats = _repeats(place[half], v[half]) or 1
     bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(place / repeats, 1.0)
     index = np.minimum((turn * bins).astype(int), bins - 1)
@@ -43,11 +48,10 @@ def settling_periods(rec: Any, frequency: float) -> int:
     else:
         mean = np.bincount(index[half], v[half], bins) / count
     rest = v - np.interp(turn * bins - 0.5, np.arange(bins), mean, period=bins)
-    each = np.minimum(place.astype(int), periods - 1)
-    number = np.maximum(np.bincount(each, minlength=periods), 1)
+    number = np.maximum(held, 1)
     size, drift = np.bincount(each, rest**2, periods) / number, np.bincount(each, rest, periods) / number
-    usual = float(np.median(size[periods // 2 :])) + (_FAINT * float(np.ptp(v))) ** 2
-    calm = np.flatnonzero((size <= _TWICE * usual) & (drift**2 <= _SURE**2 * usual / number))
+    usual = float(np.median(size[periods // 2 :][seen[periods // 2 :]])) + (_FAINT * float(np.ptp(v))) ** 2
+    calm = np.flatnonzero(seen & (size <= _TWICE * usual) & (drift**2 <= _SURE**2 * usual / number))
     first = int(calm[0]) if len(calm) else periods
     return min(first + (first + 1) // 2, periods // 2)  # what has sunk below the noise is still there: half as many periods more
 

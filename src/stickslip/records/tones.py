@@ -9,11 +9,19 @@ import numpy as np
 
 from stickslip.errors import InputError
 
-__all__ = ["Frequency", "drive_frequency", "harmonics", "spectrum"]
+__all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "spectrum"]
 
 _MOST = 40_000  # samples that a refinement looks at
 _HARMONICS = 8
+_FEWEST = 1.9  # periods in a record that can show one
+_NEAR, _FAR = 3, 15  # lines beside one that it is compared with
+_STANDS_OUT = 5.0  # times their median; the highest of ten thousand lines of noise has 4.8
+_EXPLAINED = 0.9  # part of the variance that a period may explain instead, where its harmonics fill the spectrum
 _MOST_FALLING = 0.01  # part of the samples that may lie at times that do not rise
+
+
+class NotPeriodic(InputError):
+    """A record in which no frequency repeats."""
 
 
 @dataclass(frozen=True)
@@ -95,18 +103,50 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
     Returns
     -------
     Frequency
+
+    Raises
+    ------
+    InputError
+        No line stands out of its neighbours, or the record holds fewer than two of its periods. With `about`, any line will do.
     """
     role = next((r for r in ("drive", "velocity", "position", "acceleration", "force") if r in rec), "velocity")
     c = rec[role]
     t, y = _finite(c)
-    if len(t) > _MOST:
-        t, y = t[:_MOST], y[:_MOST]
-    lines, amplitude = spectrum(_Cut(c.name, t, _without_drift(t, y)))
+    if len(t) <= _MOST:
+        return _strongest(c.name, t, y, about)
+    try:
+        return _strongest(c.name, t[:_MOST], y[:_MOST], about)
+    except NotPeriodic:  # it may be slower than the beginning of the record tells
+        each = -(-len(t) // _MOST)
+        t, y = (a[: len(a) // each * each].reshape(-1, each).mean(axis=1) for a in (t, y))
+        return _strongest(c.name, t, y, about)
+
+
+def _strongest(name: str, t: Any, y: Any, about: float | None) -> Frequency:
+    """The strongest line of these samples, refined."""
+    drifting = _without_drift(t, y)
+    lines, amplitude = spectrum(_Cut(name, t, drifting))
     near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1
     if not near.any() or not amplitude[near].max() > 0:
-        raise InputError("record", [f"no drive frequency is found in {c.name!r}; type frequency=... [Hz], or a longer record"])
-    start = float(lines[near][np.argmax(amplitude[near])])
-    return Frequency(*_refined(t, y, start), c.name)
+        raise InputError("record", [f"no drive frequency is found in {name!r}; type frequency=... [Hz], or a longer record"])
+    first = int(np.flatnonzero(near)[np.argmax(amplitude[near])])
+    value, error, left = _refined(t, y, float(lines[first]))
+    if about is None:
+        _check_line(name, value, value * np.ptp(t) * len(t) / (len(t) - 1), amplitude, first, 1 - left / float(drifting @ drifting))
+    return Frequency(value, error, name)
+
+
+def _check_line(name: str, value: float, periods: float, amplitude: Any, line: int, explained: float) -> None:
+    """Whether the record repeats at this frequency, or is only strongest there."""
+    apart = abs(np.arange(len(amplitude)) - line)
+    beside = amplitude[(apart >= _NEAR) & (apart <= _FAR) & (np.arange(len(amplitude)) > 1)]
+    why = None
+    if periods < _FEWEST:
+        why = f"its strongest line, at {value:.4g} Hz, has only {periods:.2g} periods in it; allowed are 2 or more"
+    elif len(beside) and amplitude[line] < _STANDS_OUT * np.median(beside) and explained < _EXPLAINED:
+        why = f"its strongest line, at {value:.4g} Hz, does not stand out of those beside it"
+    if why:
+        raise NotPeriodic("record", [f"{name!r} is not periodic: {why}; if it is, type frequency=... [Hz]"])
 
 
 @dataclass(frozen=True)
@@ -118,8 +158,8 @@ class _Cut:
     si: Any
 
 
-def _refined(t: Any, y: Any, start: float) -> tuple[float, float]:
-    """The frequency at which the harmonics leave least over, and its standard error from the curvature there."""
+def _refined(t: Any, y: Any, start: float) -> tuple[float, float, float]:
+    """The frequency at which the harmonics leave least over, its standard error from the curvature there, and what they leave."""
     from scipy.optimize import minimize_scalar
 
     usual = float(np.median(np.diff(t)))
@@ -137,4 +177,4 @@ def _refined(t: Any, y: Any, start: float) -> tuple[float, float]:
     h = 0.02 * line
     curvature = (left(f + h) - 2 * left(f) + left(f - h)) / h**2
     variance = left(f) / max(len(t) - 2 * count - 3, 1)
-    return f, float(np.sqrt(2 * variance / curvature)) if curvature > 0 else float("nan")
+    return f, float(np.sqrt(2 * variance / curvature)) if curvature > 0 else float("nan"), left(f)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["Unit", "heading", "quantity_of", "unit_of"]
+__all__ = ["SI", "Unit", "heading", "quantity_of", "unit_of"]
 
 _PREFIX = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9, "p": 1e-12}
 #: Symbol -> (factor to SI, powers of m, kg, s, A, rad).
@@ -51,6 +51,11 @@ _QUANTITIES: dict[tuple[int, ...], str] = {
     (0, 0, 0, 0, 0): "ratio",
     (0, 1, 0, 0, 0): "mass",
 }
+#: The SI unit of what units measure here.
+SI = {
+    "time": "s", "velocity": "m/s", "position": "m", "acceleration": "m/s²", "force": "N", "pressure": "Pa", "voltage": "V",
+    "frequency": "Hz", "ratio": "1", "mass": "kg",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
