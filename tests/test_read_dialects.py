@@ -102,5 +102,5 @@ def test_the_command_takes_marks_too(tmp_path, capsys):
     from stickslip.cli import main
 
     (tmp_path / "run.csv").write_text("1,2\n2,3\n3,5\n")
-    assert main(["read", str(tmp_path / "run.csv")]) == 2 and 'decimal=","' in capsys.readouterr().err
+    assert main(["read", str(tmp_path / "run.csv")]) == 2 and 'type --separator "," or --decimal ","' in capsys.readouterr().err
     assert main(["read", str(tmp_path / "run.csv"), "--decimal", ","]) == 0 and "1.2 to 3.5" in capsys.readouterr().out

@@ -18,13 +18,14 @@ _TYPED = (
     (r'roles=\{"([^"]*)": "([^"]*)"\}(?: \(--role [^)]*\))?', r'--role "\1=\2"'),
     (r"roles=\{\"\.\.\.\": \"(\w+)\"\} when reading", r"--role NAME=\1"),
     (r'columns=\["([^]]*)"(?:, \.\.\.)?\]', r'--columns "\1,..."'),
-    (r"ss\.read\(path, ((?:--\w+ \"[^\"]*\"(?:, )?)+)\)", r"\1"),
     (r"\brate=(\S+) \[Hz\]", r"--rate HZ"),
     (r"\bsettle=(\d+)", r"--settle \1"),
     (r"\btransient=True\b", "--transient"),
     (r"\bnoise=\.\.\.", "--noise ..."),
     (r'separator="([^"]*)"', r'--separator "\1"'),
     (r'decimal="([^"]*)"', r'--decimal "\1"'),
+    (r'ss\.read\(path, ((?:--\w+ "[^"]*"(?:, | or )?)+)\)', r"\1"),
+    (r'", --(separator|decimal)', r'" --\1'),
 )
 
 
