@@ -46,7 +46,7 @@ def chaos_map(found: Any, ax: Any = None, quantity: str = "motion", curves: Any 
     >>> import stickslip as ss
     >>> found = ss.chaos_map(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=[1.7, 2.7], law="coulomb", settle=50, periods=20)
     >>> ss.plot.chaos_map(found).get_xlabel()
-    'tilt of the track θ (degrees)'
+    'tilt of the track $θ$ (degrees)'
     """
     if not {"period", "exponent", "error"} <= set(getattr(found, "data_vars", {})):
         raise InputError("plot", [f"{type(found).__name__} without periods and exponents; allowed is the Dataset of ss.chaos_map"])

@@ -228,7 +228,7 @@ def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
     >>> diagram = ss.bifurcation(ss.presets.piezo_rig, parameter="amplitude", values=[4e-4, 6e-4], settle=20, points=4, follow=False,
     ...                       tilt_deg=1.7, law="coulomb")
     >>> ss.plot.bifurcation(diagram, "mean_velocity").get_xlabel()
-    'amplitude of the inner mass A (µm)'
+    'amplitude of the inner mass $A$ (µm)'
     """
     if "parameter" not in getattr(diagram, "attrs", {}) or observable not in diagram:
         raise InputError(

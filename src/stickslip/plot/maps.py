@@ -52,7 +52,7 @@ def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: b
     >>> import stickslip as ss
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 4e-4, 5e-4, 6e-4], tilt_deg=[1.7, 2.7, 3.7], law="coulomb")
     >>> ss.plot.motion_map(grid).get_xlabel()
-    'amplitude of the inner mass A (µm)'
+    'amplitude of the inner mass $A$ (µm)'
     """
     first, second = plane_of(grid, x, y)
     across, up = scaled(grid, first), scaled(grid, second)
@@ -100,7 +100,7 @@ def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders:
     >>> import stickslip as ss
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 4e-4, 5e-4, 6e-4], tilt_deg=[1.7, 2.7, 3.7], law="coulomb")
     >>> ss.plot.velocity_map(grid, x="tilt_deg").get_ylabel()
-    'amplitude of the inner mass A (µm)'
+    'amplitude of the inner mass $A$ (µm)'
     """
     first, second = plane_of(grid, x, y)
     across, up = scaled(grid, first), scaled(grid, second)
