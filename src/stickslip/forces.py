@@ -12,8 +12,8 @@ import numpy as np
 from stickslip.errors import InputError, Problems
 
 __all__ = [
-    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "is_dynamic", "law_force", "law_rate", "memories_of",
-    "normal_load", "offered_force", "passed_zero", "rest_velocity", "states_of", "static_limits", "wants_applied",
+    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "is_dynamic", "is_set_valued", "law_force", "law_rate",
+    "memories_of", "normal_load", "offered_force", "passed_zero", "rest_velocity", "states_of", "static_limits", "wants_applied",
 ]  # fmt: skip
 
 _TINY = 1e-300  # a velocity that has a sign and nothing else
@@ -25,6 +25,11 @@ _LIMITS = "return the friction forces that rest can bear backwards (negative) an
 def is_dynamic(law: Any) -> bool:
     """Whether a law has inner states (rate and force) and so never rests exactly; else it is set-valued."""
     return hasattr(law, "rate") and hasattr(law, "force")
+
+
+def is_set_valued(law: Any) -> bool:
+    """Whether a law says what it is while sliding and what rest can bear (sliding and breakaway)."""
+    return hasattr(law, "sliding") and hasattr(law, "breakaway")
 
 
 def states_of(law: Any) -> int:
@@ -70,8 +75,7 @@ def law_force(law: Any, slip: Any, z: Any, zdot: Any, load: Any, memory: Any = (
 
 def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)") -> None:
     """Note what keeps an object from being a friction law."""
-    set_valued = hasattr(law, "sliding") and hasattr(law, "breakaway")
-    if isinstance(law, type) or not (set_valued or is_dynamic(law)):
+    if isinstance(law, type) or not (is_set_valued(law) or is_dynamic(law)):
         problems.add(
             f"friction = {law!r}; allowed is an object with sliding and breakaway (set-valued law) or with rate and force "
             f"(dynamic law); type for example {example}"
@@ -86,7 +90,7 @@ def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(
                     f"friction.{name} = {value!r}; allowed is a number or an array; type for example {name}=np.array({list(value)!r})"
                 )
 
-        if set_valued and not is_dynamic(law):
+        if is_set_valued(law) and not is_dynamic(law):
             _check_breakaway(law, problems)
 
 

@@ -96,7 +96,9 @@ def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, lis
 def _own(word: str, typed: dict[str, str]) -> tuple[Any, list[str]]:
     """A law, a law from its class and what was typed, or the law of a robot."""
     make = found(word).make
-    if (hasattr(make, "sliding") and hasattr(make, "breakaway")) or (hasattr(make, "rate") and hasattr(make, "force")):
+    from stickslip.forces import is_dynamic, is_set_valued
+
+    if is_set_valued(make) or is_dynamic(make):
         return (_instance(make, typed) if isinstance(make, type) else make), []
     taken = [name for name in typed if name in names_of(make)[1]]
     return subject(word, [typed[name] for name in taken]).robot().friction, taken

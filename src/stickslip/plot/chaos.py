@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.plot.dynamics import named, scaled
-from stickslip.plot.style import COLOURS, INK, axes, publication
+from stickslip.plot.style import COLOURS, INK, axes, labelled, publication, scaled
 
 __all__ = ["MOTIONS", "chaos_map"]
 
@@ -62,8 +61,8 @@ def chaos_map(found: Any, ax: Any = None, quantity: str = "motion", curves: Any 
         handles += _over(curves, ax, (across, right), (upward, up))
         _logarithmic(ax, "x", found[across].values)
         _logarithmic(ax, "y", found[upward].values)
-        ax.set_xlabel(named(found[across].attrs["long_name"], found[across].attrs["units"], side))
-        ax.set_ylabel(named(found[upward].attrs["long_name"], found[upward].attrs["units"], mark))
+        ax.set_xlabel(labelled(found[across], side))
+        ax.set_ylabel(labelled(found[upward], mark))
         if handles:
             ax.legend(
                 handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=min(len(handles), 5), borderaxespad=0.2,
@@ -123,7 +122,7 @@ def _line(found: Any, ax: Any) -> Any:
     ax.fill_between(x, y - 3 * error, y + 3 * error, color=COLOURS[0], alpha=0.2, linewidth=0)
     ax.plot(x, y, ".-", color=COLOURS[0], linewidth=0.7, markersize=2.5)
     _logarithmic(ax, "x", x)
-    ax.set_xlabel(named(found[name].attrs["long_name"], found[name].attrs["units"], side))
+    ax.set_xlabel(labelled(found[name], side))
     ax.set_ylabel("largest exponent per drive period")
     return ax
 

@@ -9,26 +9,15 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
-from stickslip.plot.style import COLOURS, INK, axes, prefix, publication, symbols
+from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 
-__all__ = ["basins", "bifurcation", "continuation", "convergence", "named", "scaled", "spectrum"]
+__all__ = ["basins", "bifurcation", "continuation", "convergence", "spectrum"]
 
 _MARKERS = {
     "flip": ("s", "flip"), "fold": ("D", "fold"), "neimark-sacker": ("o", "Neimark-Sacker"), "grazing": ("v", "grazing"),
     "type-border": ("|", "border of types"),
 }  # fmt: skip
 _CLOUD = "#8A94A0"
-
-
-def named(text: str, unit: str, factor_prefix: str = "") -> str:
-    """An axis label with its symbol and unit; what has no unit shows none."""
-    text = symbols(text)
-    return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
-
-
-def scaled(values: Any, unit: str) -> tuple[float, str]:
-    """The prefix of an axis with a unit; numbers without one keep their size."""
-    return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
 
 
 def continuation(
@@ -92,13 +81,13 @@ def continuation(
             ax.axhline(1.0, color=INK, linewidth=0.5, zorder=1)
         if special:
             _marks(ax, branches, observable, right, up)
-        ax.set_xlabel(named(across.attrs["long_name"], across.attrs["units"], side))
+        ax.set_xlabel(labelled(across, side))
         ax.set_ylabel(named((_OF_CYCLES if cycles else _WORDS).get(observable, told.get("long_name", observable)), unit, mark))
         handles, texts = ax.get_legend_handles_labels()
         order = sorted(range(len(texts)), key=lambda k: texts[k] == "brute force")  # branches first
-        ax.legend(
-            [handles[k] for k in order], [texts[k] for k in order], loc="lower right", bbox_to_anchor=(1.0, 1.0),
-            ncols=min(len(order), 4) if len(order) < 5 else 3, borderaxespad=0.2, columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
+        legend_above(
+            ax, [handles[k] for k in order], [texts[k] for k in order], ncols=min(len(order), 4) if len(order) < 5 else 3,
+            columnspacing=1.0, handletextpad=0.5, handlelength=1.6,
         )  # fmt: skip
         return ax
 
@@ -247,7 +236,7 @@ def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
             ax.plot([], [], ".", markersize=5, color=COLOURS[i], label=str(direction))
         ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
         ax.set_ylabel(named(_WORDS.get(observable, y.attrs.get("long_name", observable)), unit, mark))
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, handletextpad=0.2)
+        legend_above(ax, ncols=2, handletextpad=0.2)
         return ax
 
 
@@ -304,13 +293,13 @@ def basins(found: Any, ax: Any = None) -> Any:
                     color=COLOURS[k % 7],
                     markeredgecolor="white",
                 )
-        ax.set_xlabel(named(found.map[across].attrs["long_name"], found.map[across].attrs["units"], side))
-        ax.set_ylabel(named(found.map[upward].attrs["long_name"], found.map[upward].attrs["units"], mark))
+        ax.set_xlabel(labelled(found.map[across], side))
+        ax.set_ylabel(labelled(found.map[upward], mark))
         told = [f"$V$ = {a.mean_velocity * 1e3:.3g} mm/s, {100 * a.share:.0f} %" for a in found.attractors]
         handles: list[Any] = [Patch(color=paints[k + 1], label=text) for k, text in enumerate(told)]
         if ax.lines:
             handles.append(Line2D([], [], marker="o", linestyle="", color=INK, markersize=4, label="strobe point of the motion"))
-        ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, columnspacing=1.2)
+        legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
         return ax
 
 
@@ -363,7 +352,7 @@ def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
         ax.set_xlim(0, exponents.record[-1, 0])
         ax.set_xlabel(f"{exponents.unit}s averaged over")
         ax.set_ylabel(f"exponent per {exponents.unit}")
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+        legend_above(ax, ncols=3)
         return ax
 
 
@@ -402,5 +391,5 @@ def spectrum(lines: Any, ax: Any = None) -> Any:
         ax.set_ylim(floor, None)
         ax.set_xlabel("frequency / frequency of the drive")
         ax.set_ylabel(named(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+        legend_above(ax, ncols=2)
         return ax

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
 from stickslip.errors import InputError
-from stickslip.plot.style import INK, axes, prefix, publication, symbols
+from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
 
 __all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 
@@ -229,9 +229,7 @@ def _legend(ax: Any, names: list[str], line: str | None) -> None:
     handles: list[Any] = [Patch(facecolor=TYPE_COLOURS[n], edgecolor=INK, linewidth=0.4, label=n) for n in names]
     handles += [Line2D([], [], color="black", linewidth=0.8, label=line)] if line else []
     if handles:
-        ax.legend(
-            handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4, columnspacing=1.0
-        )
+        legend_above(ax, handles=handles, ncols=4, handlelength=1.4, columnspacing=1.0)
 
 
 def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, prefix, publication
 from stickslip.records.units import SI, quantity_of
 
 __all__ = ["comparison", "fitted", "record_spectrum", "residuals"]
@@ -62,7 +62,7 @@ def comparison(found: Any, ax: Any = None) -> Any:
                 np.mod(row.phase, 1.0)[: len(row.phase)], value * factor, color=COLOURS[k % 6], linestyle=DASHES[k % 6], label=row.label
             )
         ax.set(xlabel="drive periods", ylabel=_words(found.kind, unit), xlim=(0, 1))
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(found.laws) + 1, borderaxespad=0.2, columnspacing=1.2)
+        legend_above(ax, ncols=len(found.laws) + 1, columnspacing=1.2)
     return ax
 
 
@@ -102,7 +102,7 @@ def fitted(fit: Any, record: int = 0, ax: Any = None) -> Any:
         order = np.argsort(x, kind="stable") if target.kind != "force" else np.arange(len(x))
         ax.plot(x[order], (curve[order] - middle) * factor, color=COLOURS[0], linewidth=0.9, label=fit.law)
         ax.set(xlabel=label, ylabel=_words(target.kind, unit))
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
+        legend_above(ax, ncols=2)
     return ax
 
 

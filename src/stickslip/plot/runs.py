@@ -11,7 +11,7 @@ from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic, normal_load
-from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, prefix, publication
+from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 
 __all__ = ["forces", "limits", "phase", "rests", "sampled", "span", "velocity"]
@@ -87,9 +87,7 @@ def _finish(ax: Any, runs: list[Any], more: Sequence[Any] = ()) -> Any:
     curves = ax.get_legend_handles_labels()[0] if len(runs) > 1 else []
     if curves or more:
         handles = [*curves, *more]
-        ax.legend(
-            handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(len(handles), 4), borderaxespad=0.2, columnspacing=1.4
-        )
+        legend_above(ax, handles=handles, ncols=min(len(handles), 4), columnspacing=1.4)
     return ax
 
 
@@ -292,7 +290,7 @@ def forces(run: Any, periods: float | None = None, ax: Any = None, duration: flo
         _time_axis(ax, run, (start, end), time, seconds)
         ax.set_ylabel(f"force ({unit}N)")
         handles = [*ax.get_legend_handles_labels()[0], *shaded]
-        ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2, columnspacing=1.2)
+        legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
         return ax
 
 

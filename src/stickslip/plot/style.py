@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["COLOURS", "WIDTH", "axes", "prefix", "publication", "symbols"]
+__all__ = ["COLOURS", "WIDTH", "axes", "labelled", "legend_above", "named", "prefix", "publication", "scaled", "symbols"]
 
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
@@ -79,6 +79,11 @@ def axes(ax: Any = None, height: float = 2.1) -> Any:
     return plt.subplots(figsize=(WIDTH, height))[1]
 
 
+def legend_above(ax: Any, *entries: Any, **options: Any) -> None:
+    """A legend above the frame, at its right end; entries and options as of ``ax.legend``."""
+    ax.legend(*entries, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, **options)
+
+
 _SYMBOL = re.compile(r"(?<!\S)([A-Za-zΑ-ω])_?([0-9a-z+-]?)$")
 
 
@@ -113,3 +118,19 @@ def prefix(*arrays: Any) -> tuple[float, str]:
         return 1.0, ""
     power = int(np.clip(np.floor(np.log10(largest) / 3 + 1e-9), -5, 4))
     return (1000.0**-power if power else 1.0), "fpnµm kMGT"[power + 5].strip()
+
+
+def named(text: str, unit: str, factor_prefix: str = "") -> str:
+    """An axis label with its symbol and unit; what has no unit shows none."""
+    text = symbols(text)
+    return text if unit in ("", "1") and not factor_prefix else f"{text} ({factor_prefix}{unit})"
+
+
+def scaled(values: Any, unit: str) -> tuple[float, str]:
+    """The prefix of an axis with a unit; numbers without one keep their size."""
+    return prefix(values) if unit not in ("", "1", "degrees") else (1.0, "")
+
+
+def labelled(column: Any, factor_prefix: str = "") -> str:
+    """An axis label from the name and the unit that a column of a dataset has."""
+    return named(column.attrs["long_name"], column.attrs["units"], factor_prefix)

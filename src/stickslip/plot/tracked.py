@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.plot.dynamics import named, scaled
-from stickslip.plot.style import COLOURS, axes, publication
+from stickslip.plot.style import COLOURS, axes, labelled, legend_above, publication, scaled
 
 __all__ = ["attractors"]
 
@@ -55,9 +54,9 @@ def attractors(found: Any, quantity: str = "mean_velocity", ax: Any = None) -> A
             ax.plot(x, values, ".-", color=colour, markersize=4, label=_told(one))
             wild = one.period.values == 0
             ax.plot(x[wild], values[wild], "o", color=colour, markersize=5, fillstyle="none", markeredgewidth=0.8)
-        ax.set_xlabel(named(across.attrs["long_name"], across.attrs["units"], side))
-        ax.set_ylabel(named(y.attrs["long_name"], y.attrs["units"], mark))
-        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.2)
+        ax.set_xlabel(labelled(across, side))
+        ax.set_ylabel(labelled(y, mark))
+        legend_above(ax, ncols=3, columnspacing=1.2)
     return ax
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from stickslip.batch import rows_of
 from stickslip.drives import Harmonic
 from stickslip.fields import leaves, replace_leaf
+from stickslip.forces import is_set_valued
 
 __all__ = ["Arcs", "handles", "reduced"]
 
@@ -101,7 +102,7 @@ def handles(model: Any) -> str | None:
     'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
     """
     law, name = model.friction, type(model.friction).__name__
-    if not (hasattr(law, "sliding") and hasattr(law, "breakaway")):
+    if not is_set_valued(law):
         return f"{name} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
     if not isinstance(getattr(model, "drive", None), Harmonic):
         drive = f"the drive is {type(model.drive).__name__}" if hasattr(model, "drive") else f"{type(model).__name__} has no drive"
