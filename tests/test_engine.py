@@ -314,32 +314,3 @@ def test_a_case_that_cannot_be_solved_is_a_status():
     assert np.isnan(many.mean_velocity[1])
     with pytest.raises(ss.SolveError, match="stopped after"):
         ss.solve(base.replace({"friction.limit": 5e-3}), periods=3)
-
-
-# ---- the cache ----
-def test_a_truncated_cache_is_compiled_again(tmp_path, monkeypatch, capfd):
-    monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path))
-    source = 'from numba import njit\n@njit("float64(float64)", cache=CACHE)\ndef double(x):\n    return 2 * x\n'
-    assert cache.load(source, "truncated", "a test").double(2.0) == 4.0
-    for file in (tmp_path / "__pycache__").glob("*.nb*"):
-        file.write_bytes(file.read_bytes()[:10])
-    monkeypatch.setattr(cache, "_loaded", {})
-    assert cache.load(source, "truncated", "a test").double(3.0) == 6.0
-    assert "compiling a test, once" in capfd.readouterr().err
-
-
-def test_a_folder_that_cannot_be_written_compiles_in_memory(tmp_path, monkeypatch, capfd):
-    blocked = tmp_path / "file"
-    blocked.write_text("not a folder")
-    monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(blocked))
-    source = 'from numba import njit\n@njit("float64(float64)", cache=CACHE)\ndef triple(x):\n    return 3 * x\n'
-    assert cache.load(source, "blocked", "a test").triple(2.0) == 6.0
-    assert "in memory" in capfd.readouterr().err
-
-
-def test_the_cache_follows_the_environment(tmp_path, monkeypatch):
-    monkeypatch.setenv("STICKSLIP_CACHE_DIR", str(tmp_path / "own"))
-    assert cache.folder() == tmp_path / "own"
-    monkeypatch.delenv("STICKSLIP_CACHE_DIR")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert cache.folder() == tmp_path / "stickslip"

@@ -7,6 +7,7 @@ what it needs; every function in it has an explicit signature, so that importing
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib.util
 import os
@@ -14,7 +15,10 @@ import sys
 import tempfile
 import threading
 import types
+from collections.abc import Iterator
 from pathlib import Path
+
+from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
 
 __all__ = ["folder", "load"]
 
@@ -24,7 +28,29 @@ _told: set[str] = set()
 
 
 def folder() -> Path:
-    """Where kernels are kept: STICKSLIP_CACHE_DIR, else XDG_CACHE_HOME/stickslip, else the platform's cache folder."""
+    """Where kernels are kept: STICKSLIP_CACHE_DIR, else XDG_CACHE_HOME/stickslip, else the platform's cache folder.
+
+    Kernels are code that is run. A folder that others may write is not used, but a private one in the temporary folder instead, unless
+    STICKSLIP_CACHE_SHARED=1 says that sharing is meant.
+    """
+    try:
+        place = _chosen()
+    except RuntimeError:  # a container whose user is in no list of users has no home
+        place = None
+    reason = "has no place, as there is no home folder" if place is None else unsafe(place)
+    if place is not None and reason is None:
+        return place
+    own = private_folder()
+    what = "the cache folder" if place is None else f"the cache folder {place}"
+    _say(
+        f"{what} {reason}; {own} is used instead, since kernels are code that is run; "
+        f"set STICKSLIP_CACHE_DIR to a folder of your own, or {SHARED}=1 if sharing is meant"
+    )
+    return own
+
+
+def _chosen() -> Path:
+    """The folder that the environment or the platform names."""
     own = os.environ.get("STICKSLIP_CACHE_DIR")
     if own:
         return Path(own)
@@ -32,7 +58,7 @@ def folder() -> Path:
     if xdg:
         return Path(xdg) / "stickslip"
     if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "stickslip"
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "stickslip"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "stickslip"
     return Path.home() / ".cache" / "stickslip"
@@ -78,7 +104,7 @@ def _import(source: str, key: str, label: str) -> types.ModuleType:
         if not _compiled(path):  # not a bad cache: the source itself fails
             raise
         _say(f"the cached kernel {path.name} cannot be read; compiling {label} again …")
-        for file in (path.parent / "__pycache__").glob(f"{path.stem}*"):
+        for file in _compilation(path):
             file.unlink(missing_ok=True)
         return _execute(source, key, path)
 
@@ -88,10 +114,11 @@ def _written(source: str, key: str) -> Path | None:
     path = folder() / f"{key}.py"
     text = "CACHE = True\n" + source
     try:
+        _remove_foreign(path)
         if path.exists() and path.read_text(encoding="utf-8") == text:
             probe = path.parent / "__pycache__"
             return path if _compiled(path) or os.access(probe if probe.exists() else path.parent, os.W_OK) else None
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent / "__pycache__")
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(text)
@@ -101,8 +128,20 @@ def _written(source: str, key: str) -> Path | None:
     return path
 
 
+def _remove_foreign(path: Path) -> None:
+    """Delete what somebody else has put in place of a kernel; OSError where that cannot be done."""
+    for file in (path, *_compilation(path)):
+        if is_foreign(file):
+            file.unlink()
+
+
+def _compilation(path: Path) -> list[Path]:
+    """What Python and Numba keep of a kernel's file."""
+    return list((path.parent / "__pycache__").glob(f"{path.stem}*"))
+
+
 def _compiled(path: Path) -> bool:
-    return any((path.parent / "__pycache__").glob(f"{path.stem}*.nbi"))
+    return any(file.suffix == ".nbi" for file in _compilation(path))
 
 
 def _execute(source: str, key: str, path: Path | None) -> types.ModuleType:
@@ -116,11 +155,25 @@ def _execute(source: str, key: str, path: Path | None) -> types.ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # Numba pickles functions by module name
     try:
-        spec.loader.exec_module(module)
+        with _numba_caches_beside_the_file():
+            spec.loader.exec_module(module)
     except BaseException:
         sys.modules.pop(name, None)
         raise
     return module
+
+
+@contextlib.contextmanager
+def _numba_caches_beside_the_file() -> Iterator[None]:
+    """Whatever NUMBA_CACHE_DIR says, which may be a folder of others."""
+    from numba.core import config
+
+    elsewhere = config.CACHE_DIR
+    config.CACHE_DIR = ""
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = elsewhere
 
 
 def _say(sentence: str) -> None:
