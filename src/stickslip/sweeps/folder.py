@@ -6,7 +6,6 @@ Whatever happens to the process, a tile is there as a whole or not at all; the f
 from __future__ import annotations
 
 import errno
-import io
 import json
 import os
 import secrets
@@ -16,19 +15,17 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from stickslip.errors import InputError, StickslipError
-from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import characters, coded, described, empty, flags
+from stickslip.sweeps.axes_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.datasets import labels_of
-from stickslip.sweeps.manifest import FORMAT, differences, manifest
+from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
 from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
-__all__ = ["StorageError", "Study", "file_of", "put", "read_manifest", "shard_of", "tile_is_good", "unwritable", "written"]
+__all__ = ["MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]
 
 Array = Any
-MANIFEST, AXES, TILES = "manifest.json", "axes.nc", "tiles"
+MANIFEST = "manifest.json"
 
 
 class StorageError(StickslipError, OSError):
@@ -73,41 +70,7 @@ def unwritable(path: Path, error: OSError) -> StickslipError:
     return StorageError(f"sweep: {str(path)!r} could not be written: {error.strerror or error}")
 
 
-def written(variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]], attributes: dict[str, Any]) -> bytes:
-    """A netCDF4 file as bytes; the same content gives the same bytes."""
-    import h5netcdf
-
-    kept = io.BytesIO()
-    with h5netcdf.File(kept, "w") as file:
-        for dims, values, _ in variables.values():
-            for dim, size in zip(dims, np.shape(values), strict=True):
-                if dim not in file.dimensions:
-                    file.dimensions[dim] = size
-        for name, (dims, values, attrs) in variables.items():
-            made = file.create_variable(name, dims, data=values)
-            made.attrs.update(attrs)
-        file.attrs.update(attributes)
-    return kept.getvalue()
-
-
-def axes_file(labels: dict[str, Column]) -> bytes:
-    """The coordinates as a netCDF4 file; words as fixed-length characters."""
-    variables = {}
-    for i, (name, column) in enumerate(labels.items()):
-        values, dims, attrs = np.asarray(column.values), column.dims, {"coordinate": name}
-        if values.dtype.kind not in "iuf":
-            values, kept = characters(values)
-            dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kept}
-        variables[name.replace(".", "_") if name not in dims else name] = (dims, values, attrs)
-    return written(variables, {"stickslip_content": "axes of a study"})
-
-
 # ---- the folder ----
-def file_of(folder: Path, k: int) -> Path:
-    """Where tile k is."""
-    return folder / TILES / f"{k:07d}.nc"
-
-
 def read_manifest(folder: str | Path) -> dict[str, Any]:
     """The manifest of a study folder; `InputError` if it is none."""
     path = Path(folder).expanduser() / MANIFEST
@@ -118,11 +81,16 @@ def read_manifest(folder: str | Path) -> dict[str, Any]:
         raise InputError(
             "study", [f"{str(folder)!r} is no study folder: it has no {MANIFEST}; give the folder of a sweep with out="]
         ) from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError("study", [f"{str(path)!r} cannot be read: {error}"]) from None
+    except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+        raise InputError("study", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
     if version > FORMAT:
         raise InputError("study", [f"{str(folder)!r} has format {version}, this stickslip reads up to {FORMAT}; install a newer stickslip"])
+    if (what := flaw(found)) is not None:
+        raise InputError("study", [f"{str(path)!r} is damaged: {what}; {_ANEW}"])
     return found
+
+
+_ANEW = "delete it and type the sweep again with resume=True (--resume), which writes it anew and keeps the tiles"
 
 
 def shard_of(shard: Any) -> tuple[int, int] | None:
@@ -136,18 +104,6 @@ def shard_of(shard: Any) -> tuple[int, int] | None:
     except (TypeError, ValueError):
         pass
     raise InputError("sweep", [f"shard = {shard!r}; allowed is i/n with i from 1 to n; type for example shard=(1, 7), or --shard 1/7"])
-
-
-def tile_is_good(path: Path, study: str) -> bool:
-    """Whether a file is a whole tile of this study."""
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            text = file.attrs.get("study", b"")
-            return (text.decode() if isinstance(text, bytes) else str(text)) == study
-    except (OSError, RuntimeError):
-        return False
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,6 +136,7 @@ class Study:
                 raise InputError(
                     "sweep", [f"{str(folder)!r} holds {what} already; type resume=True (--resume) to go on, or give another folder"]
                 )
+            study._mend_axes()
         else:
             study._make()
         study._sweep_up()
@@ -194,11 +151,24 @@ class Study:
             (self.folder / TILES).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise unwritable(self.folder, error) from None
-        put(self.folder / AXES, axes_file(labels_of(self.plan)))
+        self._write_axes()
         if not put(self.folder / MANIFEST, json.dumps(self.manifest, indent=1, ensure_ascii=False).encode(), new=True):
             self._check_same(read_manifest(self.folder))  # another shard was first
 
+    def _write_axes(self) -> None:
+        put(self.folder / AXES, axes_bytes(labels_of(self.plan), self.manifest))
+
+    def _mend_axes(self) -> None:
+        """Write the axes again where they are damaged or missing."""
+        try:
+            read_labels(self.folder, self.manifest)
+        except InputError:
+            self._write_axes()
+
     def _check_same(self, theirs: dict[str, Any]) -> None:
+        if theirs["stickslip_format"] != FORMAT:
+            what = f"{str(self.folder)!r} was begun by an earlier stickslip (format {theirs['stickslip_format']}, today's is {FORMAT})"
+            raise InputError("sweep", [f"{what}: it can be opened and exported, but not gone on with; give another folder"])
         if theirs.get("study") != self.manifest["study"]:
             told = differences(self.manifest["identity"], theirs.get("identity", {}))
             raise InputError("sweep", [f"{str(self.folder)!r} is the folder of another study: {reason}" for reason in told] or ["unknown"])
@@ -221,10 +191,9 @@ class Study:
 
     @cached_property
     def done(self) -> tuple[int, ...]:
-        """Our tiles that are there."""
+        """Our tiles that are there, as they were written."""
         names = {p.name for p in (self.folder / TILES).iterdir()} if (self.folder / TILES).exists() else set()
-        study = self.manifest["study"]
-        return tuple(k for k in self.ours if (p := file_of(self.folder, k)).name in names and tile_is_good(p, study))
+        return tuple(k for k in self.ours if file_of(self.folder, k).name in names and tile_is_good(self.folder, k, self.manifest))
 
     @property
     def todo(self) -> Iterable[int]:
@@ -234,36 +203,7 @@ class Study:
 
     def write(self, k: int, columns: dict[str, Array], notes: dict[str, int]) -> None:
         """Keep a tile."""
-        import h5py
-
-        first, last = self.plan.bounds(k)
-        kept = io.BytesIO(self._template(last - first))
-        with h5py.File(kept, "r+") as file:
-            file["case"][...] = np.arange(first, last)
-            for name in self.manifest["columns"]:
-                file[name][...] = coded(name, columns[name])
-            file.attrs["tile"] = k
-            if notes:
-                file.attrs["notes"] = json.dumps(notes, ensure_ascii=False, sort_keys=True)
-        put(file_of(self.folder, k), kept.getvalue())
-
-    @cached_property
-    def _templates(self) -> dict[int, bytes]:
-        return {}
-
-    def _template(self, count: int) -> bytes:
-        """A tile of this many cases without results: all but the numbers is the same in each, and slow to write."""
-        if count not in self._templates:
-            variables: dict[str, Any] = {
-                "case": (("case",), np.zeros(count, "i8"), {"long_name": "number of the case, from 0, in C order"})
-            }
-            blank = empty(count)
-            for name in self.manifest["columns"]:
-                values = coded(name, blank[name])
-                attrs = {n: v for n, v in described(name).items() if n != "flag_meanings"}
-                variables[name] = (("case", "character")[: values.ndim], values, {**attrs, **flags(name)})
-            self._templates[count] = written(variables, {"stickslip_content": "tile of a study", "study": self.manifest["study"]})
-        return self._templates[count]
+        put(file_of(self.folder, k), tile_bytes(self.manifest, k, self.plan.bounds(k)[0], columns, notes))
 
     def finish(self) -> None:
         """Nothing is left to do but to be sure that the names are on the disk."""

@@ -7,6 +7,7 @@ import functools
 import hashlib
 import inspect
 import json
+import math
 import sys
 import time
 from collections.abc import Iterator
@@ -19,12 +20,13 @@ from stickslip.jsontext import plain
 from stickslip.sweeps.columns import COLUMNS
 from stickslip.sweeps.datasets import attributes_of, maker_of, provenance_of
 from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.seals import SEAL, of_manifest
 from stickslip.sweeps.solving import kept_columns
 
-__all__ = ["FORMAT", "differences", "digest", "identity", "manifest"]
+__all__ = ["FORMAT", "differences", "digest", "flaw", "has_checksums", "identity", "manifest"]
 
-#: Version of the folder's layout.
-FORMAT = 1
+#: Version of the folder's layout: 2 has checksums.
+FORMAT = 2
 _DECISIVE = ("stickslip", "numpy", "numba")  # versions that may change the last bit
 
 
@@ -115,7 +117,7 @@ def _source(part: Any) -> str:
 def manifest(plan: Plan) -> dict[str, Any]:
     """All that the folder says about its study."""
     parts = identity(plan)
-    return {
+    made = {
         "stickslip_format": FORMAT,
         "content": "study",
         "study": digest(parts),
@@ -130,6 +132,34 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "provenance": provenance_of(plan),
         "begun": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
+    return {**made, SEAL: of_manifest(made)}
+
+
+def has_checksums(manifest: dict[str, Any]) -> bool:
+    """Whether the files of a study have checksums."""
+    return int(manifest["stickslip_format"]) >= 2
+
+
+def flaw(found: Any) -> str | None:
+    """What is wrong with a manifest that was read from a file; None where all is in order."""
+    missing = [name for name, kind in _KINDS.items() if not isinstance(found.get(name), kind)]
+    if missing:
+        return f"{' and '.join(missing)} cannot be read"
+    if has_checksums(found) and found.get(SEAL) != of_manifest(found):
+        return "its checksum does not fit"
+    if len(found["dims"]) != len(found["shape"]) or not all(type(n) is int and n >= 0 for n in found["shape"]):
+        return f"shape is {found['shape']}"
+    each, cases = found["cases_per_tile"], math.prod(found["shape"])
+    if found["cases"] != cases or each < 0 or found["tiles"] != (-(-cases // each) if each else 0):
+        return f"{cases} cases in {found['tiles']} tiles of {each} do not fit"
+    unknown = [name for name in found["columns"] if name not in COLUMNS]
+    return f"it has columns that are not known: {', '.join(unknown)}" if unknown else None
+
+
+_KINDS = {
+    "stickslip_format": int, "study": str, "identity": dict, "dims": list, "shape": list, "cases": int, "tiles": int,
+    "cases_per_tile": int, "columns": dict, "attributes": dict, "provenance": dict,
+}  # fmt: skip
 
 
 def differences(mine: dict[str, str], theirs: dict[str, str]) -> list[str]:

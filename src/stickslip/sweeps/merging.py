@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.sweeps.folder import AXES, MANIFEST, TILES, file_of, put, read_manifest, tile_is_good, unwritable
+from stickslip.sweeps.axes_file import AXES, read_labels
+from stickslip.sweeps.folder import MANIFEST, put, read_manifest, unwritable
 from stickslip.sweeps.manifest import differences
 from stickslip.sweeps.opening import open_study
+from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
 
 __all__ = ["merge"]
 
@@ -45,7 +47,7 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
         raise InputError("merge", ["no folders are given; type merge([shard1, shard2], out)"])
     told, target = _checked(sources), Path(out).expanduser()
     sources = [*sources, target] if (target / MANIFEST).exists() else sources
-    found = {k: place for k in range(told["tiles"]) if (place := _place(sources, k, told["study"])) is not None}
+    found = {k: place for k in range(told["tiles"]) if (place := _place(sources, k, told)) is not None}
     missing = [k for k in range(told["tiles"]) if k not in found]
     if missing and not partial:
         named = ", ".join(map(str, missing[:8])) + (", …" if len(missing) > 8 else "")
@@ -64,9 +66,9 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
     return open_study(target)
 
 
-def _place(folders: list[Path], k: int, study: str) -> Path | None:
-    """Where tile k is, if anywhere."""
-    return next((path for folder in reversed(folders) if tile_is_good(path := file_of(folder, k), study)), None)
+def _place(folders: list[Path], k: int, manifest: dict[str, Any]) -> Path | None:
+    """Where tile k is as it was written, if anywhere."""
+    return next((file_of(folder, k) for folder in reversed(folders) if tile_is_good(folder, k, manifest)), None)
 
 
 def _checked(folders: list[Path]) -> dict[str, Any]:
@@ -78,4 +80,5 @@ def _checked(folders: list[Path]) -> dict[str, Any]:
             for reason in differences(other["identity"], first["identity"]):
                 problems.add(f"{str(folder)!r} is of another study than {str(folders[0])!r}: {reason}")
     problems.check()
+    read_labels(folders[0], first)
     return first

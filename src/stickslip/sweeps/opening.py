@@ -12,13 +12,17 @@ from xarray.core import indexing
 
 from stickslip.errors import InputError
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import COLUMNS, empty, from_characters, words
+from stickslip.sweeps.axes_file import read_labels
+from stickslip.sweeps.columns import COLUMNS, from_characters, words
 from stickslip.sweeps.datasets import assembled
-from stickslip.sweeps.folder import AXES, TILES, file_of, read_manifest
+from stickslip.sweeps.folder import read_manifest
+from stickslip.sweeps.manifest import has_checksums
+from stickslip.sweeps.tiles import notes_of, read_tile
 
-__all__ = ["open_study", "read_labels", "read_tile"]
+__all__ = ["open_study"]
 
 Array = Any
+_OLD = "kept by an earlier stickslip, without checksums: damage to the file may go unseen"
 
 
 def open_study(folder: str | Path) -> Any:
@@ -52,10 +56,10 @@ def open_study(folder: str | Path) -> Any:
 
     dims = tuple(told["dims"])
     columns = {name: xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, told, name)))._data for name in told["columns"]}
-    grid = assembled({name: (dims, values) for name, values in columns.items()}, read_labels(folder), told["attributes"])
+    grid = assembled({name: (dims, values) for name, values in columns.items()}, read_labels(folder, told), told["attributes"])
     grid.attrs["provenance"] = json.dumps(told["provenance"])
     grid.attrs["study"] = told["study"]
-    notes = _notes(folder, told)
+    notes = notes_of(folder, told) | ({} if has_checksums(told) else {_OLD: told["cases"]})
     if notes:
         grid.attrs["notes"] = json.dumps(notes, ensure_ascii=False)
     return grid
@@ -90,65 +94,6 @@ def _decoded(name: str, variable: Any) -> Array:
     if "kept_as" in variable.attrs:
         return from_characters(values, variable.attrs["kept_as"])
     return np.char.decode(values).astype(COLUMNS[name]) if values.dtype.kind == "S" else words(name, values)
-
-
-def _notes(folder: Path, told: dict[str, Any]) -> dict[str, int]:
-    """What went wrong, counted over all tiles."""
-    import h5py
-
-    notes: dict[str, int] = {}
-    for path in sorted((folder / TILES).glob("*.nc")):
-        try:
-            with h5py.File(path, "r") as file:
-                for sentence, n in json.loads(file.attrs.get("notes", "{}")).items():
-                    notes[sentence] = notes.get(sentence, 0) + n
-        except OSError:
-            continue
-    return notes
-
-
-def read_labels(folder: Path) -> dict[str, Column]:
-    """The coordinates of a study."""
-    import h5py
-
-    labels: dict[str, Column] = {}
-    with h5py.File(folder / AXES, "r") as file:
-        for variable in file.values():
-            if "coordinate" not in variable.attrs:
-                continue
-            dims = tuple(_dim(file, variable, i) for i in range(variable.ndim))
-            values = variable[...]
-            if "kept_as" in variable.attrs:
-                dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
-                values = from_characters(texts, _text(variable.attrs["kept_as"]))
-            labels[_text(variable.attrs["coordinate"])] = Column(dims, values)
-    return labels
-
-
-def _dim(file: Any, variable: Any, i: int) -> str:
-    """Name of a dimension of a netCDF4 variable: the scale that is attached to it, or itself."""
-    scales = variable.dims[i]
-    return str(scales[0].name if len(scales) else variable.name).lstrip("/")
-
-
-def _text(value: Any) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)
-
-
-def read_tile(folder: Path, told: dict[str, Any], k: int, names: list[str]) -> dict[str, Array]:
-    """Columns of a tile, decoded; of a tile that is not there, empty ones."""
-    import h5py
-
-    path = file_of(folder, k)
-    try:
-        with h5py.File(path, "r") as file:
-            return {name: words(name, file[name][...]) for name in names}
-    except FileNotFoundError:
-        each = int(told["cases_per_tile"])
-        count = min((k + 1) * each, int(told["cases"])) - k * each
-        return {name: values for name, values in empty(count).items() if name in names}
-    except (OSError, KeyError) as error:
-        raise InputError("study", [f"{str(path)!r} is damaged ({error}); resume the sweep, which writes it again"]) from None
 
 
 class _Tiled(BackendArray):

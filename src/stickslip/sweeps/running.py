@@ -140,7 +140,8 @@ def carried_out(
     if out is None:
         return _in_memory(plan, tile, workers, client, retries, watch)
     from stickslip.sweeps.folder import Study
-    from stickslip.sweeps.opening import open_study, read_tile
+    from stickslip.sweeps.opening import open_study
+    from stickslip.sweeps.tiles import read_tile
 
     study = Study.begin(Path(out), plan, resume=resume, shard=shard)
     watch.resumed(sum(len(range(*plan.bounds(k))) for k in study.done))

@@ -1,0 +1,140 @@
+"""The tiles of a study as files: written whole, each with its number and checksums, and read only if they are what was written."""
+
+from __future__ import annotations
+
+import io
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.sweeps.columns import coded, described, empty, flags, words
+from stickslip.sweeps.manifest import has_checksums
+from stickslip.sweeps.seals import Damaged, plain_values, read_sealed, sealed
+
+__all__ = ["TILES", "file_of", "mark_of", "notes_of", "read_tile", "tile_bytes", "tile_is_good", "written"]
+
+Array = Any
+TILES = "tiles"
+
+
+def file_of(folder: Path, k: int) -> Path:
+    """Where tile k is."""
+    return folder / TILES / f"{k:07d}.nc"
+
+
+def mark_of(manifest: dict[str, Any], part: str) -> str | None:
+    """What the checksums of a part of a study begin with; None in a folder of format 1, which has none."""
+    return f"{manifest['study']} {part}" if has_checksums(manifest) else None
+
+
+# ---- writing ----
+def written(variables: dict[str, tuple[tuple[str, ...], Array, dict[str, Any]]], attributes: dict[str, Any]) -> bytes:
+    """A netCDF4 file as bytes; the same content gives the same bytes."""
+    import h5netcdf
+
+    kept = io.BytesIO()
+    with h5netcdf.File(kept, "w") as file:
+        for dims, values, _ in variables.values():
+            for dim, size in zip(dims, np.shape(values), strict=True):
+                if dim not in file.dimensions:
+                    file.dimensions[dim] = size
+        for name, (dims, values, attrs) in variables.items():
+            made = file.create_variable(name, dims, data=values)
+            made.attrs.update(attrs)
+        file.attrs.update(attributes)
+    return kept.getvalue()
+
+
+def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, Array], notes: dict[str, int]) -> bytes:
+    """Tile k, whose first case is number `first`, as a netCDF4 file."""
+    import h5py
+
+    count = len(next(iter(columns.values())))
+    kept = io.BytesIO(_template(manifest["study"], tuple(manifest["columns"]), count))
+    with h5py.File(kept, "r+") as file:
+        file["case"][...] = np.arange(first, first + count)
+        for name in manifest["columns"]:
+            file[name][...] = coded(name, columns[name])
+        file.attrs["tile"] = k
+        if notes:
+            file.attrs["notes"] = json.dumps(notes, ensure_ascii=False, sort_keys=True)
+    return sealed(kept.getvalue(), str(mark_of(manifest, f"tile {k}")))
+
+
+@lru_cache(8)
+def _template(study: str, names: tuple[str, ...], count: int) -> bytes:
+    """A tile of this many cases without results: all but the numbers is the same in each, and slow to write."""
+    variables: dict[str, Any] = {"case": (("case",), np.zeros(count, "i8"), {"long_name": "number of the case, from 0, in C order"})}
+    blank = empty(count)
+    for name in names:
+        values = coded(name, blank[name])
+        attrs = {n: v for n, v in described(name).items() if n != "flag_meanings"}
+        variables[name] = (("case", "character")[: values.ndim], values, {**attrs, **flags(name)})
+    return written(variables, {"stickslip_content": "tile of a study", "study": study})
+
+
+# ---- reading ----
+def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> dict[str, Array]:
+    """Columns of a tile as they are in its file; `Damaged` where it is not this study's tile k as it was written."""
+    first, last = _cases(manifest, k)
+
+    def columns(file: Any) -> dict[str, Array]:
+        study = file.attrs.get("study", b"")
+        if (study.decode() if isinstance(study, bytes) else str(study)) != manifest["study"]:
+            raise Damaged("it is of another study")
+        if int(file.attrs["tile"]) != k or int(file["case"].shape[0]) != last - first or (last > first and int(file["case"][0]) != first):
+            raise Damaged(f"it is tile {int(file.attrs['tile'])} under the name of another")
+        return {name: _decoded(name, file[name], last - first) for name in names}
+
+    return read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), columns)
+
+
+def _decoded(name: str, variable: Any, count: int) -> Array:
+    like = coded(name, empty(1)[name])
+    if variable.shape != (count, *like.shape[1:]) or variable.dtype != like.dtype:
+        raise Damaged(f"{name} has shape {variable.shape} and type {variable.dtype}")
+    return words(name, plain_values(variable))
+
+
+def _cases(manifest: dict[str, Any], k: int) -> tuple[int, int]:
+    """Numbers of the first case of a tile and of the one after its last."""
+    each = int(manifest["cases_per_tile"])
+    return k * each, min((k + 1) * each, int(manifest["cases"]))
+
+
+def tile_is_good(folder: Path, k: int, manifest: dict[str, Any]) -> bool:
+    """Whether tile k of this study is there, whole and as it was written."""
+    try:
+        _read(folder, manifest, k, [*manifest["columns"]])
+    except (FileNotFoundError, Damaged):
+        return False
+    return True
+
+
+def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> dict[str, Array]:
+    """Columns of a tile, decoded; of a tile that is not there, empty ones."""
+    try:
+        return _read(folder, manifest, k, names)
+    except FileNotFoundError:
+        first, last = _cases(manifest, k)
+        return {name: values for name, values in empty(last - first).items() if name in names}
+    except Damaged as error:
+        what = f"{str(file_of(folder, k))!r} is damaged ({error})"
+        raise InputError("study", [f"{what}; delete it and resume the sweep (resume=True, --resume), which computes it again"]) from None
+
+
+def notes_of(folder: Path, manifest: dict[str, Any]) -> dict[str, int]:
+    """What went wrong, counted over all tiles."""
+    notes: dict[str, int] = {}
+    for k in range(int(manifest["tiles"])):
+        try:
+            told = read_sealed(file_of(folder, k), mark_of(manifest, f"tile {k}"), lambda file: json.loads(file.attrs.get("notes", "{}")))
+        except (FileNotFoundError, Damaged):  # is told where its numbers are looked at
+            continue
+        for sentence, n in told.items():
+            notes[sentence] = notes.get(sentence, 0) + n
+    return notes
