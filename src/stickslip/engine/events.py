@@ -84,7 +84,8 @@ class EventWriter:
         w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
         w.line(f"_size{k}", self._size(guard, end))
         w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
-        w.line("_late", f"_g{k}s < _noise and _on{k} < 0.5")
+        # far on the wrong side, a flag that has just flipped itself was moved by the flip of another
+        w.line("_late", f"_g{k}s < _noise and (_on{k} < 0.5 or _g{k}s < -1e-6 * _size{k})")
         w.line(f"_out{k}", f"_g{k}e < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")
         w.line(f"_gp{k}", f"_g{k}s if _g{k}s > 0.0 else 0.0")

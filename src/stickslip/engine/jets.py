@@ -1,7 +1,7 @@
 """Taylor coefficients of a solution, written out: each expression of the graph becomes the series of its values in time.
 
 The series follow from one another order by order: those of the states from the slopes, those of a product by Cauchy's
-rule, those of exp, log, sqrt, sin and cos from their differential equations (Moore 1966; Jorba and Zou 2005).
+rule, those of exp, log, sqrt, sin, cos and tanh from their differential equations (Moore 1966; Jorba and Zou 2005).
 """
 
 from __future__ import annotations
@@ -110,6 +110,16 @@ class Jets:
 
     def _cos(self, node: Sym, m: int) -> str:
         return self._turning(node, self._graph.call("sin", node.args[0]), -1.0, m)
+
+    def _tanh(self, node: Sym, m: int) -> str:
+        bell, a = self._graph.call("bell", node.args[0]), node.args[0]
+        return self._line(_dot([(self.coefficient(a, j), self.coefficient(bell, m - j), j / m) for j in range(1, m + 1)]))
+
+    def _bell(self, node: Sym, m: int) -> str:
+        """Its slope is -2 tanh bell a'."""
+        a = node.args[0]
+        product = self._graph.multiply(self._graph.call("tanh", a), node)
+        return self._line(_dot([(self.coefficient(a, j), self.coefficient(product, m - j), -2.0 * j / m) for j in range(1, m + 1)]))
 
     def _turning(self, node: Sym, other: Sym, sign: float, m: int) -> str:
         """sin and cos of one argument, each the other's slope."""

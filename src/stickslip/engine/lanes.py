@@ -19,6 +19,7 @@ from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.trace import Equations, label, numbers_of, trace
+from stickslip.engine.unforeseen import misses
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
 
@@ -163,10 +164,10 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
-        "BREAK_AT": constants - len(eq.impulses) - breaks, "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
+        "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(f.startswith("e") and f.endswith("_0") for f in offsets), "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
-    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_HELD": "held0"}
+    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_E": "e0_0", "F_HELD": "held0"}
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
@@ -185,7 +186,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> s
         _force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(width, groups, offsets, named["F_C"])),
-        *(() if eq.dynamic else (taylor.switches(eq, step),)),
+        *(() if eq.dynamic else (taylor.switches(eq, step), misses(eq, step))),
     ]
     return "\n\n".join(parts)
 

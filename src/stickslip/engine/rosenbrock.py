@@ -293,7 +293,8 @@ class _StepWriter(EventWriter):
             w.line(f"_on{k}", f"1.0 if (_flip and {mine}) else (0.0 if _acc1 else _on{k})")
         w.line("_nacc", "_nacc + (1.0 if _acc1 else 0.0)")
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
-        w.line("_bad", f"(not _acc1) and _hh < 1e-14 * {w.value(self.eq.period, self.start)}")
+        shortest = f"fma(_t, 4.5e-16, 1e-25 * {w.value(self.eq.period, self.start)})"  # time has digits near 0 that it has not later
+        w.line("_bad", f"(not _acc1) and _hh < {shortest}")
         nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.n))
         w.line("_end", f"{TOO_SMALL}.0")
         for k, switch in self.eq.switches.items():

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from stickslip.engine.rosenbrock import Step
 
-__all__ = ["Layout", "step_text"]
+__all__ = ["Layout", "step_text", "used", "without_branches"]
 
 _NAME = re.compile(r"(?<![\w.])_(?=[A-Za-z])")
 
@@ -55,9 +55,9 @@ def _series(step: Step, at: Layout) -> str:
 
 # ---- lines ----
 def _reads(step: Step, at: Layout, fields: Iterable[str], lines: Sequence[str]) -> list[str]:
-    used = _used(lines)
-    reads = [f"_{name} = {at.place(name)}" for name in fields if name in used]
-    return reads + [f"_c{i} = S[{at.constants + i * at.lanes} + l@]" for i in range(len(step.case_nodes)) if f"c{i}" in used]
+    asked = used(lines)
+    reads = [f"_{name} = {at.place(name)}" for name in fields if name in asked]
+    return reads + [f"_c{i} = S[{at.constants + i * at.lanes} + l@]" for i in range(len(step.case_nodes)) if f"c{i}" in asked]
 
 
 def _writes(at: Layout, fields: Iterable[str]) -> list[str]:
@@ -69,16 +69,16 @@ def _made(lines: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(m.group(1) for line in lines if (m := re.match(r"\s*_(\w+) = ", line))))
 
 
-def _used(lines: Sequence[str]) -> set[str]:
+def used(lines: Sequence[str]) -> set[str]:
     """Names that lines ask for before they give them a value themselves."""
-    used: set[str] = set()
+    asked: set[str] = set()
     made: set[str] = set()
     for line in lines:
         name, equals, text = line.strip().partition(" = ")
-        used |= {n[1:] for n in re.findall(r"(?<![\w.])_[A-Za-z]\w*", text if equals else line)} - made
+        asked |= {n[1:] for n in re.findall(r"(?<![\w.])_[A-Za-z]\w*", text if equals else line)} - made
         if equals:
             made.add(name[1:])
-    return used
+    return asked
 
 
 # ---- functions ----
@@ -90,7 +90,7 @@ def _function(name: str, arguments: str, lines: Sequence[str], at: Layout) -> st
         for g in range(at.groups):
             renamed = _NAME.sub(f"_{'abcd'[g]}_", line)
             text.append("        " + renamed.replace("l@", "l" if g == 0 else f"l + {g * at.width}"))
-    return _without_branches("\n".join(text))
+    return without_branches("\n".join(text))
 
 
 class _Selects(ast.NodeTransformer):
@@ -108,5 +108,6 @@ class _Selects(ast.NodeTransformer):
         return joined
 
 
-def _without_branches(text: str) -> str:
+def without_branches(text: str) -> str:
+    """A text with all decisions inside expressions turned into such calls."""
     return ast.unparse(ast.fix_missing_locations(_Selects().visit(ast.parse(text))))

@@ -109,7 +109,7 @@ class Sym:
         return self.graph.call("log", self)
 
     def __ss_sqrt__(self) -> Sym:
-        return self.graph.call("sqrt", self)
+        return self.graph.power(self, 0.5)
 
     def __ss_sin__(self) -> Sym:
         return self.graph.call("sin", self)
@@ -121,8 +121,7 @@ class Sym:
         return self  # the engine's time begins anew with each period
 
     def __ss_tanh__(self) -> Sym:
-        one, e = self.graph.constant(1.0), self.graph.call("exp", self * -2.0)
-        return (one - e) / (one + e)
+        return self.graph.call("tanh", self)
 
     def __repr__(self) -> str:
         return {"constant": repr(self.value)}.get(self.op, self.name or f"{self.op}({', '.join(map(repr, self.args))})")
@@ -178,6 +177,7 @@ class Graph:
         self._known: dict[Any, Sym] = {}
         self.guards: list[Sym] = []  # guards[k] is the expression whose sign the flag b<k> holds
         self.clocks: list[Sym] = []  # clocks[k] is linear in time, and its sign is the flag clk<k>
+        self.units: dict[str, Sym] = {}  # typical sizes of variables, by name
         self.assumed: dict[int, float] = {}  # signs that are not asked for: number of a node -> +1 or -1
         self._derivatives: dict[tuple[int, int], Sym] = {}
         self._varies: dict[int, frozenset[str]] = {}
@@ -266,6 +266,10 @@ class Graph:
             return self.multiply(self.constant(1.0 / b.value), a)
         if a is b:
             return self.constant(1.0)
+        for whole, part in ((a, b), (b, a)):  # v / abs(v) is the side of v, also where v is zero
+            if whole.op == "multiply" and any(part is x for x in whole.args):
+                other = whole.args[0] if whole.args[1] is part else whole.args[1]
+                return other if whole is a or _is_sign(other) else self._node("reciprocal", (other,))
         if b.op == "multiply" and b.args[0].level < STATE <= b.args[1].level:
             return self.multiply(self.divide(self.constant(1.0), b.args[0]), self.divide(a, b.args[1]))
         return self.multiply(a, self._node("reciprocal", (b,)))
@@ -282,9 +286,11 @@ class Graph:
             while n:
                 result, square, n = (result * square if n & 1 else result), (square * square if n > 1 else square), n >> 1
             return result
+        if a.op == "multiply" and a.args[0] is a.args[1]:
+            return self.power(abs(a.args[0]), 2.0 * power)
         side = self._side(a)
         if side == "touches zero" or (side == "a choice" and isinstance(power, Sym)):
-            blunt = _BLUNT if self.assumed else _BLUNT_LESS
+            blunt = (_BLUNT if self.assumed else _BLUNT_LESS) * self._size(a) ** 2
             return a * self.call("exp", 0.5 * (power - 1.0) * self.call("log", a * a + blunt))
         if isinstance(power, Sym):
             if side == "both signs":
@@ -316,10 +322,16 @@ class Graph:
             return "a choice"
         return "both signs" if odd and all(o.op == "variable" and o.name != "t" for o in odd) else ""
 
+    def _size(self, a: Sym) -> Sym:
+        """What a product is where its variables are of their typical sizes, as far as those are known."""
+        if a.op == "multiply":
+            return self.multiply(self._size(a.args[0]), self._size(a.args[1]))
+        return self.units.get(a.name, self.constant(1.0)) if a.level == STATE else a
+
     def call(self, name: str, a: Sym) -> Sym:
         """A function of one argument."""
         if a.op == "constant":
-            return self.constant(getattr(math, name)(a.value))
+            return self.constant(1.0 / math.cosh(a.value) ** 2 if name == "bell" else getattr(math, name)(a.value))
         return self._node(name, (a,))
 
     def select(self, held: Sym, yes: Sym, no: Sym) -> Sym:
@@ -339,7 +351,7 @@ class Graph:
             if first is second:
                 return self.constant(1.0)
             return self.multiply(self.sign(first), self.sign(second))
-        if a.op in ("exp", "sqrt"):
+        if a.op in ("exp", "sqrt", "bell"):
             return self.constant(1.0)
         if a.op == "reciprocal":
             return self.sign(a.args[0])
@@ -413,6 +425,10 @@ def _slope(node: Sym, a: Sym) -> Sym:
             return graph.call("cos", a)
         case "cos":
             return -graph.call("sin", a)
+        case "tanh":
+            return graph.call("bell", a)
+        case "bell":  # 1/cosh^2, which is not 1 - tanh^2 once that has lost all its digits
+            return -2.0 * (graph.call("tanh", a) * node)
         case "reciprocal":
             return -(node * node)
     raise TraceError(f"no derivative is known for {node.op}")

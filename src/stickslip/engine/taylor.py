@@ -3,7 +3,7 @@
 Between two events the motion is analytic, so a polynomial of high order is exact to rounding over a good part of a period;
 the guards (contact velocity while it slides, distance to break-away while it is stuck, the law's own conditions) are polynomials too.
 The series are written for all lanes at once; the driver then searches each lane's guards for their first zero on the whole
-step, dips between the looks included. Nothing is rejected.
+step, dips between the looks included. What the coefficients cannot foresee is in ``unforeseen.py``.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from stickslip.engine.jets import ZERO, Jets
 from stickslip.engine.rosenbrock import Step
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.trace import Equations
+from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
 __all__ = ["ORDER", "switches", "write_step"]
@@ -69,14 +70,16 @@ class _SeriesWriter:
         fields += [*(f"clk{k}" for k in range(len(self.eq.clocks))), *(f"m{i}" for i in n if i), "stat", "nacc", "nrej", "ratio", "acc"]
         fields += ["t0", "hh", "x0", "side", "last", "top", *(f"k{i}_{m}" for i in n for m in range(ORDER + 1))]
         fields += [f"g{k}_{m}" for k in self.guards for m in range(ORDER + 1)]
+        self.rising = active(self.eq, "exp") | active(self.eq, "tanh")
+        fields += [f"e{k}_{m}" for k in range(len(self.rising)) for m in range(ORDER + 1)]
         self._series()
         self._length()
         self._polynomials()
         for switch in self.eq.switches.values():  # what they need is held by the lane too
             for new in (*switch.modes, *switch.states):
                 self._hold(new)
-        self._hold(self.eq.offset)
-        self._hold(self.eq.period)
+        for node in (self.eq.offset, self.eq.period, self.eq.free_velocity):
+            self._hold(node)
         return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), ORDER, series=True)
 
     def _hold(self, node: Sym | None) -> None:
@@ -100,7 +103,7 @@ class _SeriesWriter:
         self.start = start
         self.scale_v = self.w.value(self.eq.velocity_scale, start)
         self.period = self.w.value(self.eq.period, start)
-        jets = Jets(self.eq, self.w, start)
+        self.jets = jets = Jets(self.eq, self.w, start)
         orders = range(ORDER + 1)
         self.c = [[jets.coefficient(y, m) for m in orders] for y in self.eq.y]
         held = {k: f"_b{k}" if k < self.eq.signs else "" for k in self.guards}
@@ -124,9 +127,17 @@ class _SeriesWriter:
             low = [f"abs({c})" if c != ZERO else ZERO for c in self.g[k][:4]]
             size = w.line(w.fresh(), f"{horner(low, '_longest')} + 1e-290")
             self._limit(self.g[k], f"{literal(ROUNDING)} * {size}")
+        for quotient, ways in active(self.eq, "reciprocal").items():
+            c = [self.jets.coefficient(quotient, m) for m in range(ORDER + 1)]
+            self._limit(c, f"({literal(NEAR_POLE)} * abs({c[0]}) if {self._counts(ways)} else 1e300)")
         w.line("_rem", "_tend - _t")
         w.line("_last", "1.0 if _rem <= _hh * 1.0000001 else 0.0")
         w.line("_hh", "_rem if _last > 0.5 else _hh")
+
+    def _counts(self, ways: list[Way]) -> str:
+        """Whether what is held leads to a part of the equations."""
+        texts = {" and ".join(f"{self.w.value(a, self.start)} {'>' if up else '<='} 0.0" for a, up in way) for way in ways}
+        return "True" if "" in texts else f"({' or '.join(f'({text})' for text in sorted(texts))})"
 
     def _limit(self, c: list[str], tolerated: str) -> None:
         """Shorten the step to where the last two terms of a series fall to what is tolerated."""
@@ -141,7 +152,7 @@ class _SeriesWriter:
             w.line("_hh", f"_hh if _hh < {h} else {h}")
 
     def _polynomials(self) -> None:
-        """The series in theta = (time since the start) / h."""
+        """The series in theta = (time since the start) / h: of the states, the guards, and of how far exponents are below the floor."""
         w = self.w
         powers = ["1.0", "_hh"]
         for m in range(2, ORDER + 1):
@@ -152,3 +163,9 @@ class _SeriesWriter:
         for k, c in self.g.items():
             for m in range(ORDER + 1):
                 w.line(f"_g{k}_{m}", f"{powers[m]} * {c[m]}" if c[m] != ZERO else "0.0")
+        for k, (node, ways) in enumerate(self.rising.items()):
+            c = [self.jets.coefficient(node.args[0], m) for m in range(ORDER + 1)]
+            times = "1.0" if node.op == "exp" else w.line(w.fresh(), f"-2.0 if {c[0]} > 0.0 else 2.0")  # tanh a knows exp(-2|a|)
+            w.line(f"_e{k}_0", f"{literal(FLOOR)} - {times} * {c[0]} if {self._counts(ways)} else 0.0")
+            for m in range(1, ORDER + 1):
+                w.line(f"_e{k}_{m}", f"-{times} * {powers[m]} * {c[m]}" if c[m] != ZERO else "0.0")

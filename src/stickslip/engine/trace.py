@@ -155,6 +155,9 @@ class _Motion:
 def _trace(model: Any) -> Equations:
     m = _Mechanics(model)
     graph = m.graph
+    speed = getattr(m.law, "velocity_scale", None)
+    scale = _velocity_scale(m, m.model.velocity_scale, speed)
+    graph.units["v"] = graph.select(scale, scale, graph.constant(1.0))
     motion = _dynamic(m) if is_dynamic(model.friction) else _set_valued(m)
     y = (m.slip, *motion.inner, *(() if m.cyclic else (m.x,)))
     f = (*motion.f, *(() if m.cyclic else (m.v,)))
@@ -163,7 +166,6 @@ def _trace(model: Any) -> Equations:
     switches = {len(graph.guards) + k: switch for k, (_, switch) in enumerate(events)}
     if motion.at_rest is not None:
         switches[0] = motion.at_rest
-    speed = getattr(m.law, "velocity_scale", None)
     impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in getattr(m.model, "impulses", ()) or ())
     return Equations(
         graph=graph, names=m.names, t=m.t, y=y, f=f, offset=m.offset,
@@ -173,7 +175,7 @@ def _trace(model: Any) -> Equations:
         modes=motion.modes, first_modes=motion.first_modes,
         clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks), impulses=impulses,
         period=m.period(model),
-        velocity_scale=_velocity_scale(m, m.model.velocity_scale, speed),
+        velocity_scale=scale,
         free_velocity=_velocity_scale(m, getattr(m.model, "free_velocity", m.model.velocity_scale), speed),
         scales=(*motion.scales, *(() if m.cyclic else (None,))),
         stribeck_velocity=None if speed is None else m.lift(speed()),

@@ -144,6 +144,8 @@ class Writer:
             return getattr(self, f"_{node.op}")(self.value(node.args[0], bind))
         if node.op in ("add", "subtract"):
             return self._sum(node, bind)
+        if node.op in ("tanh", "bell"):
+            return self._of_tanh(node, bind)
         a = [self.value(x, bind) for x in node.args]
         text = {
             "multiply": lambda: f"-{a[1]}" if a[0] == "(-1.0)" else f"{a[0]} * {a[1]}",
@@ -152,6 +154,15 @@ class Writer:
             "select": lambda: f"{a[1]} if {a[0]} > 0.0 else {a[2]}",
         }[node.op]()
         return self.line(self.fresh(), text)
+
+    def _of_tanh(self, node: Sym, bind: dict[str, str]) -> str:
+        """tanh x, or 1/cosh^2 x: both from e = exp(-2|x|), which is never large."""
+        a, graph = node.args[0], node.graph
+        e = self.value(graph.call("exp", graph.select(a, -2.0 * a, 2.0 * a)), bind)
+        if node.op == "bell":
+            return self.line(self.fresh(), f"4.0 * {e} / ((1.0 + {e}) * (1.0 + {e}))")
+        height = self.line(self.fresh(), f"(1.0 - {e}) / (1.0 + {e})")
+        return self.line(self.fresh(), f"{height} if {self.value(a, bind)} > 0.0 else -{height}")
 
     def _sum(self, node: Sym, bind: dict[str, str]) -> str:
         """A sum of any length, the term that is ready last added last; products used nowhere else are fused."""
@@ -180,7 +191,7 @@ class Writer:
     def _ready(self, node: Sym) -> int:
         """How many operations deep a node is, functions and quotients counting for more."""
         if node.number not in self._depth:
-            cost = {"exp": 12, "log": 20, "sin": 15, "cos": 15, "reciprocal": 4, "sqrt": 5}.get(node.op, 1)
+            cost = {"exp": 12, "log": 20, "sin": 15, "cos": 15, "tanh": 18, "bell": 18, "reciprocal": 4, "sqrt": 5}.get(node.op, 1)
             deep = node.level == STATE and node.args
             self._depth[node.number] = cost + max(self._ready(a) for a in node.args) if deep else 0
         return self._depth[node.number]

@@ -37,11 +37,19 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
         checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
-            f"the run stopped{done}: {STATUS[status]}; "
-            f"the state was x, v, z = {results.end[0].tolist()}. Try another rtol (now {todo.rtol:g}) or start, and check the law's numbers"
+            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table)}. Try another rtol (now {todo.rtol:g}) "
+            'or start, check the law\'s numbers, or type method="radau" (SciPy on the law in plain Python: slower)'
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
+
+
+def _state(todo: Request, end: Any, table: _Table) -> str:
+    """The state at which a run stopped, each number with its name and unit."""
+    inner = states_of(todo.model.friction)
+    z = [f"z{k}" for k in range(inner)] if inner > 1 else ["z"] * inner
+    values = [float(end[0]), float(end[1] + table.offset[0]), *map(float, end[2 : 2 + inner])]
+    return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
 
 
 def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:

@@ -6,6 +6,9 @@
 
 LOOKS = 4  # stretches of a step at whose ends a guard is looked at
 NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not below it
+BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
+POINTS = 8  # of a step at which it was held against the equation
+SHORTEST = 1e-22  # of a period
 NEWTON = 60  # iterations at most; a handful is usual
 
 
@@ -118,16 +121,39 @@ def extremum(S, at, end):
     return at_theta(S, at, x)
 
 
+@njit(types.UniTuple(float64, 2)(int64, f1, i1), **OPTIONS)
+def end_of_step(lane, S, D):
+    """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
+    theta, which = 2.0, -1.0
+    for k in range(1, D[GUARDS]):
+        zero = first_zero(S, D[F_G] + (k - 1) * (ORDER + 1) * L + lane)
+        if zero < theta:
+            theta, which = zero, float(k)
+    for k in range(D[EXPONENTS]):
+        at = D[F_E] + k * (ORDER + 1) * L + lane
+        if S[at] > BELOW:
+            rises = first_zero(S, at)
+            if rises < theta:
+                theta, which = rises, -1.0
+    if D[AT_MISSED] == 0:
+        return theta, which
+    for _ in range(200):
+        part = min(theta, 1.0)
+        good = call_missed(D[AT_MISSED], lane, part, S)
+        if good >= POINTS:
+            break
+        theta, which = part * (good + 0.5) / POINTS, -1.0
+        S[D[F_NREJ] + lane] += 1.0
+    return theta, which
+
+
 @njit(void(int64, f1, float64, i1), **OPTIONS)
 def land_lane(lane, S, budget, D):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
     states, at_y, at_k = D[STATES], D[F_Y] + lane, D[F_K] + lane
     at_t, at_x, at_stat, at_nacc = D[F_T] + lane, D[F_X] + lane, D[F_STAT] + lane, D[F_NACC] + lane
-    theta, which = 2.0, 0
-    for k in range(1, D[GUARDS]):
-        zero = first_zero(S, D[F_G] + (k - 1) * (ORDER + 1) * L + lane)
-        if zero < theta:
-            theta, which = zero, k
+    theta, guard = end_of_step(lane, S, D)
+    which = int64(guard)
     h, last = S[D[F_HH] + lane], S[D[F_LAST] + lane] > 0.5
     part = min(theta, 1.0)
     S[D[F_T0] + lane], S[D[F_X0] + lane], S[D[F_SIDE] + lane] = S[at_t], S[at_x], S[D[F_SIGN] + lane]
@@ -147,17 +173,16 @@ def land_lane(lane, S, budget, D):
     if bad:
         S[at_stat] = 4.0
         return
-    if theta <= 1.0:
-        S[at_t] += part * h
-        status = call_switched(D[AT_SWITCHED], which, lane, S)
-        if status > 0:
-            S[at_stat] = status
-    elif last:
+    if theta > 1.0 and last:
         S[at_t] = S[D[F_TEND] + lane]
         S[at_stat] = 1.0
     else:
-        S[at_t] += h
-        if h < 1e-15 * S[D[F_C] + D[PERIOD] * L + lane]:
+        S[at_t] += part * h
+        if which >= 0:
+            status = call_switched(D[AT_SWITCHED], which, lane, S)
+            if status > 0:
+                S[at_stat] = status
+        elif part * h < SHORTEST * S[D[F_C] + D[PERIOD] * L + lane]:
             S[at_stat] = 3.0
     if S[at_nacc] > budget and S[at_stat] < 0.5:
         S[at_stat] = 2.0
