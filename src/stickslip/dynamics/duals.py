@@ -39,6 +39,10 @@ class Truth:
     def __invert__(self) -> Truth:
         return Truth(~self.holds)
 
+    def __bool__(self) -> bool:
+        """What `if` asks of one number; NumPy refuses it of an array."""
+        return bool(self.holds)
+
     __mul__ = __rand__ = __and__
     __ror__ = __or__
 
@@ -51,6 +55,7 @@ class Dual:
     """A number (or an array of them) with its derivatives by some variables."""
 
     __array_ufunc__ = None  # NumPy's operators leave the work to ours
+    __hash__ = None  # type: ignore[assignment]  # equality is a condition on the value, as the others are
 
     def __init__(self, value: Array, slopes: list[Any]):
         self.value = value
@@ -119,6 +124,12 @@ class Dual:
 
     def __le__(self, other: Any) -> Truth:
         return Truth(np.less_equal(self.value, _lift(other).value))
+
+    def __eq__(self, other: Any) -> Truth:  # type: ignore[override]
+        return Truth(np.equal(self.value, _lift(other).value))
+
+    def __ne__(self, other: Any) -> Truth:  # type: ignore[override]
+        return Truth(np.not_equal(self.value, _lift(other).value))
 
     def __ss_exp__(self) -> Dual:
         e = np.exp(self.value)

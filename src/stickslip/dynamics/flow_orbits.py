@@ -8,14 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage
+from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
 from stickslip.dynamics.variational import multipliers_of
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.forces import is_dynamic, normal_load
 
 __all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "switching_flow"]
 
 Array = Any
+_STILL = 1e-9  # of the size of the state: what moves by less stands still
+_APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
+_SAME = 1e-6  # of its size: how well an orbit comes back that has been around
+_SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
+_PARTS = (2, 3, 5, 7, 11, 13)
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +29,7 @@ class FlowOrbit:
 
     Parameters
     ----------
-    state, mode : array, int
+    state, mode
         Where it begins.
     duration : float
         Its period in time.
@@ -34,21 +39,24 @@ class FlowOrbit:
         How far it is from itself.
     passage : Passage
         Once around.
+    notes : tuple of str
+        What else is to be said: of a forced flow, that nothing moves in it.
 
     Examples
     --------
     >>> still = SwitchingFlow({0: lambda t, y: (y[1], -4.0 * y[0] - 0.2 * y[1])}, period=1.0)
     >>> orbit = flow_orbit(still, [0.1, 0.0], 0)
-    >>> orbit.stable, bool(abs(orbit.state).max() < 1e-9)
-    (True, True)
+    >>> orbit.stable, bool(abs(orbit.state).max() < 1e-9), orbit.notes
+    (True, True, ('nothing moves in it: an equilibrium, which repeats after any time',))
     """
 
     state: Array
-    mode: int
+    mode: Any
     duration: float
     multipliers: Array
     residual: float
     passage: Passage
+    notes: tuple[str, ...] = ()
 
     @property
     def stable(self) -> bool:
@@ -56,7 +64,7 @@ class FlowOrbit:
         return bool(np.all(abs(self.multipliers) < 1.0))
 
     @property
-    def pattern(self) -> tuple[int, ...]:
+    def pattern(self) -> tuple[Any, ...]:
         """The modes in order."""
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
@@ -64,7 +72,7 @@ class FlowOrbit:
 def flow_orbit(
     flow: SwitchingFlow,
     state: Any,
-    mode: int,
+    mode: Any,
     *,
     periods: int = 1,
     duration: float | None = None,
@@ -77,12 +85,12 @@ def flow_orbit(
     Parameters
     ----------
     flow : SwitchingFlow
-    state, mode : array, int
+    state, mode
         A guess.
     periods : int
         Periods of the forcing until it repeats.
     duration : float
-        For a flow that does not depend on time: a guess of how long the orbit takes.
+        For a flow that does not depend on time: a guess of how long the orbit takes. The orbit found is gone around once.
     settle : int
         Periods to run before Newton's method begins.
     most : int
@@ -98,7 +106,8 @@ def flow_orbit(
     Raises
     ------
     SolveError
-        Where Newton's method finds none from this guess.
+        Where Newton's method finds none from this guess, goes to an equilibrium of a flow that does not depend on time, or finds a
+        forced motion that repeats before `periods` are over.
 
     Examples
     --------
@@ -111,52 +120,129 @@ def flow_orbit(
     >>> round(float(o.passage.highest[0]), 3), o.stable  # X = 1.8857
     (1.886, True)
     """
-    y = np.array(state, float)
-    if flow.period is None and duration is None:
-        raise InputError("flow_orbit", ["the flow has no period; give duration=, a guess of how long the orbit takes"])
-    T = float(duration or 0.0) if flow.period is None else periods * float(flow.period)
+    y, T = _checked(flow, state, mode, periods, duration, settle, most, rtol), periods * float(flow.period or duration or 0.0)
     if flow.period is None:
-        y, mode, T = _returned(flow, y, mode, T, max(settle, 3), rtol)
+        y, mode, T = _returned(flow, y, mode, T, settle, rtol)
     for _ in range(settle if flow.period else 0):
         done = passage(flow, y, mode, T, rtol=rtol)
         y, mode = done.state, done.mode
+    return _once(flow, _closed(flow, y, mode, T, most, rtol), periods, most, rtol)
+
+
+def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any) -> Array:
+    """The guess; an error where something else was given."""
+    problems = Problems("flow_orbit")
+    problems.whole("periods", periods, 1, example=1, what=" of periods of the forcing")
+    problems.whole("settle", settle, 0, example=20)
+    problems.whole("most", most, 1, example=30)
+    free = isinstance(flow, SwitchingFlow) and flow.period is None
+    if free and duration is None:
+        problems.add("the flow has no period; give duration=, a guess of how long the orbit takes")
+    if free and is_whole(periods) and periods > 1:
+        problems.add(f"periods = {periods!r}, but the flow has no period; leave periods out, and give duration=")
+    if not free and duration is not None:
+        problems.add(f"duration = {duration!r}, but the flow has a period; leave duration out, and give periods=")
+    problems.check()
+    return started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit")
+
+
+def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, rtol: float) -> FlowOrbit:
+    """The orbit to which Newton's method goes from a guess."""
+    free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, rtol=rtol)
     for _ in range(most):
-        done = passage(flow, y, mode, T, rtol=rtol)
-        miss, size = done.state - y, float(abs(done.state - y).max())
-        if size <= 3 * rtol * (1 + abs(y).max()):
+        miss = done.state - y
+        size, extent, scale = float(abs(miss).max()), float((done.highest - done.lowest).max()), float(1 + abs(y).max())
+        still = extent <= max(_STILL * scale, 3 * size)
+        if size <= 3 * rtol * scale and done.mode == mode and (not free if still else extent >= _APART * size):
             break
-        y, T, mode = _newton_step(flow, y, mode, T, done, miss)
+        if still and free and size <= _STILL * scale:
+            raise SolveError(_nothing_moves(y, mode, T, guessed))
+        y, T, mode, done = _nearer(flow, y, mode, T, done, rtol)
     else:
-        if size > 1e-8 * (1 + abs(y).max()):
+        if size > 1e-8 * scale or done.mode != mode:
             raise SolveError(
                 f"Newton's method found no periodic orbit of the flow in {most} iterations (miss {size:.1e}); try settle=, or another guess"
             )
-    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, flow.period is None), size, done)
+        if free and extent < _APART * size:
+            raise SolveError(_nothing_moves(y, mode, T, guessed))
+    notes = ("nothing moves in it: an equilibrium, which repeats after any time",) if still else ()
+    if not np.isfinite(done.monodromy).all():
+        raise SolveError(_touches(done))
+    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes)
 
 
-def _returned(flow: SwitchingFlow, y: Array, mode: int, duration: float, turns: int, rtol: float) -> tuple[Array, int, float]:
+def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, rtol: float) -> tuple[Array, float, Any, Passage]:
+    """The next guess and its passage: Newton's step, or the part of it that first makes the miss smaller."""
+    step, longer, after = _newton_step(flow, y, mode, T, done)
+    size = abs(done.state - y).max()
+    for part in _SHARES:
+        ahead, then = y + part * step, T + part * longer
+        found = passage(flow, ahead, after, then, rtol=rtol)
+        if abs(found.state - ahead).max() < size or part == _SHARES[-1]:
+            break
+    return ahead, then, after, found
+
+
+def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
+    hint = "try a guess of state and duration nearer to the orbit, such as a state of a long passage that has settled on it, or settle="
+    if guessed > 1e3 * T:
+        return f"Newton's method went to a duration of zero, after which every state comes back; {hint}"
+    return (
+        f"Newton's method went to an equilibrium, y = {[float(f'{v:.6g}') for v in y]} in mode {mode!r}, which comes back after any "
+        f"time and is no orbit; {hint}"
+    )
+
+
+def _touches(done: Passage) -> str:
+    at = ", ".join(f"{t:.9g}" for t, _, _ in done.events[-3:])
+    return (
+        f"the flow touches a guard without crossing it (its last switches are at t = {at}): small changes grow there without bound, so "
+        "there is no derivative; try another guess, or another value of the parameter"
+    )
+
+
+def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, rtol: float) -> FlowOrbit:
+    """The orbit gone around once: the shortest duration of a free flow, an error where forced motions repeat before `periods` are over."""
+    for k in _PARTS if flow.period is None else [k for k in range(periods, 1, -1) if periods % k == 0 and not orbit.notes]:
+        part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, rtol=rtol)
+        extent = float((orbit.passage.highest - orbit.passage.lowest).max())
+        if part.mode != orbit.mode or abs(part.state - orbit.state).max() > max(_SAME * extent, 10 * orbit.residual):
+            continue
+        if flow.period is not None:
+            told = f"the motion found repeats after {periods // k} of {periods} periods"
+            raise SolveError(f"{told}; type periods={periods // k}, or give another guess")
+        return _once(flow, _closed(flow, orbit.state, orbit.mode, orbit.duration / k, most, rtol), periods, most, rtol)
+    return orbit
+
+
+def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle: int, rtol: float) -> tuple[Array, Any, float]:
     """A better guess for a flow that does not depend on time: a state after its last switch, and the time since the same one before."""
-    events = passage(flow, y, mode, turns * duration, rtol=rtol).events
+    whole = max(settle, 3) * duration
+    done = passage(flow, y, mode, whole, rtol=rtol)
+    events = done.events
     same = [k for k, event in enumerate(events) if event[1:] == events[-1][1:]]
     if len(same) < 2:
-        return y, mode, duration
-    done = passage(flow, y, mode, turns * duration, rtol=rtol, switches=same[-1] + 1)
+        return (done.state, done.mode, duration) if settle else (y, mode, duration)
+    done = passage(flow, y, mode, whole, rtol=rtol, switches=same[-1] + 1)
     onward = 0.5 * (events[same[-2] + 1][0] - events[same[-2]][0])  # not on a switch, but half way to the next
-    done = passage(flow, done.state, done.mode, onward, rtol=rtol)
+    done = passage(flow, done.state, done.mode, onward, rtol=rtol) if onward > 0 else done
     return done.state, done.mode, events[same[-1]][0] - events[same[-2]][0]
 
 
-def _newton_step(flow: SwitchingFlow, y: Array, mode: int, T: float, done: Passage, miss: Array) -> tuple[Array, float, int]:
-    """The next guess: state, duration and mode."""
-    n, A = len(y), done.monodromy - np.eye(len(y))
+def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, float, Any]:
+    """Newton's step of state and duration, and the mode of the next guess. It is no longer than the motion seen is large."""
+    if not np.isfinite(done.monodromy).all():
+        raise SolveError(_touches(done))
+    n, A, miss, reach = len(y), done.monodromy - np.eye(len(y)), done.state - y, float((done.highest - done.lowest).max())
     if flow.period is not None:
         step = np.linalg.lstsq(A, -miss, rcond=1e-12)[0]
-        return y + step, T, done.mode
+        return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
     along = derivative(flow.fields[mode], 0.0, y)[0]
     ahead = derivative(flow.fields[done.mode], T, done.state)[0]
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
     step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
-    return y + step[:n], T + float(np.clip(step[n], -0.5 * T, 0.5 * T)), mode
+    step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
+    return step[:n], float(step[n]), mode
 
 
 def switching_flow(model: Any) -> SwitchingFlow:
@@ -213,14 +299,13 @@ def switching_flow(model: Any) -> SwitchingFlow:
 
 
 def exponents_of(
-    flow: SwitchingFlow, state: Any, mode: int, *, duration: float, settle: float, every: float, rtol: float
+    flow: SwitchingFlow, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float
 ) -> tuple[Array, float]:
     """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
-    y, t, every = np.array(state, float), 0.0, flow.period or every
-    if settle > 0:
-        stretches = int(np.ceil(settle / every))
-        done = passage(flow, y, mode, stretches * every, rtol=rtol)
-        y, mode, t = done.state, done.mode, stretches * every
+    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
+    for _ in range(int(np.ceil(max(settle, 0.0) / every))):
+        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
+        y, mode, t = done.state, done.mode, t + every
     Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
     for k in range(len(logs)):
         done = passage(flow, y, mode, every, begin=t, rtol=rtol)

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.duals import slopes_of, variables
+from stickslip.dynamics.switched import SwitchingFlow
+from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
 
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
@@ -103,28 +104,21 @@ def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 
     return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time, note)
 
 
-def _jacobian(f: Callable[..., Any], *before: Any) -> Callable[[Array], Array]:
-    """The derivative of a function's own lines."""
-
-    def derivative(x: Array) -> Array:
-        found = f(*before, variables(*x))
-        rows = found if isinstance(found, (tuple, list, np.ndarray)) else [found]
-        return np.array([slopes_of(row, len(x)) for row in rows], float)
-
-    return derivative
-
-
-def _checked(what: str, x0: Any, **whole: Any) -> Array:
+def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:
+    """The start; an error that says everything that is wrong. Of each number: its value, and whether it may be 0."""
     problems = Problems(what)
     try:
         x = np.atleast_1d(np.asarray(x0, float))
     except (TypeError, ValueError):
         x = np.array([np.nan])
-    if x.ndim != 1 or not np.isfinite(x).all():
+    if x.ndim != 1 or not len(x) or not np.isfinite(x).all():
         problems.add(f"x0 = {x0!r}; allowed is a list of finite numbers, one for each coordinate")
     for name, value in whole.items():
-        if not value > 0:
-            problems.add(f"{name} = {value!r}; allowed is a positive number")
+        problems.whole(name, value, 0 if name == "settle" else 1, example=1000)
+    for name, (value, zero) in numbers.items():
+        number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and np.isfinite(value)
+        if not number or value < 0 or (value == 0 and not zero):
+            problems.add(f"{name} = {value!r}; allowed is a {'finite number from 0' if zero else 'positive finite number'}")
     problems.check()
     return x
 
@@ -156,16 +150,18 @@ def lyapunov_of_map(
     >>> round(float(l.spectrum.sum()), 6), l.chaotic  # the sum is ln 0.3
     (-1.203973, True)
     """
-    x = _checked("lyapunov_of_map", x0, iterations=iterations)
-    slope = jacobian or _jacobian(f)
+    x = _checked("lyapunov_of_map", x0, dict(iterations=iterations, settle=settle))
+    if not callable(f):
+        raise InputError("lyapunov_of_map", [f"f = {f!r}; allowed is a function that takes a list of numbers and returns as many"])
+    slope = jacobian or (lambda x: of_state(f, x)[1])
     for _ in range(settle):
-        x = np.atleast_1d(np.asarray(f(x), float))
+        x = numbers(f, x)
     Q, logs = np.eye(len(x)), np.empty((int(iterations), len(x)))
     for k in range(int(iterations)):
         Q, R = np.linalg.qr(np.asarray(slope(x), float) @ Q)
         with np.errstate(divide="ignore"):
             logs[k] = np.log(abs(np.diag(R)))
-        x = np.atleast_1d(np.asarray(f(x), float))
+        x = numbers(f, x)
     if not np.isfinite(x).all():
         raise InputError("lyapunov_of_map", [f"the map leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
     return gathered(logs, 1.0, "iteration")
@@ -216,19 +212,24 @@ def lyapunov_of_flow(
     >>> lyapunov_of_flow(damped, [1.0, 0.0], duration=100.0).spectrum.round(3).tolist()  # the real parts of the eigenvalues
     [-0.1, -0.1]
     """
-    x = _checked("lyapunov_of_flow", x0, duration=duration, every=every)
-    if hasattr(f, "switches"):
+    x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
+    if isinstance(f, SwitchingFlow):
         from stickslip.dynamics.flow_orbits import exponents_of
 
-        logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)  # type: ignore[arg-type]
+        logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
         return gathered(logs, every, "unit of time")
-    n, slope = len(x), jacobian or _jacobian(f)
+    if not callable(f):
+        told = f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow"
+        raise InputError("lyapunov_of_flow", [told])
+    n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
 
     def rates(t: float, y: Array) -> Array:
-        return np.concatenate([np.asarray(f(y[:n]), float), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
+        return np.concatenate([numbers(f, y[:n]), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
 
+    if not np.isfinite(numbers(f, x)).all():
+        raise InputError("lyapunov_of_flow", [f"f gave {numbers(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
     if settle > 0:
-        x = _followed(lambda t, y: np.asarray(f(y), float), x, settle, rtol, 0.0, x0)
+        x = _followed(lambda t, y: numbers(f, y), x, settle, rtol, 0.0, x0)
     Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
     for k in range(len(logs)):
         end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + k * every, x0)
