@@ -21,7 +21,7 @@ from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance, largest_file
 
-__all__ = ["read", "remarks"]
+__all__ = ["read", "read_bytes", "remarks"]
 
 _TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
@@ -80,13 +80,21 @@ def read(
     ([1.5, 2.5, 3.5], 'mm/s', 1000.0)
     """
     path = Path(path).expanduser()
-    data = _bytes(path)
+    options = {"units": units or {}, "columns": columns, "roles": roles or {}, "rate": rate}
+    return read_bytes(_bytes(path), str(path), separator, decimal, byte_order, **options)
+
+
+def read_bytes(
+    data: bytes, name: str, separator: str | None = None, decimal: str | None = None, byte_order: str | None = None, **options: Any
+) -> Record:
+    """The record in the bytes of a file; `name` is where it says that it comes from."""
     with np.errstate(all="ignore"):  # a damaged file holds any number
-        return _record(path, data, _parsed(data, separator, decimal, byte_order), units or {}, columns, roles or {}, rate)
+        raw = _parsed(data, separator, decimal, byte_order)
+        return _record(name, data, raw, **({"units": {}, "columns": None, "roles": {}, "rate": None} | options))
 
 
 def _record(
-    path: Path, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
+    path: str, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
 ) -> Record:
     """The record of what a format's reader found, with what the user says about it."""
     problems = Problems("read")
@@ -98,7 +106,7 @@ def _record(
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
     problems.check()
     channels = _channels(raw, rate, roles)
-    source = {"path": str(path), "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
+    source = {"path": path, "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
     ours = set(_OURS) <= {c.name for c in channels}
     notes = ["the columns are those of a run of stickslip: computed, not measured"] if ours else []
     if said := SYNTHETIC in raw.info.get("preamble", ""):
