@@ -228,7 +228,7 @@ def server_of(
     config = uvicorn.Config(
         app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=functools.partial(Watched, app.connections),
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
-        timeout_graceful_shutdown=2, backlog=256,
+        timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # who asks is who connected, whatever a header says
     )  # fmt: skip
     shown = f"[{host}]" if ":" in host else host
     _check_port(host, port)
