@@ -9,7 +9,7 @@ import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.units import heading, quantity_of, unit_of
-from stickslip.unpacking import Allowance, largest_file
+from stickslip.unpacking import Allowance
 
 __all__ = ["read", "read_bytes", "remarks"]
 
@@ -120,16 +120,24 @@ def _bytes(path: Path) -> bytes:
         with path.open("rb") as file:
             kind = os.fstat(file.fileno())
             Allowance("read", kind.st_size).check_file()
-            if stat.S_ISREG(kind.st_mode) or stat.S_ISFIFO(kind.st_mode):
-                data = file.read(int(largest_file()) + 1)
-                Allowance("read", len(data)).check_file()
-                return data
+            if stat.S_ISREG(kind.st_mode):
+                return file.read()
+            if stat.S_ISFIFO(kind.st_mode):
+                return _piped(file)
         why = "it is no file"
     except InputError:
         raise
     except (OSError, ValueError) as error:  # a zero byte in a name is a ValueError
         why = getattr(error, "strerror", None) or str(error)
     raise InputError("read", [f"{str(path)!r} cannot be read: {why}; give the path of a record"])
+
+
+def _piped(file: BinaryIO) -> bytes:
+    data = bytearray()
+    while part := file.read(1 << 20):
+        data += part
+        Allowance("read", len(data)).check_file()
+    return bytes(data)
 
 
 def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
