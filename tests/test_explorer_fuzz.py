@@ -69,23 +69,27 @@ def places(value, path=()):
         yield from places(part, (*path, key))
 
 
+def hostile(rng):
+    return copy.deepcopy(rng.choice(HOSTILE))  # it may be changed further
+
+
 def changed(told, rng):
     """The same with hostile values somewhere."""
     told = copy.deepcopy(told)
     for _ in range(rng.choice([0, 1, 1, 1, 2, 5])):
         path = rng.choice([*places(told)])
         if not path:
-            return rng.choice(HOSTILE)
+            return hostile(rng)
         *way, last = path
         holder = told
         for key in way:
             holder = holder[key]
         if isinstance(holder, dict) and rng.random() < 0.2:
-            holder[str(rng.choice(HOSTILE))[:100]] = rng.choice(HOSTILE)
+            holder[str(rng.choice(HOSTILE))[:100]] = hostile(rng)
         elif rng.random() < 0.1:
             del holder[last]
         else:
-            holder[last] = rng.choice(HOSTILE)
+            holder[last] = hostile(rng)
     return told
 
 
@@ -204,9 +208,9 @@ async def requests(app, rng, count):
     told = Counter()
     for _ in range(count):
         method, path, words, headers, body = asked = request(rng)
-        scope = {"type": "http", "method": method, "path": path, "raw_path": quote(path).encode(),
-                 "query_string": words.encode("latin-1"), "headers": headers, "root_path": "", "server": ("127.0.0.1", PORT), "client": None, "scheme": "http", "http_version": "1.1",
-                 "asgi": {"version": "3.0"}}  # fmt: skip
+        scope = {"type": "http", "method": method, "path": path, "raw_path": quote(path).encode(), "headers": headers,
+                 "query_string": words.encode("latin-1"), "root_path": "", "server": ("127.0.0.1", PORT), "client": None,
+                 "scheme": "http", "http_version": "1.1", "asgi": {"version": "3.0"}}  # fmt: skip
         parts, said = iter([{"type": "http.request", "body": body, "more_body": False}]), []
 
         async def receive(parts=parts):
