@@ -225,8 +225,9 @@ def server_of(
         raise InputError("explore", [f"--no-token is for this machine alone, and --host is {host}; leave one of them out"])
     token = secrets.token_urlsafe(24) if with_token else None
     app = application(host, token, workers, limits=limits)
+    protocol: Any = functools.partial(Watched, app.connections)  # made as the class is
     config = uvicorn.Config(
-        app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=functools.partial(Watched, app.connections),
+        app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=protocol,
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
         timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # who asks is who connected, whatever a header says
     )  # fmt: skip
