@@ -67,7 +67,7 @@ def free_port() -> int:
 
 def server(name: str, port: int) -> subprocess.Popen[Any]:
     if name == "explorer":
-        command = [sys.executable, "-m", "stickslip", "explore", "--no-browser", "--port", str(port)]
+        command = [sys.executable, "-m", "stickslip", "explore", "--no-browser", "--no-token", "--port", str(port)]
     else:
         command = [sys.executable, str(HERE / "pages" / f"{name}_page.py"), str(port)]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -29,17 +29,19 @@ class Explorer:
         if not self.address:
             raise RuntimeError(self.process.communicate()[1])
         self.port = urlsplit(self.address).port
+        self.token = urlsplit(self.address).query.partition("=")[2]
+        self.cookie = f"stickslip_token_{self.port}={self.token}"
 
     def close(self):
         self.process.terminate()
         self.process.communicate(timeout=30)
 
     def ask(self, path="/", method="GET", **headers):
-        """Status, headers and body of a request, with exactly these headers."""
+        """Status, headers and body of a request, with exactly these headers and the token's cookie."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
         host = headers.pop("Host", f"127.0.0.1:{self.port}")
         connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
-        for name, value in {"Host": host, **headers}.items():
+        for name, value in {"Host": host, "Cookie": self.cookie, **headers}.items():
             connection.putheader(name, value)
         connection.endheaders()
         with contextlib.closing(connection):
@@ -48,7 +50,8 @@ class Explorer:
 
     def page(self, **headers):
         """A socket as a page opens it."""
-        return connect(f"ws://127.0.0.1:{self.port}/socket", additional_headers=headers, max_size=None, compression=None, open_timeout=60)
+        told, address = {"Cookie": self.cookie, **headers}, f"ws://127.0.0.1:{self.port}/socket"
+        return connect(address, additional_headers=told, max_size=None, compression=None, open_timeout=60)
 
     def memory(self):
         """Resident memory of the server [bytes]."""

@@ -433,7 +433,7 @@ def test_a_record_that_is_too_large_or_not_ours_is_refused(explorer):
     import urllib.request
 
     def post(size, **headers):
-        address = f"{explorer.address}record/a.csv"
+        address, headers = f"http://127.0.0.1:{explorer.port}/record/a.csv", {"Cookie": explorer.cookie, **headers}
         with urllib.request.urlopen(urllib.request.Request(address, b"1" * size, headers, method="POST"), timeout=60) as reply:
             return reply.status
 
@@ -542,22 +542,44 @@ def test_too_many_messages_end_the_connection(explorer):
     assert explorer.ask()[0] == 200
 
 
+def needs_its_token(server):
+    """The address carries it, the page keeps it as a cookie, and without it nothing is answered."""
+    assert "?token=" in server.address and len(server.token) >= 24
+    for wrong in ("", "stickslip_token=x", server.cookie[:-1], server.cookie.replace(str(server.port), "1"), f"{server.cookie}x"):
+        for path in ("/", "/?token=wrong", "/?token=", "/assets/main.js", "/export/run.csv"):
+            status, _, said = server.ask(path, Cookie=wrong)
+            assert status == 403 and b"the token is missing" in said, (wrong, path)
+        assert server.ask("/record/a.csv", "POST", Cookie=wrong, **{"Content-Length": "0"})[0] == 403
+        with pytest.raises(InvalidStatus), server.page(Cookie=wrong):
+            pass
+    status, headers, _ = server.ask(f"/?token={server.token}", Cookie="")
+    assert status == 200 and "HttpOnly" in headers["set-cookie"] and "SameSite=Strict" in headers["set-cookie"]
+    cookie = headers["set-cookie"].partition(";")[0]
+    assert server.ask("/assets/main.js", Cookie=cookie)[0] == 200
+    with server.page(Cookie=cookie) as socket:
+        socket.send(curves())
+        assert answer(socket)[0]["kind"] == "curves"
+    assert server.ask(f"/?token={server.token}", Host="evil.example")[0] == 403
+
+
+def test_other_users_of_this_machine_need_a_token(explorer):
+    needs_its_token(explorer)
+
+
 def test_beyond_this_machine_a_token_is_needed():
     with contextlib.closing(Explorer("--host", "0.0.0.0")) as open_to_all:
-        assert "?token=" in open_to_all.address
-        token = open_to_all.address.partition("?token=")[2]
-        assert len(token) >= 24
-        assert open_to_all.ask()[0] == 403 and open_to_all.ask("/?token=wrong")[0] == 403 and open_to_all.ask("/assets/main.js")[0] == 403
-        with pytest.raises(InvalidStatus), open_to_all.page():
-            pass
-        status, headers, _ = open_to_all.ask(f"/?token={token}")
-        assert status == 200 and "HttpOnly" in headers["set-cookie"] and "SameSite=Strict" in headers["set-cookie"]
-        cookie = headers["set-cookie"].partition(";")[0]
-        assert open_to_all.ask("/assets/main.js", Cookie=cookie)[0] == 200
-        with open_to_all.page(Cookie=cookie) as socket:
-            socket.send(curves())
-            assert answer(socket)[0]["kind"] == "curves"
-        assert open_to_all.ask(f"/?token={token}", Host="evil.example")[0] == 403
+        needs_its_token(open_to_all)
+
+
+def test_without_a_token_the_address_can_be_kept_and_strangers_are_still_refused(capsys):
+    from stickslip.cli import main
+
+    with contextlib.closing(Explorer("--no-token")) as kept:
+        assert "token" not in kept.address
+        assert kept.ask(Cookie="")[0] == 200 and kept.ask(Cookie="", Host="evil.example")[0] == 403
+        assert kept.ask("/export/study.toml", Cookie="", Origin="http://evil.example")[0] == 403
+    assert main(["explore", "--no-browser", "--no-token", "--host", "0.0.0.0"]) == 2
+    assert "leave one of them out" in capsys.readouterr().err
 
 
 # the command ------------------------------------------------------------------------------------------------------

@@ -464,7 +464,9 @@ def test_a_link_brings_everything_back(page, browser, explorer):
         page.slide("mu_minus", 0.25)
     page.page.locator("#share").click()
     address = page.page.url
+    assert "token" not in address
     other = Page(browser, explorer)
+    other.context.request.get(explorer.address)  # whose explorer it is
     other.page.goto(address)
     other.settled()
     assert other.velocity() == page.velocity()
@@ -645,12 +647,12 @@ def test_colours_follow_the_system_and_the_choice(browser, explorer):
 
 
 def test_a_lost_connection_is_said_and_taken_up_again(browser):
-    first = Explorer()
+    first = Explorer("--no-token")
     page = Page(browser, first).open()
     first.close()
     page.page.locator("#link[data-state=lost]").wait_for()
     page.slide("mu0", 0.13)
-    second = Explorer("--port", str(first.port))
+    second = Explorer("--no-token", "--port", str(first.port))
     with contextlib.closing(second):
         page.page.locator("#link[data-state=open]").wait_for()
         wanted = expected(law="coulomb", values={"mu0": 0.13})[0]

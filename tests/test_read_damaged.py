@@ -1,14 +1,21 @@
 """Damaged files: an error that says so, or a record with a note; never a crash, a hang, or another exception."""
 
 import contextlib
+import json
 import random
 import re
+import shutil
+import subprocess
+import sys
+import tempfile
 import time
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import damage
 import stickslip as ss
 from measured import FOLDER, needs_data
 from stickslip.errors import InputError
@@ -175,6 +182,36 @@ def test_damaged_files_of_other_libraries_are_errors_or_told(tmp_path):
     endure(wholes, tmp_path, 1000, seed=4)
 
 
+def unharmed(tmp_path, count, parts, seed):
+    """So many damaged files of every format, in processes that each has to live to its end: a record or an error of ours."""
+    memory = Path("/dev/shm")
+    with tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else tmp_path) as folder:
+        (whole := Path(folder) / "whole").mkdir()
+        for name, data in damage.bases(whole).items():
+            (whole / name).write_bytes(data)
+        told = Counter()
+        for k in range(parts):
+            command = [sys.executable, damage.__file__, folder, str(seed + k), str(count // parts)]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=3000)
+            if done.returncode:
+                shutil.copy(Path(folder) / f"damaged{seed + k}", tmp_path / "harmful")
+            assert done.returncode == 0, (done.returncode, done.stderr[-3000:], tmp_path / "harmful")
+            found = json.loads(done.stdout)
+            assert found["peak"] < 1e9, found  # whole files take 0.2 GB, the libraries included; what is allowed to unpack is 0.1
+            told += found["told"]
+    print(f"\n{sum(told.values())} tried: {dict(told)}")
+    assert sum(told.values()) == count and min(told.values()) > 0.1 * count
+
+
+def test_no_damaged_file_of_any_format_does_harm(tmp_path):
+    unharmed(tmp_path, 300, parts=1, seed=100)
+
+
+@pytest.mark.slow
+def test_thirty_thousand_damaged_files_of_every_format_do_no_harm(tmp_path):
+    unharmed(tmp_path, 30_000, parts=6, seed=1)
+
+
 @pytest.mark.slow
 def test_ten_thousand_damaged_files_are_errors_or_told(tmp_path):
     endure(made(tmp_path), tmp_path, 10_000, seed=2)
@@ -183,8 +220,6 @@ def test_ten_thousand_damaged_files_are_errors_or_told(tmp_path):
 @needs_data
 @pytest.mark.slow
 def test_ten_thousand_damaged_measured_files_are_errors_or_told(tmp_path):
-    from pathlib import Path
-
     whole = [p.read_bytes() for p in sorted(Path(FOLDER).iterdir()) if p.suffix in (".csv", ".txt", ".uff", ".mat")]
     marks = {True: ("\t", "."), False: (",", ".")}
     cut = [d[: d.rindex(b"\n", 0, 8000) + 1] if is_table(d) else d for d in whole]

@@ -17,6 +17,9 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from stickslip import hdf5
 from stickslip.datasets import attributes, trajectory_columns, write_csv
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
@@ -25,6 +28,7 @@ from stickslip.jsontext import plain
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
+from stickslip.unpacking import Allowance
 from stickslip.variables import VARIABLES
 
 __all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_mat", "unwritable"]
@@ -123,23 +127,40 @@ _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 def read(path: str | Path, laws: Sequence[type] = ()) -> dict[str, Any]:
     """What `save` kept of a run, as the arguments of `Trajectory`."""
-    import h5netcdf
-
     path = Path(path).expanduser()
-    if not path.is_file():
-        raise InputError("load", [f"there is no file {str(path)!r}; give the path of a file that run.save(path) wrote"])
+    give = "give the path of a file that run.save(path) wrote"
     try:
-        file = h5netcdf.File(path, "r")
-    except (OSError, ValueError) as error:
-        why = f"{str(path)!r} is no netCDF4 file ({error})"
-        raise InputError("load", [f"{why}; give the path of a file that run.save(path) wrote"]) from None
-    with file:
-        _check_format(file.attrs, path)
-        attrs = {k: v.item() if hasattr(v, "item") else v for k, v in file.attrs.items()}
-        group = file.groups["pieces"]
-        pieces = pieces_from_arrays(group.attrs["kind"], {k: v[...] for k, v in group.variables.items()})
-    kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
-    return {"model": _model(attrs, laws), "pieces": pieces, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
+        size = path.stat().st_size if path.is_file() else None
+    except (OSError, ValueError):
+        size = None
+    if size is None:
+        raise InputError("load", [f"there is no file {str(path)!r}; {give}"])
+    try:
+        with hdf5.opened(path, "load", allowance := Allowance("load", size)) as file:
+            attrs = {k: _one(v) for k, v in hdf5.attributes(file, allowance, size).items()}
+            _check_format(attrs, path)
+            found = {"pieces": _pieces(file, hdf5.attributes(file["pieces"], allowance, size)), "model": _model(attrs, laws)}
+        kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
+        return {**found, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
+    except InputError:
+        raise
+    except OSError as error:
+        raise InputError("load", [f"{str(path)!r} is no netCDF4 file ({error}); {give}"]) from None
+    except Exception as error:  # a damaged file meets the library, or what we make of it, at any place
+        raise InputError("load", [f"{str(path)!r} is damaged ({type(error).__name__}: {str(error)[:120]}); save the run again"]) from None
+
+
+def _one(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") and value.size == 1 else value
+
+
+def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
+    """The dense output: its arrays, without the dimensions of netCDF beside them."""
+    arrays = {k: v[...] for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs}
+    count = len(arrays["t"]) - 1
+    if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
+        raise ValueError("its pieces do not follow one another")
+    return pieces_from_arrays(_one(attrs["kind"]), arrays)
 
 
 def _check_format(attrs: Any, path: Path) -> None:

@@ -12,7 +12,8 @@ __all__ = ["act"]
 _MORE = """\
 With ROBOT the page opens with its numbers, where it has controls for all of them: a preset, a study file (such as the study.toml that
 the page saves), or a function of your own. The page needs nothing from elsewhere. It is served to this machine alone, unless --host
-says otherwise: then its address carries a token, and whoever has it may use this machine's processors. Ctrl-C ends it.
+says otherwise. Its address carries a token: whoever has it may use this machine's processors, and nobody else. --no-token does without,
+for an address to be kept as a bookmark on a machine that has no other users. Ctrl-C ends it.
 """
 
 
@@ -26,6 +27,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--port", metavar="N", default="8765", help="port to serve on; 0 takes a free one (8765)")
     made.add_argument("--host", metavar="HOST", default="127.0.0.1", help="where to listen (127.0.0.1: this machine alone)")
     made.add_argument("--workers", metavar="N", help="threads that compute (as many as there are processors, from 2 to 8)")
+    made.add_argument("--no-token", action="store_true", help="let every user of this machine use the page, at an address without a token")
     made.add_argument("--no-browser", action="store_true", help="only print the address")
     asked = made.parse_intermixed_args(words)
     port = _whole("--port", asked.port, 0, 65535, "8765")
@@ -34,7 +36,7 @@ def act(command: str, words: list[str]) -> int:
 
     from stickslip.explorer.server import serve
 
-    serve(asked.host, port, _announced(not asked.no_browser, asked.json, place), workers)
+    serve(asked.host, port, _announced(not asked.no_browser, asked.json, place), workers, not asked.no_token)
     return 0
 
 

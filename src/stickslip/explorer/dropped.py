@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -52,15 +51,12 @@ def velocity_of(name: str, data: bytes) -> bytes:
 
 def _read(name: str, data: bytes) -> Any:
     """The record in these bytes."""
-    from stickslip.records import read
+    from stickslip.records.reading import read_bytes
 
     suffix = Path(name).suffix.lower()
     if not re.fullmatch(r"\.[a-z0-9]{1,5}", suffix):
         raise InputError("record", [f"{name[-40:]!r} does not say by its ending what it is; allowed is for example .csv, .mat or .uff"])
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"record{suffix}"
-        path.write_bytes(data)
-        return read(path)
+    return read_bytes(data, f"record{suffix}")
 
 
 def _velocity(record: Any) -> tuple[Any, Any, list[str]]:

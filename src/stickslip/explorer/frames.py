@@ -29,9 +29,10 @@ def written(header: Mapping[str, Any], arrays: Mapping[str, Any] | None = None) 
 
     flat = {name: np.asarray(a, np.float32).ravel() for name, a in (arrays or {}).items()}
     told = {**header, "arrays": [[name, a.size] for name, a in flat.items()]}
-    text = json.dumps(strict(told, other=_as_it_is), ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    return b"".join([struct.pack("<I", len(text)), text, *(a.astype("<f4").tobytes() for a in flat.values())])
+    text = json.dumps(strict(told, other=_as_it_is), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    head = text.encode("utf-8", "replace")  # a page may ask with half a pair of surrogates
+    head += b" " * (-len(head) % 4)
+    return b"".join([struct.pack("<I", len(head)), head, *(a.astype("<f4").tobytes() for a in flat.values())])
 
 
 def read(data: bytes) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Who may ask: the name in Host and Origin must be ours, and what is not on this machine alone needs a token."""
+"""Who may ask: the name in Host and Origin must be ours, and a token is needed, as a machine has other users."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ import ipaddress
 import socket
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import SplitResult, parse_qs, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
+
+from stickslip.explorer.connections import Connections
+from stickslip.explorer.limits import LIMITS, Limits
 
 __all__ = ["COOKIE", "Guard", "is_loopback"]
 
@@ -53,23 +56,28 @@ class Guard:
     host : str
         Where it listens.
     token : str or None
-        What a page must bring, once in the address and then as a cookie; None on the loopback.
+        What a page must bring, once in the address and then as a cookie; None where nobody needs one.
+    limits : Limits
+        Times and counts.
     """
 
-    def __init__(self, app: Any, host: str, token: str | None):
+    def __init__(self, app: Any, host: str, token: str | None, limits: Limits = LIMITS):
         self._app, self._host, self._token = app, host, token
+        self.connections = Connections(limits)
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         """Let a request through, or refuse it."""
         if scope["type"] not in ("http", "websocket"):
             return await self._app(scope, receive, send)
-        refused = self._refused(scope)
-        if refused is None:
-            return await self._app(scope, receive, self._marked(scope, send))
-        if scope["type"] == "websocket":
-            await receive()
-            return await send({"type": "websocket.close", "code": 1008, "reason": refused[:120]})
-        return await PlainTextResponse(refused + "\n", 403, HEADERS)(scope, receive, send)
+        if (refused := self._refused(scope)) is not None:
+            return await _refuse(refused, 403, scope, receive, send)
+        client = tuple(scope.get("client") or ()) or None
+        if not self.connections.admit(client, scope["type"] == "http"):
+            return await _refuse("too many pages are open at your address; close some", 503, scope, receive, send)
+        try:
+            await self._app(scope, receive, self._marked(scope, send))
+        finally:
+            self.connections.release(client)
 
     def _refused(self, scope: Any) -> str | None:
         """Why a request is refused."""
@@ -77,17 +85,17 @@ class Guard:
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
         if len(hosts) != 1 or not self._is_ours(hosts[0]):
             return "the Host of this request is not this server"
-        if len(origins) > 1 or (origins and urlsplit(origins[0]).netloc != hosts[0]):
+        if len(origins) > 1 or (origins and _split(origins[0]).netloc != hosts[0]):
             return "the Origin of this request is another page"
         if headers.get("sec-fetch-site", "none") not in ("none", "same-origin") and not _opens(scope, headers):
             return "this request comes from another page"
         if self._token is not None and not self._knows_token(scope, headers):
-            return "the token is missing; open the address that `stickslip explore` printed"
+            return "the token is missing; open the address that `stickslip explore` printed (--no-token does without)"
         return None
 
     def _is_ours(self, host: str) -> bool:
         """Whether a Host names this server: protection against names that others point at this machine."""
-        name = (urlsplit(f"//{host}").hostname or "").lower()
+        name = (_split(f"//{host}").hostname or "").lower()
         if is_loopback(self._host):
             return is_loopback(name)
         return name in (self._host, socket.gethostname().lower()) or _is_address(name)
@@ -97,13 +105,15 @@ class Guard:
         cookies: SimpleCookie = SimpleCookie()
         with contextlib.suppress(CookieError):
             cookies.load(headers.get("cookie", ""))
-        if COOKIE in cookies:
-            given.append(cookies[COOKIE].value)
+        if (name := _cookie(scope)) in cookies:
+            given.append(cookies[name].value)
         return any(hmac.compare_digest(word.encode(), (self._token or "").encode()) for word in given)
 
     def _marked(self, scope: Any, send: Any) -> Any:
         """The way back, on which every page gets its headers, and the token as a cookie."""
-        cookie = f"{COOKIE}={self._token}; HttpOnly; SameSite=Strict; Path=/" if self._token and _query(scope).get("token") else None
+        cookie = (
+            f"{_cookie(scope)}={self._token}; HttpOnly; SameSite=Strict; Path=/" if self._token and _query(scope).get("token") else None
+        )
 
         async def marked(event: Any) -> None:
             if event["type"] == "http.response.start":
@@ -115,6 +125,27 @@ class Guard:
             await send(event)
 
         return marked if scope["type"] == "http" else send
+
+
+async def _refuse(why: str, status: int, scope: Any, receive: Any, send: Any) -> None:
+    """Say why, and end the connection."""
+    if scope["type"] == "websocket":
+        await receive()
+        return await send({"type": "websocket.close", "code": 1008, "reason": why[:120]})
+    await PlainTextResponse(why + "\n", status, {**HEADERS, "Connection": "close"})(scope, receive, send)
+
+
+def _cookie(scope: Any) -> str:
+    """The name of the cookie: a browser sends those of every port of a host, and each server needs its own."""
+    return f"{COOKIE}_{(scope.get('server') or ('', 0))[1]}"
+
+
+def _split(address: str) -> SplitResult:
+    """The parts of an address; none of one that is no address."""
+    try:
+        return urlsplit(address)
+    except ValueError:
+        return urlsplit("")
 
 
 def _opens(scope: Any, headers: Headers) -> bool:

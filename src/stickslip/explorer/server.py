@@ -20,17 +20,17 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from stickslip.errors import InputError, StickslipError
-from stickslip.explorer.answers import sentence
 from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State, state
-from stickslip.explorer.dropped import MOST_BYTES, drive_of, velocity_of
+from stickslip.explorer.connections import Watched
 from stickslip.explorer.exports import EXPORTS, export
-from stickslip.explorer.frames import written
 from stickslip.explorer.guard import Guard, is_loopback
 from stickslip.explorer.kernels import Kernels
+from stickslip.explorer.limits import LIMITS, Limits
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
+from stickslip.explorer.uploads import Uploads
 
 __all__ = ["application", "page", "serve"]
 
@@ -116,20 +116,14 @@ async def _export(request: Request) -> Response:
     return Response(data, media_type=EXPORTS[name][0], headers={"Content-Disposition": f'attachment; filename="{name}"'})
 
 
-async def _record(request: Request) -> Response:
-    """The velocity of a measured record, read by `stickslip.read`; or its drive."""
-    reader = drive_of if request.url.path.startswith("/drive/") else velocity_of
-    data = bytearray()
-    async for part in request.stream():
-        data += part
-        if len(data) > MOST_BYTES:
-            return PlainTextResponse(f"the file is larger than {MOST_BYTES // 1_000_000} MB\n", 413)
-    try:
-        async with request.app.state.exporting:
-            answer = await asyncio.get_running_loop().run_in_executor(None, reader, request.path_params["name"], bytes(data))
-    except InputError as error:
-        answer = written({"kind": "problems", "problems": [sentence(p) for p in error.problems]})
-    return Response(answer, media_type="application/octet-stream")
+async def _velocity(request: Request) -> Response:
+    """The velocity of a measured record, read by `stickslip.read`."""
+    return await request.app.state.uploads.answer(request, "velocity")
+
+
+async def _drive(request: Request) -> Response:
+    """The drive of a measured record."""
+    return await request.app.state.uploads.answer(request, "drive")
 
 
 def _asked_state(request: Request) -> State:
@@ -144,10 +138,12 @@ def _asked_state(request: Request) -> State:
 
 # ---- the server ----
 async def _socket(socket: WebSocket) -> None:
-    await Session(socket, socket.app.state.workshop).serve()
+    await Session(socket, socket.app.state.workshop, socket.app.state.limits).serve()
 
 
-def application(host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, beside: bool = True) -> Any:
+def application(
+    host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, beside: bool = True, limits: Limits = LIMITS
+) -> Any:
     """The explorer as an ASGI application.
 
     Parameters
@@ -160,26 +156,30 @@ def application(host: str = "127.0.0.1", token: str | None = None, workers: int 
         Threads that compute; by default as many as there are processors, at least 2 and at most 8.
     beside : bool
         Compile in a process beside this one.
+    limits : Limits
+        Times and counts.
     """
 
     @contextlib.asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         kernels = Kernels(beside)
         app.state.workshop = Workshop(kernels, workers)
-        app.state.exporting = asyncio.Semaphore(2)
+        app.state.exporting, app.state.limits = asyncio.Semaphore(2), limits
+        app.state.uploads = Uploads(limits)
         kernels.begin(state(preset["state"]) for preset in PRESETS.values())
         yield
         app.state.workshop.close()
+        app.state.uploads.close()
 
     routes = [
         Route("/", _page),
         Route("/assets/{name}", _asset),
         Route("/export/{name}", _export),
-        Route("/record/{name}", _record, methods=["POST"]),
-        Route("/drive/{name}", _record, methods=["POST"]),
+        Route("/record/{name}", _velocity, methods=["POST"]),
+        Route("/drive/{name}", _drive, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
     ]
-    return Guard(Starlette(routes=routes, lifespan=life), host, token)
+    return Guard(Starlette(routes=routes, lifespan=life), host, token, limits)
 
 
 class _Server(uvicorn.Server):
@@ -196,30 +196,45 @@ class _Server(uvicorn.Server):
             self._tell(self.servers[0].sockets[0].getsockname()[1])
 
 
-def serve(host: str = "127.0.0.1", port: int = 8765, tell: Callable[[str], None] = print, workers: int | None = None) -> None:
+def serve(
+    host: str = "127.0.0.1", port: int = 8765, tell: Callable[[str], None] = print, workers: int | None = None, with_token: bool = True
+) -> None:
     """Serve until interrupted.
 
     Parameters
     ----------
     host : str
-        Where to listen. What is not this machine alone gets a token that the address carries.
+        Where to listen.
     port : int
         0 takes a free one.
     tell : callable
         Called with the address once the page can be opened.
     workers : int, optional
         As for `application`.
+    with_token : bool
+        Make a token, which the address carries; without one, all users of this machine may use the page.
     """
-    token = None if is_loopback(host) else secrets.token_urlsafe(24)
+    server_of(host, port, tell, workers, with_token).run()
+
+
+def server_of(
+    host: str, port: int, tell: Callable[[str], None], workers: int | None = None, with_token: bool = True, limits: Limits = LIMITS
+) -> uvicorn.Server:
+    """The server that `serve` runs."""
+    if not with_token and not is_loopback(host):
+        raise InputError("explore", [f"--no-token is for this machine alone, and --host is {host}; leave one of them out"])
+    token = secrets.token_urlsafe(24) if with_token else None
+    app = application(host, token, workers, limits=limits)
+    protocol: Any = functools.partial(Watched, app.connections)  # made as the class is
     config = uvicorn.Config(
-        application(host, token, workers), host=host, port=port, log_level="error", access_log=False, lifespan="on",
+        app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=protocol,
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
-        timeout_graceful_shutdown=2, backlog=256, limit_concurrency=600,
+        timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # who asks is who connected, whatever a header says
     )  # fmt: skip
     shown = f"[{host}]" if ":" in host else host
     _check_port(host, port)
     query = f"?token={token}" if token else ""
-    _Server(config, lambda taken: tell(f"http://{shown}:{taken}/{query}")).run()
+    return _Server(config, lambda taken: tell(f"http://{shown}:{taken}/{query}"))
 
 
 def _check_port(host: str, port: int) -> None:

@@ -18,12 +18,13 @@ from stickslip.explorer.answers import Stopped, answer
 from stickslip.explorer.asked import CHANNELS, Message, message
 from stickslip.explorer.frames import read, written
 from stickslip.explorer.kernels import Kernels
+from stickslip.explorer.limits import LIMITS, Limits
 
 __all__ = ["MESSAGE_BYTES", "Session", "Workshop"]
 
 #: Most bytes of a message, most messages in a second and at once, most pages.
 MESSAGE_BYTES, RATE, BURST, MOST_PAGES = 32_768, 150.0, 300.0, 256
-TOO_MUCH, FULL = 1008, 1013  # codes of a closed connection
+TOO_MUCH, FULL, IDLE = 1008, 1013, 4000  # codes of a closed connection; of an idle one the page knows that it may ask again
 
 
 class Workshop:
@@ -87,8 +88,8 @@ class _Slot:
 class Session:
     """One page: takes its requests and sends the answers."""
 
-    def __init__(self, socket: WebSocket, workshop: Workshop):
-        self._socket, self._workshop = socket, workshop
+    def __init__(self, socket: WebSocket, workshop: Workshop, limits: Limits = LIMITS):
+        self._socket, self._workshop, self._limits = socket, workshop, limits
         self._slots = {channel: _Slot() for channel in CHANNELS}
         self._sending = asyncio.Lock()
         self._allowance, self._seen = BURST, time.monotonic()
@@ -124,8 +125,15 @@ class Session:
                 slot.put(slot.waiting)
 
     async def _receive(self) -> None:
+        seconds = self._limits.first
         while True:
-            got = await self._socket.receive()
+            try:
+                async with asyncio.timeout(seconds):
+                    got = await self._socket.receive()
+            except TimeoutError:
+                await self._socket.close(IDLE, "nothing was asked for a long time")
+                return
+            seconds = self._limits.idle
             if got["type"] == "websocket.disconnect":
                 return
             text = got.get("text") or got.get("bytes") or ""

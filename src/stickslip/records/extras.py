@@ -1,4 +1,4 @@
-"""Formats whose readers come with ``pip install "stickslip[io]"``: TDMS and XLSX."""
+"""TDMS, and how the libraries of ``pip install "stickslip[io]"`` are called."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import importlib
 import io
 import logging
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,27 +14,32 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.records.raw import Column, Raw
-from stickslip.records.text import table
+from stickslip.unpacking import Allowance
 
-__all__ = ["parse_tdms", "parse_xlsx"]
+_SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
+
+__all__ = ["broken", "library", "parse_tdms"]
 
 
-def _library(name: str, what: str) -> Any:
+def library(name: str, what: str) -> Any:
+    """The library that reads a format; an error that says what to type where it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
         raise InputError("read", [f'{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"']) from None
 
 
-def _broken(what: str, error: Exception) -> InputError:
+def broken(what: str, error: Exception) -> InputError:
+    """What to say of a file that a library cannot read."""
     return InputError("read", [f"the {what} file is damaged ({type(error).__name__}: {str(error)[:120]}); export it again"])
 
 
-def parse_tdms(data: bytes) -> Raw:
+def parse_tdms(data: bytes, allowance: Allowance) -> Raw:
     """The channels of a TDMS file, each over the time that its properties give."""
-    nptdms, raw = _library("nptdms", "TDMS"), Raw("TDMS")
+    nptdms, raw = library("nptdms", "TDMS"), Raw("TDMS")
     try:
         with _heard("nptdms", raw.notes):
+            _check_declared(nptdms.TdmsFile.read_metadata(io.BytesIO(data)), allowance)
             file = nptdms.TdmsFile.read(io.BytesIO(data))
         several = len(file.groups()) > 1
         raw.info |= {str(name): str(value) for name, value in file.properties.items()}
@@ -49,12 +55,21 @@ def parse_tdms(data: bytes) -> Raw:
     except InputError:
         raise
     except Exception as error:  # a damaged file meets the library at any place
-        raise _broken("TDMS", error) from None
+        raise broken("TDMS", error) from None
     _check_segments(data, raw.notes)
     raw.table = all(column.axis is None for column in raw.columns)
     if not raw.columns:
         raise InputError("read", ["the TDMS file holds no channel of numbers"])
     return raw
+
+
+def _check_declared(file: Any, allowance: Allowance) -> None:
+    """Refuse channels that declare more numbers than the file may unpack to, or scalings without end."""
+    for channel in (channel for group in file.groups() for channel in group.channels()):
+        allowance.take(16 * max(len(channel), 0), repr(channel.name))  # once as stored, once scaled
+        for name, value in channel.properties.items():
+            if (found := _SCALE.match(name)) and int(found[1] or value) > _MOST_SCALES:
+                raise InputError("read", [f"{channel.name!r} says that it is scaled {int(found[1] or value)} times; export the file again"])
 
 
 def _check_segments(data: bytes, notes: list[str]) -> None:
@@ -88,17 +103,3 @@ def _waveform_axis(channel: Any, count: int) -> Column | None:
     if not step:
         return None
     return Column("time", "s", float(channel.properties.get("wf_start_offset", 0.0)) + float(step) * np.arange(count))
-
-
-def parse_xlsx(data: bytes) -> Raw:
-    """The table on the first sheet of an Excel file."""
-    openpyxl, raw = _library("openpyxl", "XLSX"), Raw("XLSX", table=True)
-    try:
-        book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
-        rows = [list(row) for row in book.worksheets[0].iter_rows(values_only=True)]
-        if len(book.worksheets) > 1:
-            raw.notes.append(f"the file has {len(book.worksheets)} sheets; the first one, {book.worksheets[0].title!r}, is read")
-    except Exception as error:  # a damaged file meets the library at any place
-        raise _broken("XLSX", error) from None
-    raw.columns = table([row for row in rows if any(cell is not None for cell in row)], raw.notes)
-    return raw

@@ -3,31 +3,34 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
+from stickslip import hdf5
 from stickslip.errors import InputError
 from stickslip.records.matlab import vectors
 from stickslip.records.raw import Column, Raw
+from stickslip.unpacking import Allowance
 
 __all__ = ["parse_hdf5", "parse_netcdf3"]
 
-_MOST = 2**28  # numbers of one array: a damaged file may claim any size
+_DEEPEST = 8  # groups within groups
 
 
-def parse_hdf5(data: bytes) -> Raw:
+def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of an HDF5 file, which a netCDF4 or MATLAB 7.3 file is too."""
-    import h5py
-
     raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5", table=True)
     try:
-        with h5py.File(io.BytesIO(data), "r") as file:
-            if "_NCProperties" in file.attrs:
+        with hdf5.opened(io.BytesIO(data), "read", allowance) as file:
+            told = hdf5.attributes(file, allowance, len(data))
+            if "_NCProperties" in told:
                 raw.format = "netCDF4"
-            raw.info |= {str(name): _plain(value) for name, value in file.attrs.items() if not str(name).startswith("_")}
+            raw.info |= {str(name): _plain(value) for name, value in told.items() if not str(name).startswith("_")}
             _check_length(data, raw.notes)
-            _group(file, raw, "", 0)
+            for name, item in _datasets(file, raw.notes):
+                _dataset(item, hdf5.attributes(item, allowance, len(data)), raw, name)
     except InputError:
         raise
     except MemoryError:
@@ -57,34 +60,36 @@ def _plain(value: Any) -> Any:
     return value.item() if getattr(value, "size", 0) == 1 else str(value)[:4000]
 
 
-def _group(group: Any, raw: Raw, prefix: str, depth: int) -> None:
+def _datasets(group: Any, notes: list[str], prefix: str = "", above: tuple[int, ...] = ()) -> Iterator[tuple[str, Any]]:
+    """The datasets of a group and of the groups in it, each once, with their names."""
     import h5py
 
-    for name in group:
-        if name.startswith("#") or name == "pieces" or depth > 8:  # MATLAB's own store; the dense output of our runs
+    for name, item in hdf5.members(group, "read"):
+        if name.startswith("#") or name == "pieces":  # MATLAB's own store; the dense output of our runs
             continue
-        item = group.get(name)
-        if item is None:
-            raw.notes.append(f"{prefix}{name} cannot be opened and is left out: the file is damaged")
-        elif isinstance(item, h5py.Group):
-            _group(item, raw, f"{prefix}{name}.", depth + 1)
-        elif isinstance(item, h5py.Dataset):
-            _dataset(item, raw, prefix + name)
+        if isinstance(item, h5py.Dataset):
+            yield prefix + name, item
+        elif not isinstance(item, h5py.Group):
+            notes.append(f"{prefix}{name} is left out: it is a link to another place of the file, or damaged")
+        elif (place := hdf5.place_of(item)) in above or len(above) > _DEEPEST:
+            notes.append(f"{prefix}{name} is left out: its groups have no end")
+        else:
+            yield from _datasets(item, notes, f"{prefix}{name}.", (*above, place))
 
 
-def _dataset(item: Any, raw: Raw, name: str) -> None:
-    if item.size is None or item.size > _MOST:
-        raw.notes.append(f"{name} is left out: it says that it has {item.size} numbers")
+def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
+    if item.size is None:
+        raw.notes.append(f"{name} is left out: it holds nothing")
         return
-    unit = next((_plain(item.attrs[key]) for key in ("units", "unit", "Units", "Unit") if key in item.attrs), None)
-    kind = _plain(item.attrs["MATLAB_class"]) if "MATLAB_class" in item.attrs else None
+    unit = next((_plain(attrs[key]) for key in ("units", "unit", "Units", "Unit") if key in attrs), None)
+    kind = _plain(attrs["MATLAB_class"]) if "MATLAB_class" in attrs else None
     if kind == "char":
         raw.info[name] = "".join(chr(int(c)) for c in np.ravel(item[()])[:4000])
     elif item.dtype.names == ("real", "imag"):
         value = item[()]
         vectors({name: value["real"] + 1j * value["imag"]}, {name: unit} if unit else {}, raw)
     elif item.dtype.kind in "biuf":
-        vectors({name: _scaled(item)}, {name: unit} if unit else {}, raw)
+        vectors({name: _scaled(item, attrs)}, {name: unit} if unit else {}, raw)
     elif h5_text(item):
         raw.info[name] = str(_plain(item[()]))[:4000]
     else:
@@ -96,35 +101,40 @@ def h5_text(item: Any) -> bool:
     return item.dtype.kind in "OS" and item.shape == ()
 
 
-def _scaled(item: Any) -> Any:
+def _scaled(item: Any, attrs: dict[str, Any]) -> Any:
     """Numbers as the conventions of netCDF mean them: fill values are NaN; scale and offset are applied."""
     value = np.asarray(item[()])
-    fill = [item.attrs[key] for key in ("_FillValue", "missing_value") if key in item.attrs]
-    if fill or "scale_factor" in item.attrs or "add_offset" in item.attrs:
+    fill = [attrs[key] for key in ("_FillValue", "missing_value") if key in attrs]
+    if fill or "scale_factor" in attrs or "add_offset" in attrs:
         value = value.astype(float)
         for mark in fill:
             value[np.isin(value, np.asarray(mark, float))] = np.nan
-        value = value * float(np.ravel(item.attrs.get("scale_factor", 1.0))[0]) + float(np.ravel(item.attrs.get("add_offset", 0.0))[0])
+        value = value * float(np.ravel(attrs.get("scale_factor", 1.0))[0]) + float(np.ravel(attrs.get("add_offset", 0.0))[0])
     return value
 
 
 class _Watched(io.BytesIO):
-    """Bytes that remember how far they were read."""
+    """Bytes that remember how far they were read, and may be read only as often as the allowance says: variables may overlap."""
 
     furthest = 0
+
+    def __init__(self, data: bytes, allowance: Allowance):
+        super().__init__(data)
+        self._allowance = allowance
 
     def read(self, size: int | None = -1) -> bytes:
         """As usual."""
         found = super().read(size)
+        self._allowance.take(8 * len(found), "a variable")  # a byte may become a number of eight
         self.furthest = max(self.furthest, self.tell())
         return found
 
 
-def parse_netcdf3(data: bytes) -> Raw:
+def parse_netcdf3(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a classic netCDF file."""
     from scipy.io import netcdf_file
 
-    raw, watched = Raw("netCDF3", table=True), _Watched(data)
+    raw, watched = Raw("netCDF3", table=True), _Watched(data, allowance)
     try:
         with netcdf_file(watched, "r", mmap=False) as file:
             for name, variable in file.variables.items():
@@ -137,6 +147,8 @@ def parse_netcdf3(data: bytes) -> Raw:
                     raw.columns.append(Column(name, None if unit is None else str(_plain(unit)), values))
                 elif values.size == 1:
                     raw.info[name] = values.item()
+    except InputError:
+        raise
     except MemoryError:
         raise _broken("it asks for more memory than there is") from None
     except Exception as error:  # a damaged file meets the library at any place

@@ -9,16 +9,19 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.matlab_bytes import version4, version5
 from stickslip.records.raw import Column, Raw
+from stickslip.unpacking import Allowance
 
 __all__ = ["parse", "vectors"]
 
 
-def parse(data: bytes) -> Raw:
+def parse(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of a MATLAB file; single numbers and texts are kept as what else the file says."""
     raw = Raw("MATLAB", table=True)
     old = data[126:128] not in (b"IM", b"MI") and data[:6] != b"MATLAB"
     try:
-        found = version4(data) if old else version5(data, raw.notes)
+        found = version4(data, allowance) if old else version5(data, raw.notes, allowance)
+    except InputError:
+        raise
     except MemoryError:
         raise _broken("it asks for more memory than there is") from None
     except ValueError as error:

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.unpacking import Allowance
+
 __all__ = ["version4", "version5"]
 
 _KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8", 16: "u1", 17: "u2", 18: "u4"}
@@ -15,11 +17,10 @@ _STRUCT, _CHAR, _NUMERIC = 2, 4, range(6, 16)
 #: Class of an array -> types in which its numbers may be stored: its own, or a shorter whole number.
 _SHORT = (1, 2, 3, 4, 5, 6)
 _STORED = {_CHAR: (1, 2, 3, 4, 16, 17, 18), 6: (*_SHORT, 9), 7: (*_SHORT, 7)} | {k: (*_SHORT, 12, 13) for k in range(8, 16)}
-_MOST = 2**31  # bytes that a compressed variable may grow to
 _OLD = {0: "f8", 1: "f4", 2: "i4", 3: "i2", 4: "u2", 5: "u1"}
 
 
-def version5(data: bytes, notes: list[str]) -> dict[str, Any]:
+def version5(data: bytes, notes: list[str], allowance: Allowance) -> dict[str, Any]:
     """The variables of a version 5 file by name: arrays, texts, and dicts for structs. `ValueError` where the bytes make no sense."""
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
@@ -29,11 +30,11 @@ def version5(data: bytes, notes: list[str]) -> dict[str, Any]:
     while place + 8 <= len(data):
         kind, body, place = _element(data, place, order, notes)
         if kind == _COMPRESSED:
-            body = _inflated(body)
+            body = _inflated(body, order, allowance)
             kind, body, _ = _element(body, 0, order, notes)
         if kind != _MATRIX:
             raise ValueError(f"an element of type {kind} stands where a variable should")
-        name, value = _matrix(body, order, notes, 0)
+        name, value = _matrix(body, order, notes, allowance, 0)
         if value is None:
             notes.append(f"{name} is left out: it is no array of numbers")
         else:
@@ -43,10 +44,15 @@ def version5(data: bytes, notes: list[str]) -> dict[str, Any]:
     return found
 
 
-def _inflated(body: bytes) -> bytes:
+def _inflated(body: bytes, order: str, allowance: Allowance) -> bytes:
+    """The variable in a compressed element, which begins by saying how long it is; no more than that is unpacked."""
     machine = zlib.decompressobj()
     try:
-        found = machine.decompress(body, _MOST)
+        tag = machine.decompress(body, 8)
+        size = int(np.frombuffer(tag[4:8], f"{order}u4")[0]) if len(tag) == 8 else 0
+        allowance.take(size, "a compressed variable")
+        found = tag + machine.decompress(machine.unconsumed_tail, size + 8)  # padded to eight bytes
+        found += machine.decompress(machine.unconsumed_tail, 1)  # where it ends, the sum is checked now
     except zlib.error as error:
         raise ValueError(f"a compressed variable is damaged, {error}") from None
     if not machine.eof or machine.unused_data:  # only at its end does a stream check its own sum
@@ -71,7 +77,7 @@ def _element(data: bytes, place: int, order: str, notes: list[str]) -> tuple[int
     return first, data[start:end], end if first == _COMPRESSED else min(start + -(-size // 8) * 8, max(len(data), end))
 
 
-def _matrix(body: bytes, order: str, notes: list[str], depth: int) -> tuple[str, Any]:
+def _matrix(body: bytes, order: str, notes: list[str], allowance: Allowance, depth: int) -> tuple[str, Any]:
     """Name and value of a variable."""
     if depth > 16:
         raise ValueError("structs are nested too deeply")
@@ -86,17 +92,17 @@ def _matrix(body: bytes, order: str, notes: list[str], depth: int) -> tuple[str,
     if any(n < 0 for n in shape):
         raise ValueError(f"{name!r} has shape {shape}")
     if kind in _NUMERIC or kind == _CHAR:
-        value, place = _numbers(body, place, order, shape, _STORED[kind])
+        value, place = _numbers(body, place, order, shape, _STORED[kind], allowance)
         if kind == _CHAR:
             return name, "".join(chr(int(c)) for c in value.ravel(order="F")[:4000])
         if word & 0x0800:
-            imaginary, place = _numbers(body, place, order, shape, _STORED[kind])
+            imaginary, place = _numbers(body, place, order, shape, _STORED[kind], allowance)
             value = value + 1j * imaginary
         return name, value
-    return (name, _struct(body, place, order, notes, depth)) if kind == _STRUCT and shape == (1, 1) else (name, None)
+    return (name, _struct(body, place, order, notes, allowance, depth)) if kind == _STRUCT and shape == (1, 1) else (name, None)
 
 
-def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], stored: tuple[int, ...]) -> tuple[Any, int]:
+def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], stored: tuple[int, ...], allowance: Allowance) -> tuple[Any, int]:
     kind, raw, place = _element(body, place, order, [])
     if kind not in stored:
         raise ValueError(f"numbers of type {kind} in an array that cannot be stored so")
@@ -106,10 +112,11 @@ def _numbers(body: bytes, place: int, order: str, shape: tuple[int, ...], stored
         count *= n
     if count * kept.itemsize != len(raw):
         raise ValueError(f"{len(raw)} bytes for an array of shape {shape}")
+    allowance.take(16 * count, "a variable")  # complex where it has an imaginary part
     return np.frombuffer(raw, kept).astype(float).reshape(shape, order="F"), place
 
 
-def _struct(body: bytes, place: int, order: str, notes: list[str], depth: int) -> dict[str, Any]:
+def _struct(body: bytes, place: int, order: str, notes: list[str], allowance: Allowance, depth: int) -> dict[str, Any]:
     _, width, place = _element(body, place, order, notes)
     _, names, place = _element(body, place, order, notes)
     size = int(np.frombuffer(width[:4], f"{order}i4")[0]) if len(width) >= 4 else 0
@@ -119,13 +126,13 @@ def _struct(body: bytes, place: int, order: str, notes: list[str], depth: int) -
     found = {}
     for field in fields:
         _, part, place = _element(body, place, order, notes)
-        value = _matrix(part, order, notes, depth + 1)[1]
+        value = _matrix(part, order, notes, allowance, depth + 1)[1]
         if value is not None:
             found[field] = value
     return found
 
 
-def version4(data: bytes) -> dict[str, Any]:
+def version4(data: bytes, allowance: Allowance) -> dict[str, Any]:
     """The matrices of a version 4 file by name."""
     found: dict[str, Any] = {}
     place = 0
@@ -149,6 +156,7 @@ def version4(data: bytes) -> dict[str, Any]:
         if place > len(data):
             raise ValueError(f"{rows} x {cols} numbers where {len(data) - start} bytes are left")
         name = data[start - length : start].split(b"\0")[0].decode("latin-1")
+        allowance.take(16 * rows * cols, name or "a matrix")
         parts = np.frombuffer(data[start:place], kept).astype(float).reshape(1 + imaginary, cols, rows)
         value = parts[0].T + (1j * parts[1].T if imaginary else 0.0)
         found[name] = (

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import os
 import re
+import stat
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -17,12 +19,12 @@ from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.units import heading, quantity_of, unit_of
+from stickslip.unpacking import Allowance
 
-__all__ = ["read", "remarks"]
+__all__ = ["read", "read_bytes", "remarks"]
 
 _TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
-_MOST_BYTES = 4e9
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
 
 
@@ -78,13 +80,21 @@ def read(
     ([1.5, 2.5, 3.5], 'mm/s', 1000.0)
     """
     path = Path(path).expanduser()
-    data = _bytes(path)
+    options = {"units": units or {}, "columns": columns, "roles": roles or {}, "rate": rate}
+    return read_bytes(_bytes(path), str(path), separator, decimal, byte_order, **options)
+
+
+def read_bytes(
+    data: bytes, name: str, separator: str | None = None, decimal: str | None = None, byte_order: str | None = None, **options: Any
+) -> Record:
+    """The record in the bytes of a file; `name` is where it says that it comes from."""
     with np.errstate(all="ignore"):  # a damaged file holds any number
-        return _record(path, data, _parsed(data, separator, decimal, byte_order), units or {}, columns, roles or {}, rate)
+        raw = _parsed(data, separator, decimal, byte_order)
+        return _record(name, data, raw, **({"units": {}, "columns": None, "roles": {}, "rate": None} | options))
 
 
 def _record(
-    path: Path, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
+    path: str, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
 ) -> Record:
     """The record of what a format's reader found, with what the user says about it."""
     problems = Problems("read")
@@ -96,7 +106,7 @@ def _record(
         problems.add(f"rate = {rate!r}; allowed is a positive number [Hz]; type for example rate=1280.0")
     problems.check()
     channels = _channels(raw, rate, roles)
-    source = {"path": str(path), "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
+    source = {"path": path, "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
     ours = set(_OURS) <= {c.name for c in channels}
     notes = ["the columns are those of a run of stickslip: computed, not measured"] if ours else []
     if said := SYNTHETIC in raw.info.get("preamble", ""):
@@ -105,30 +115,48 @@ def _record(
 
 
 def _bytes(path: Path) -> bytes:
+    """The bytes of a file or a pipe, no more than are allowed; a device has no end."""
     try:
-        if path.is_file() and path.stat().st_size > _MOST_BYTES:
-            raise InputError("read", [f"{str(path)!r} has {path.stat().st_size / 1e9:.1f} GB; allowed are 4 GB; cut the record"])
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError("read", [f"{str(path)!r} cannot be read: {error.strerror}; give the path of a record"]) from None
+        with path.open("rb") as file:
+            kind = os.fstat(file.fileno())
+            Allowance("read", kind.st_size).check_file()
+            if stat.S_ISREG(kind.st_mode):
+                return file.read()
+            if stat.S_ISFIFO(kind.st_mode):
+                return _piped(file)
+        why = "it is no file"
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # a zero byte in a name is a ValueError
+        why = getattr(error, "strerror", None) or str(error)
+    raise InputError("read", [f"{str(path)!r} cannot be read: {why}; give the path of a record"])
+
+
+def _piped(file: BinaryIO) -> bytes:
+    data = bytearray()
+    while part := file.read(1 << 20):
+        data += part
+        Allowance("read", len(data)).check_file()
+    return bytes(data)
 
 
 def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
     """What the reader of the format finds."""
-    from stickslip.records import extras, hierarchical, matlab, text, uff
+    from stickslip.records import extras, hierarchical, matlab, spreadsheets, text, uff
 
     if not data.strip():
         raise InputError("read", ["the file is empty"])
+    allowance = Allowance("read", len(data))
     if data[:8] == b"\x89HDF\r\n\x1a\n" or data[512:520] == b"\x89HDF\r\n\x1a\n":
-        return hierarchical.parse_hdf5(data)
+        return hierarchical.parse_hdf5(data, allowance)
     if data[:3] == b"CDF" and data[3:4] in (b"\x01", b"\x02"):
-        return hierarchical.parse_netcdf3(data)
+        return hierarchical.parse_netcdf3(data, allowance)
     if data[:10] == b"MATLAB 5.0" or data[126:128] in (b"IM", b"MI") or _is_matlab4(data):
-        return matlab.parse(data)
+        return matlab.parse(data, allowance)
     if data[:4] == b"TDSm":
-        return extras.parse_tdms(data)
+        return extras.parse_tdms(data, allowance)
     if data[:4] == b"PK\x03\x04":
-        return extras.parse_xlsx(data)
+        return spreadsheets.parse_xlsx(data, allowance)
     if re.match(rb"\s*-1[ \t]*\r?\n\s*\d+b?\s", data[:400]):
         return uff.parse(data, byte_order)
     return text.parse(data, separator, decimal)

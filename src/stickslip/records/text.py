@@ -13,7 +13,7 @@ from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.raw import Column, Raw
 from stickslip.records.units import heading, unit_of
 
-__all__ = ["decoded", "parse", "table"]
+__all__ = ["decoded", "parse"]
 
 _PREAMBLE = 20_000  # characters before the table that are kept
 
@@ -145,26 +145,3 @@ def _shown(found: list[tuple[int, str]]) -> str:
 def _filled(lines: list[str], first: int) -> Iterator[tuple[int, str]]:
     """The lines that hold something, with their number in the file."""
     return ((first + i + 1, line) for i, line in enumerate(lines) if line.strip())
-
-
-def table(rows: list[list[Any]], notes: list[str]) -> list[Column]:
-    """The columns of a sheet whose cells are numbers, text or None."""
-    width = max((len(row) for row in rows), default=0)
-    numeric = [sum(isinstance(cell, (int, float)) and not isinstance(cell, bool) for cell in row) for row in rows]
-    most = max(numeric, default=0)
-    if most == 0:
-        raise InputError("read", ["the sheet holds no row of numbers; export the sheet with the data as its first one"])
-    first = next(i for i, n in enumerate(numeric) if n >= 0.5 * most)
-    heads = (
-        ["" if i >= len(rows[first - 1]) or rows[first - 1][i] is None else str(rows[first - 1][i]) for i in range(width)] if first else []
-    )
-    values = np.array([[_cell(row[i]) if i < len(row) else np.nan for i in range(width)] for row in rows[first:]])
-    strange = sum(isinstance(cell, str) and bool(cell.strip()) for row in rows[first:] for cell in row)
-    if strange:
-        notes.append(f"{strange} cells of the sheet are text where numbers are expected and became NaN")
-    kept = [i for i in range(width) if not np.isnan(values[:, i]).all()]
-    return [Column(*(heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
-
-
-def _cell(value: Any) -> float:
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else np.nan

@@ -12,11 +12,12 @@ import { digits, quantity, spoken } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const RESTS = 140; // [ms] without a change: the slider rests
+if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
 let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {}, heard = "";
 
 const link = new Link(take, (how) => {
   $("link").dataset.state = how;
-  $("link").textContent = how === "open" ? "connected" : "connection lost, trying again …";
+  $("link").textContent = how === "open" ? "connected" : "connection lost, trying again … (started anew, stickslip prints a new address)";
 });
 
 // ---- asking ----

@@ -1,0 +1,124 @@
+"""XLSX: the table on the first sheet. It is a ZIP archive of XML; as either can unpack without end, both are looked at before."""
+
+from __future__ import annotations
+
+import io
+import warnings
+import zipfile
+from typing import Any
+from xml.parsers import expat
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.records.extras import broken, library
+from stickslip.records.raw import Column, Raw
+from stickslip.records.units import heading
+from stickslip.unpacking import Allowance
+
+__all__ = ["parse_xlsx"]
+
+#: Bytes in memory for a byte of XML and for a cell, and most rows, which are Excel's.
+_PER_BYTE, _PER_CELL, _MOST_ROWS = 10, 32, 2**20
+_Row = tuple[Any, ...]
+
+
+def parse_xlsx(data: bytes, allowance: Allowance) -> Raw:
+    """The table on the first sheet of an Excel file."""
+    openpyxl, raw = library("openpyxl", "XLSX"), Raw("XLSX", table=True)
+    try:
+        _check_archive(data, allowance)
+        with warnings.catch_warnings(action="ignore"):  # of styles and the like, which are not read
+            book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+            sheet = book.worksheets[0]
+            sheet.reset_dimensions()  # which the file may declare at will
+            rows = _rows(sheet, allowance)
+        if len(book.worksheets) > 1:
+            raw.notes.append(f"the file has {len(book.worksheets)} sheets; the first one, {sheet.title!r}, is read")
+        raw.columns = _table(rows, raw.notes, allowance)
+    except InputError:
+        raise
+    except MemoryError as error:
+        raise broken("XLSX", error) from None
+    except Exception as error:  # a damaged file meets the library at any place
+        raise broken("XLSX", error) from None
+    return raw
+
+
+def _check_archive(data: bytes, allowance: Allowance) -> None:
+    """Refuse an archive that unpacks to too much (no more than it declares is ever unpacked), and XML that declares entities."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        parts = archive.infolist()
+        allowance.take(_PER_BYTE * sum(part.file_size for part in parts), "its XML")
+        for part in parts:
+            if part.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                raise InputError("read", [f"{part.filename[:60]!r} in the XLSX file is not packed as Excel does; save it again"])
+            with archive.open(part) as file:
+                _check_prologue(file, part.filename)
+
+
+class _Begun(Exception):
+    """The first element of a part: no declaration of a document type can follow."""
+
+
+def _check_prologue(file: Any, name: str) -> None:
+    """Refuse a part with a document type, in which entities are declared; those of Excel have none."""
+
+    def refuse(*declared: Any) -> None:
+        raise InputError("read", [f"{name[:60]!r} in the XLSX file declares a document type, as no Excel file does; save it again"])
+
+    def begun(*element: Any) -> None:
+        raise _Begun
+
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler, parser.StartElementHandler = refuse, begun
+    try:
+        while part := file.read(1 << 16):
+            parser.Parse(part)
+    except (_Begun, expat.ExpatError):  # a picture, or damage, which the library finds too
+        pass
+
+
+def _rows(sheet: Any, allowance: Allowance) -> list[_Row]:
+    """The rows of a sheet that hold anything, without the empty cells at their ends."""
+    rows = []
+    for number, row in enumerate(sheet.iter_rows(values_only=True), start=1):
+        if number > _MOST_ROWS:
+            raise InputError("read", [f"the sheet has more than {_MOST_ROWS} rows, as no sheet of Excel has; save it again"])
+        width = max((i for i, cell in enumerate(row, start=1) if cell is not None), default=0)
+        if width:
+            allowance.take(8 * width, "its first sheet")
+            rows.append(row[:width])
+    return rows
+
+
+def _table(rows: list[_Row], notes: list[str], allowance: Allowance) -> list[Column]:
+    """The columns of a sheet whose cells are numbers, text or None."""
+    width = max((len(row) for row in rows), default=0)
+    allowance.take(_PER_CELL * width * len(rows), "its first sheet")
+    numeric = [sum(_is_number(cell) for cell in row) for row in rows]
+    most = max(numeric, default=0)
+    if most == 0:
+        raise InputError("read", ["the sheet holds no row of numbers; export the sheet with the data as its first one"])
+    first = next(i for i, n in enumerate(numeric) if n >= 0.5 * most)
+    heads = ["" if cell is None else str(cell) for cell in rows[first - 1]] if first else []
+    heads += [""] * (width - len(heads)) if first else []
+    values = np.full((len(rows) - first, width), np.nan)
+    for i, row in enumerate(rows[first:]):
+        values[i, : len(row)] = [_cell(cell) for cell in row]
+    strange = sum(isinstance(cell, str) and bool(cell.strip()) for row in rows[first:] for cell in row)
+    if strange:
+        notes.append(f"{strange} cells of the sheet are text where numbers are expected and became NaN")
+    kept = [i for i in range(width) if not np.isnan(values[:, i]).all()]
+    return [Column(*(heading(heads[i]) if heads else ("", None)), values[:, i]) for i in kept]
+
+
+def _is_number(cell: Any) -> bool:
+    return isinstance(cell, (int, float)) and not isinstance(cell, bool)
+
+
+def _cell(cell: Any) -> float:
+    try:
+        return float(cell) if _is_number(cell) else np.nan
+    except OverflowError:  # a whole number of hundreds of digits
+        return np.inf if cell > 0 else -np.inf
