@@ -13,6 +13,7 @@ from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.steady import period_number
 from stickslip.segments import intervals_of, type_of
+from stickslip.steadiness import of_run
 
 TRUTH = {  # TRUTH section 2: (alpha+, alpha-) -> type, pattern, mean of w, lengths in the order of the pattern
     "T7": ((0.5, 1.2), "II", "+0", 0.201452203333669, (0.5241295584, 0.4758704416)),
@@ -189,10 +190,12 @@ def test_fast_intervals_equal_the_slow_ones():
 # ---- periods ----
 def strobes(values, rtol=1e-6, settle=0):
     v = np.asarray(values, float)
-    model = SimpleNamespace(period=1.0, velocity_scale=1.0, friction=SimpleNamespace(rate=1, force=1))
+    model = SimpleNamespace(period=1.0, velocity_scale=1.0, cyclic=True, friction=SimpleNamespace(rate=1, force=1))
     times = np.arange(float(len(v)))
     points = dict(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v))
-    return SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None)
+    run = SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0)
+    run.steadiness = of_run(run)
+    return run
 
 
 @pytest.mark.parametrize("p", [1, 2, 3, 8, 16])

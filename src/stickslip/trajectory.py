@@ -13,6 +13,7 @@ import numpy as np
 from stickslip import forces
 from stickslip.errors import InputError
 from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
+from stickslip.steadiness import Steadiness, of_run
 from stickslip.summary import STATUS, Summary
 from stickslip.variables import VARIABLES
 
@@ -282,10 +283,15 @@ class Trajectory:
         return _as_column(self._strobe[3])
 
     # ---- doors ----
+    @cached_property
+    def steadiness(self) -> Steadiness:
+        """Whether its mean velocity is that of a steady motion, and how far from it that is."""
+        return of_run(self)
+
     @property
     def notes(self) -> list[str]:
-        """Remarks on the robot's numbers."""
-        return self.model.notes
+        """Remarks on the robot's numbers, and on a motion that has not settled."""
+        return [*self.model.notes, *([self.steadiness.note] if self.steadiness.note else [])]
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip import recurrence, steadiness
 from stickslip.errors import InputError
-from stickslip.solvers import strobes
 from stickslip.summary import Summary
 
 __all__ = [
@@ -16,7 +16,7 @@ __all__ = [
 ]  # fmt: skip
 
 #: Largest period number that is looked for.
-LONGEST_PERIOD = strobes.LONGEST
+LONGEST_PERIOD = recurrence.LONGEST
 
 
 def mean_velocity(run: Any) -> Any:
@@ -53,10 +53,7 @@ def mean_velocity(run: Any) -> Any:
     if run.model.period is None:
         ends = np.array(run.window)
         return float(np.diff(run.at(ends)["x"])[0] / np.diff(ends)[0])
-    x, t = run.strobe_x, run.strobe_times
-    count = _settled_count(run)
-    count -= count % (period_number(run) or 1)
-    return float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count]))
+    return run.steadiness.mean_velocity
 
 
 def velocity_range(run: Any) -> tuple[float, float]:
@@ -104,14 +101,15 @@ def _settled_count(run: Any) -> int:
 
 def strobe_tolerance(run: Any) -> float:
     """How close the strobe points of a run must come to count as one, in their scales: by its method and its rtol."""
-    return strobes.strobe_tolerance(run.method, run.rtol)
+    return steadiness.strobe_tolerance(run.method, run.rtol)
 
 
 def period_number(run: Any) -> int | None:
     """After how many drive periods the motion repeats: 1 to 16, or None if it does not (or not yet).
 
     The strobe points, taken once per drive period, must repeat within `strobe_tolerance`; and they must have stopped drifting:
-    what is left of a geometric transient, judged by the drift over the two halves of the window, must be below the tolerance too.
+    what is left of a geometric transient, judged by the last 47 points, must be below the tolerance too. Points that swing ever closer
+    around a motion of half the period do not count as its double. `stickslip.recurrence` has the rules; sweeps and maps use the same.
 
     Parameters
     ----------
@@ -124,10 +122,7 @@ def period_number(run: Any) -> int | None:
     """
     if isinstance(run, Summary):
         return run.period if run.period.ndim else (int(run.period) or None)
-    if run.known_period is not None:
-        return int(run.known_period)
-    strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])
-    return strobes.period_of(run.model, strobe, strobe_tolerance(run), int(run.settle)) or None
+    return run.steadiness.period or None
 
 
 def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) -> Any:

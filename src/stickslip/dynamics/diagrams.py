@@ -11,17 +11,16 @@ from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
+from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
 from stickslip.sweeps.progress import Watch
 
-__all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "dying", "periods_of", "steady_velocity", "strobe_attrs", "whole_motions"]
+__all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "periods_of", "seen", "steady_velocity", "strobe_attrs", "whole_motions"]
 
 Array = Any
 DIRECTIONS = ("up", "down")
 LONGEST = 32  # largest period number that is looked for
 UNDONE = -1  # period number of what was not computed
-#: The swing around a motion of a shorter period, late over early: below it the swing dies out, and its period is none.
-SHRINKING = 1 - 1e-3
 _RETURN = 1e-6  # strobe points closer than this, in scales, count as one
 
 
@@ -161,25 +160,25 @@ def _hysteresis(robots: Family, values: Array, first: Array, settle: int, points
 
 
 def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Array:
-    """Period numbers of strobe points (..., points, d): the smallest after which all come back; 0 if none up to 32.
+    """Period numbers of strobe points (..., points, d): the smallest after which all of them come back; 0 if none up to 32.
 
-    Where points alternate around a motion of half that period, a little nearer to it each time, the motion is still settling: 0 too.
+    What still settles, or swings ever closer around a motion of a part of the period, has none yet; see `stickslip.recurrence`.
     """
-    found = np.zeros(points.shape[:-2], int)
-    for p in range(min(LONGEST, points.shape[-2] // 2), 0, -1):
-        found = np.where(_misses(points, scales, p).max(axis=-1) <= tolerance, p, found)
-    for p in np.unique(found[found > 1]):
-        found = np.where((found == p) & (dying(points, scales, int(p)) > 0), 0, found)
-    return found
+    cases = np.zeros((int(np.prod(points.shape[:-2])), points.shape[-2], 1 + points.shape[-1]))
+    cases[..., 1:] = points.reshape(len(cases), *points.shape[-2:])
+    return np.array([_lasting(case, scales, tolerance) for case in cases], int).reshape(points.shape[:-2])
 
 
-def dying(points: Array, scales: Array, p: int) -> Array:
-    """The smallest divisor of p, below it, whose miss shrinks along strobe points (..., points, d); 0 if there is none."""
-    found = np.zeros(points.shape[:-2], int)
-    for q in (q for q in range(p - 1, 0, -1) if p % q == 0):
-        miss = _misses(points, scales, q)
-        found = np.where(miss[..., -p:].max(axis=-1) < SHRINKING * miss[..., :p].max(axis=-1), q, found)
-    return found
+def _lasting(points: Array, scales: Array, tolerance: float) -> int:
+    """The period number, if every point is on the motion, the first ones too."""
+    p = seen(points, scales, tolerance)[0]
+    return p if p and (abs(points[p:, 1:] - points[:-p, 1:]) <= tolerance * scales).all() else 0
+
+
+def seen(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
+    """`recurrence.period_number` of an array of strobe points, x first, up to period 32."""
+    last = len(points) - 1
+    return recurrence().period_number(points, last, last, LONGEST, np.asarray(scales, float), tolerance, tolerance)
 
 
 def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
@@ -204,11 +203,6 @@ def whole_motions(points: int, period: Array) -> Array:
     [64, 64, 63]
     """
     return np.where(period > 0, points - points % np.maximum(period, 1), points)
-
-
-def _misses(points: Array, scales: Array, p: int) -> Array:
-    """How far each strobe point is from itself p drive periods later, in scales."""
-    return np.max(abs(points[..., p:, :] - points[..., :-p, :]) / scales, axis=-1)
 
 
 def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list[Array], directions: tuple[str, ...], settle: int) -> Any:

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.diagrams import LONGEST, dying
+from stickslip.dynamics.diagrams import LONGEST, seen
 from stickslip.dynamics.mapping import coordinates, strobe_orbit
+from stickslip.recurrence import apart, approach
 
 __all__ = ["LONGEST", "Repetition", "repetition"]
 
@@ -50,31 +51,30 @@ def repetition(model: Any, state: Any, rtol: float = 1e-9, points: int = 96) -> 
     >>> repetition(robot, [-0.002678177, -1.693357e-7]).period
     2
     """
-    at = coordinates(model)
-    kept = np.vstack([np.asarray(state, float)[None, :], strobe_orbit(model, np.asarray(state, float)[None, :], points, rtol)[0][:, 0]])
-    tolerance = max(30 * rtol, 1e-9)
-    best: tuple[float, int, float] | None = None
-    for p in range(1, min(LONGEST, points // 3) + 1):
-        miss = at.distance(kept[p:], kept[:-p])
-        late, early = float(miss[-p:].max()), float(miss[-2 * p : -p].max())
-        if late <= tolerance and not dying(kept, at.scales, p):
-            return Repetition(p, kept[-1], late, f"the last {points} strobe points repeat after {p} within {late:.1e} of their scales")
-        if best is None or late < best[0]:
-            best = (late, p, late / early if early > 0 else 1.0)
-    late, p, ratio = best or (np.inf, 1, 1.0)
-    if shorter := int(dying(kept, at.scales, p)):  # it swings around a motion of a shorter period
-        p, miss = shorter, at.distance(kept[shorter:], kept[:-shorter])
-        late, ratio = float(miss[-p:].max()), float(miss[-p:].max() / miss[-2 * p : -p].max())
-    if late < 0.1 and 0.0 < ratio < 1.0 and _steady(at.distance(kept[p:], kept[:-p])[p - 1 :: p]):
-        more = p * int(np.ceil(np.log(tolerance / late) / np.log(ratio)))
-        about = f"about {more} more periods to settle"
-        why = f"it moves towards period {p}, but is still {late:.1e} away: a slow transient (ratio {ratio:.4g}); {about}"
-    else:
-        why = f"the last {points} strobe points do not repeat within {LONGEST} periods (nearest: {late:.1e} after {p})"
-    return Repetition(None, kept[-1], late, why)
+    at, tolerance = coordinates(model), max(30 * rtol, 1e-9)
+    states, moved = strobe_orbit(model, np.asarray(state, float)[None, :], points, rtol)
+    kept = np.column_stack([np.cumsum(moved[:, 0]), states[:, 0]])
+    period, last = seen(kept, at.scales, tolerance)[0], points - 1
+    if period:
+        miss = apart(kept, last, period, 1, at.scales)
+        why = f"the last {points} strobe points repeat after {period} within {miss:.1e} of their scales"
+        return Repetition(period, states[-1, 0], miss, why)
+    p = approach(kept, last, last, LONGEST, at.scales)
+    if p and (told := _transient(kept, p, at.scales, tolerance)):
+        return Repetition(None, states[-1, 0], apart(kept, last, p, 1, at.scales), told)
+    misses = [(apart(kept, last, p, 1, at.scales), p) for p in range(1, min(LONGEST, points // 3) + 1)]
+    miss, p = min(misses)
+    why = f"the last {points} strobe points do not repeat within {LONGEST} periods (nearest: {miss:.1e} after {p})"
+    return Repetition(None, states[-1, 0], miss, why)
 
 
-def _steady(miss: Array) -> bool:
-    """Whether distances shrink geometrically: every one is smaller than the one before, over the last half."""
-    late = miss[len(miss) // 2 :]
-    return len(late) > 2 and bool(np.all(np.diff(late) < 0))
+def _transient(kept: Array, p: int, scales: Array, tolerance: float) -> str:
+    """A sentence on points that close in on a motion of period p; empty where they do not."""
+    last = len(kept) - 1
+    late, early = (apart(kept, last - k * p, p, 1, scales) for k in (0, 1))
+    ratio = late / early if early > 0 else 1.0
+    if not (late < 0.1 and 0.0 < ratio < 1.0):
+        return ""
+    more = p * max(int(np.ceil(np.log(tolerance / late) / np.log(ratio))), 1)
+    about = f"about {more} more periods to settle"
+    return f"it moves towards period {p}, but is still {late:.1e} away: a slow transient (ratio {ratio:.4g}); {about}"

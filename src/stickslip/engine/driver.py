@@ -13,6 +13,7 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.taylor import ORDER
+from stickslip.engine.texts import recurrence_text
 
 __all__ = ["FUNCTIONS", "HEADER", "LOOKS", "load", "table"]
 
@@ -115,7 +116,7 @@ def _address(function: Any) -> int:
 @lru_cache(1)
 def load() -> Any:
     """The compiled driver."""
-    constants = [f"{name} = {i}" for i, name in enumerate(LOOKS)]
+    constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), recurrence_text()]
     return cache.load(_source("the driver of all kernels", constants, ("flags", "watching", "lanes")), "driver", "what all kernels share")
 
 

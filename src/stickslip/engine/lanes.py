@@ -22,10 +22,11 @@ from stickslip.engine.trace import Equations, label, numbers_of, trace
 from stickslip.engine.unforeseen import misses
 from stickslip.engine.write import Writer
 from stickslip.fields import leaves
+from stickslip.recurrence import KEPT, LONGEST
 
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "plain_name", "prelude", "run"]
 
-SEGMENTS, RINGS, KEPT = 32, 34, 16
+SEGMENTS = 32
 #: Numbers of the layout that a law's own functions read.
 _NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "F_MODE", "F_CLK")
 
@@ -76,6 +77,7 @@ class Results:
     accepted: Any
     rejected: Any
     memory: Any  # (cases, modes): memories of the law at the end
+    limit: Any  # displacement in a drive period that the motion approaches [m]
     pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
 
 
@@ -262,9 +264,9 @@ def run(
     S = np.ones(k.fields * k.lanes)
     lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 15)), np.zeros((k.lanes, RINGS, 1 + n + k.modes)), np.zeros((k.lanes, KEPT))
+    lane_floats, ring, xs = np.zeros((k.lanes, 16)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST))
     cursor = np.array([0, cases, 0], dtype=np.int64)
-    out, count = np.full((cases, 6 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
+    out, count = np.full((cases, 7 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
@@ -282,5 +284,5 @@ def run(
         progress(cases)
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3],
-        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n :], np.concatenate(kept) if keep_pieces else None,
+        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n : -1], out[:, -1], np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip

@@ -32,6 +32,7 @@ class Raw:
     seg_time: Any  # [s]
     seg_code: Any
     margin_force: Any
+    limit: Any  # displacement in a drive period that the motion approaches [m], see stickslip.recurrence
     friction_power: Any = None  # [W] over the last motion period, where the solver measures it
 
 

@@ -37,13 +37,10 @@ def applies(todo: Request) -> bool:
 
 
 def _kernel() -> Any:
-    from importlib.resources import files
-
     from stickslip.engine.cache import load
+    from stickslip.engine.texts import coulomb_text
 
-    folder = files("stickslip.engine") / "kernels"
-    names = ("coulomb_harmonic.py", "coulomb_harmonic_runs.py", "coulomb_orbits.py")
-    text = "\n\n".join((folder / n).read_text(encoding="utf-8") for n in names)
+    text = coulomb_text("coulomb_harmonic_runs", "coulomb_orbits")
     return load(text, "coulomb_orbits", "Coulomb × Harmonic, periodic motions")
 
 
@@ -66,8 +63,9 @@ def orbit_rows(
     Returns
     -------
     dict of arrays
-        displacement, window, v_max, v_min, margin_force, strobe_error, forward_way, backward_way, status (1; 2 where there is no
-        formula), period, periods_run, seg_count, seg_time, seg_code; velocities in w, ways in w times radians.
+        displacement, window, v_max, v_min, margin_force, strobe_error, forward_way, backward_way, limit (displacement in a
+        drive period), status (1; 2 where there is no formula), period, periods_run, seg_count, seg_time, seg_code; velocities in w,
+        ways in w times radians.
 
     Examples
     --------
@@ -92,6 +90,7 @@ def orbit_rows(
     names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "forward_way", "backward_way")
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
+    raw["limit"] = raw["displacement"] / np.maximum(raw["window"], 1)
     return {**raw, "seg_time": seg_time, "seg_code": seg_code}
 
 
@@ -120,7 +119,7 @@ def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
 
 def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> None:
     """From the units of the kernel to metres and seconds."""
-    for name in ("displacement", *_WAYS):
+    for name in ("displacement", "limit", *_WAYS):
         raw[name] = raw[name] * (drive / omega**2)
     for name in ("v_max", "v_min"):
         raw[name] = raw[name] * (drive / omega)

@@ -22,6 +22,7 @@ from stickslip.pieces import PolynomialPieces
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.request import Request
+from stickslip.steadiness import is_steady
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
 
@@ -186,25 +187,22 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
 
 
 def _summary(todo: Request, march: _March) -> dict[str, Any]:
-    asked, period = 0, 0
+    asked, period, found = 0, 0, {}
     for count in _blocks(todo):
         march.go(count)
         asked += count
         if march.done < asked:
             return {**strobes.NOTHING, "status": _NOT_A_NUMBER, "periods_run": march.done}
-        if todo.auto:  # whether to stop: closer, and over the later half of what was run so far
-            tolerance, settle = 0.1 * todo.rtol, march.done // 2
-        else:
-            tolerance, settle = strobes.strobe_tolerance(todo.method, todo.rtol), todo.settle
-        period = strobes.period_of(march.model, march.strobes, tolerance, settle)
-        if period and todo.auto:
-            break
-    settle = march.done - period if todo.auto and period else todo.settle
-    displacement, window = strobes.window_of(march.strobes, settle, period)
+        found = strobes.reduced(march.model, march.strobes, todo.settle, todo.method, todo.rtol)
+        period = found["period"]
+        if todo.auto and period:  # the mean over one motion period, if it is that of the steady motion
+            found = strobes.reduced(march.model, march.strobes, march.done - period, todo.method, todo.rtol)
+            if is_steady(march.model, found, todo.method, todo.rtol):
+                break
     done = march.done
     count, seg_time, seg_code = _last(todo, march, period or 1)
     return {
-        "displacement": displacement, "window": window, "period": period, "periods_run": done, "status": int(bool(todo.auto and period)),
+        **found, "periods_run": done, "status": int(todo.auto and done < todo.periods),
         "v_min": march.extremes[0], "v_max": march.extremes[1], "seg_count": count, "seg_time": seg_time, "seg_code": seg_code,
         "margin_force": strobes.margin_force(march.model),
     }  # fmt: skip

@@ -121,7 +121,7 @@ def _raw(r: lanes.Results, offset: Any) -> Raw:
     return Raw(
         displacement=r.displacement, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
-        margin_force=np.full(len(r.status), np.inf), friction_power=r.friction_power,
+        margin_force=np.full(len(r.status), np.inf), limit=r.limit, friction_power=r.friction_power,
     )  # fmt: skip
 
 

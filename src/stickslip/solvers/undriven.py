@@ -49,6 +49,7 @@ def fill(raw: dict[str, Array], i: int, arcs: Arcs, v0: float, periods: int, set
     raw["displacement"][i], raw["window"][i], raw["x_end"][i], raw["v_end"][i] = x - x_first, n - first, x, v
     raw["v_max"][i], raw["v_min"][i], raw["margin_force"][i] = max(speeds), min(speeds), math.inf
     raw["strobe_error"][i], raw["period"][i], raw["periods_run"][i] = 0.0 if steady else math.inf, int(steady), n
+    raw["limit"][i] = float(start[-1]) * T if slope[-1] == 0.0 else math.inf
     raw["status"][i], raw["seg_count"][i] = int(steady and auto), len(codes)
     raw["seg_time"][i], raw["seg_code"][i] = 0.0, 0
     raw["seg_time"][i, : len(codes)], raw["seg_code"][i, : len(codes)] = np.diff(edges) / T, codes

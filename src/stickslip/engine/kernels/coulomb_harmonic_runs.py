@@ -5,8 +5,6 @@
 
 import numpy as np
 
-KEPT = 16  # largest period number looked for, and displacements of single periods kept
-RINGS = 34  # strobe points kept
 SEGS = 32  # segments kept
 FINISHED, REPEATED, TOO_LONG, NOT_A_NUMBER = 0, 1, 2, 4
 
@@ -63,34 +61,14 @@ def observe(q, row, last, w, periods, seg_time, seg_code, out):
     return n
 
 
-@njit("f8(f8[::1], i8, i8)", **OPTIONS)
-def misfit(ring, n, p):
-    """How far the last p strobe points are from those p periods before them."""
-    worst = 0.0
-    for j in range(p):
-        worst = max(worst, abs(ring[(n - j) % RINGS] - ring[(n - j - p) % RINGS]))
-    return worst
-
-
-@njit("i8(f8[::1], i8, f8)", **OPTIONS)
-def period_number(ring, n, tolerance):
-    """Smallest p for which the last p strobe points repeat those before them; 0 if there is none."""
-    for p in range(1, KEPT + 1):
-        if 2 * p - 1 > n:
-            break
-        if misfit(ring, n, p) <= tolerance * (1.0 + abs(ring[n % RINGS])):
-            return p
-    return 0
-
-
-@njit("f8(f8[::1], i8)", **OPTIONS)
-def remaining(ring, n):
-    """Estimated distance from the periodic state: the last change of the strobe point times rate/(1 - rate)."""
-    d2, d1, d0 = abs(ring[n % RINGS] - ring[(n - 1) % RINGS]), 0.0, 0.0
+@njit("f8(f8[:,::1], i8, i8, f8[::1])", **OPTIONS)
+def remaining(points, n, p, unit):
+    """Estimated distance of w from the periodic state: the last change over p periods times rate/(1 - rate)."""
+    d2, d1, d0 = apart(points, n, p, 1, unit), 0.0, 0.0
     if d2 == 0.0:
         return 0.0
-    if n > 2:
-        d1, d0 = abs(ring[(n - 1) % RINGS] - ring[(n - 2) % RINGS]), abs(ring[(n - 2) % RINGS] - ring[(n - 3) % RINGS])
+    if n >= 4 * p:
+        d1, d0 = apart(points, n - p, p, 1, unit), apart(points, n - 2 * p, p, 1, unit)
     rate = max(d2 / d1, d1 / d0)  # not a number or infinite where there is none
     return d2 * rate / (1.0 - rate) if rate < 1.0 else math.inf
 
@@ -103,43 +81,44 @@ def add(total, excess, term):
     return new, (new - total) - term
 
 
-@njit("UniTuple(i8, 3)(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], i8, i8, b1, b1)", **OPTIONS)
-def follow(q, last, ring, early, sums, periods, settle, auto, skip):
-    """Run up to `periods` drive periods from the strobe point ring[0]: periods done, period number (0: not asked for), status.
+@njit("UniTuple(i8, 3)(f8[::1], f8[::1], f8[:,::1], f8[::1], f8[::1], f8[::1], f8[::1], i8, i8, b1, b1)", **OPTIONS)
+def follow(q, last, points, early, sums, scale, unit, periods, settle, auto, skip):
+    """Run up to `periods` drive periods from the strobe point points[0]: periods done, period number (0: not asked for), status.
 
     sums receives the displacement over the window after `settle`, and over all; early the window's first periods one by one.
     `auto` stops at the repeated strobe point. `skip`: the same point to the last bit means the same period over and over.
     """
-    w, n, window, x, excess, excess_x = ring[0], 0, 0.0, 0.0, 0.0, 0.0
+    w, n, window, x, excess, excess_x = points[0, 1], 0, 0.0, 0.0, 0.0, 0.0
     status, p = FINISHED, 0
     while n < periods and p == 0 and status == FINISHED:
+        before = w
         w, moved, good = one_period(q, last, w)
         n += 1
-        ring[n % RINGS] = w
         x, excess_x = add(x, excess_x, moved)
+        points[n % KEPT, 0], points[n % KEPT, 1] = x, w
         if not good:
             status = TOO_LONG
         elif w - w != 0.0:
             status = NOT_A_NUMBER
         elif auto:
-            scale = 1.0 + abs(w)
-            if remaining(ring, n) <= 1e-14 * scale or misfit(ring, n, 1) <= 4e-16 * scale:
+            scale[0] = 1.0 + abs(w)
+            if remaining(points, n, 1, unit) <= 1e-14 * scale[0] or abs(w - before) <= 4e-16 * scale[0]:
                 p = 1
             elif n % 64 == 0:
-                p = period_number(ring, n, 1e-14)
+                p = period_number(points, n, KEPT - 1, LONGEST, scale, 1e-13, 1e-13)[0]
         elif n > settle:
-            if n - settle <= KEPT:
+            if n - settle <= LONGEST:
                 early[n - settle - 1] = moved
             window, excess = add(window, excess, moved)
-        if skip and not auto and w == ring[(n - 1) % RINGS]:
+        if skip and not auto and w == before:
             x, excess_x = add(x, excess_x, moved * (periods - n))
             window, excess = add(window, excess, moved * min(periods - n, periods - settle))
-            for k in range(max(n - settle, 0), KEPT):
+            for k in range(max(n - settle, 0), LONGEST):
                 early[k] = moved
-            for k in range(RINGS):
-                ring[k] = w
             n = periods
-    sums[0], sums[1] = window, x
+            for k in range(KEPT):
+                points[(n - k) % KEPT, 0], points[(n - k) % KEPT, 1] = x - k * moved, w
+    sums[0], sums[1], scale[0] = window, x, 1.0 + abs(w)
     return n, p, status
 
 
@@ -149,29 +128,33 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
 
     rows: r_plus, r_minus, s_plus, s_minus, gamma, w at the start. out: displacement over the window (`auto`: over the last motion
     period), its periods, largest and smallest w and the margin of the last motion period, estimated distance from the periodic
-    state, displacement in all, w at the end. count: status, period number, periods run, segments.
+    state, displacement in all, w at the end, displacement in a drive period that the motion approaches. count: status, period number,
+    periods run, segments.
     """
-    q, last, ring, early, sums = np.empty(CONSTANTS), np.empty(2), np.empty(RINGS), np.empty(KEPT), np.empty(2)
+    q, last, points, early, sums = np.empty(CONSTANTS), np.empty(2), np.zeros((KEPT, 2)), np.empty(LONGEST), np.empty(2)
+    scale, unit = np.ones(1), np.ones(1)
     for i in range(i0, i1):
         row = rows[i]
         prepare(row, q)
         last[0], last[1] = -1.0, -1.0
-        ring[0] = row[5]
-        n, p, status = follow(q, last, ring, early, sums, periods, settle, auto, skip)
-        out[i, 7] = ring[n % RINGS]
+        points[0, 0], points[0, 1] = 0.0, row[5]
+        n, p, status = follow(q, last, points, early, sums, scale, unit, periods, settle, auto, skip)
+        out[i, 7] = points[n % KEPT, 1]
         for k in range(6):
             out[i, k] = math.nan
-        count[i, 3] = 0
+        count[i, 3], out[i, 8] = 0, math.nan
         if status == FINISHED:
             status = REPEATED if p > 0 else FINISHED
-            p = p if p > 0 else period_number(ring, n, tolerance)
+            found, out[i, 8] = outcome(points, n, min(n, KEPT - 1), LONGEST, scale, tolerance, tolerance)
+            p = p if p > 0 else found
             number = min(max(p, 1), n)
-            out[i, 1], out[i, 5] = number, remaining(ring, n) if p < 2 else misfit(ring, n, p)
+            out[i, 1], out[i, 5] = number, remaining(points, n, number, unit)
             begin = n if status == REPEATED else n - number  # where it repeats, the next motion period is the best one yet
-            count[i, 3] = observe(q, row, last, ring[begin % RINGS], number, seg_time[i], seg_code[i], out[i])
+            count[i, 3] = observe(q, row, last, points[begin % KEPT, 1], number, seg_time[i], seg_code[i], out[i])
             if status == REPEATED:
                 n += number
                 sums[1] += out[i, 0]
+                out[i, 8] = out[i, 0] / number
             if not auto:
                 first = (periods - settle) % number
                 first = first if first < periods - settle else 0

@@ -35,8 +35,9 @@ def take(lane, case, S, N, K, XS, PARAM, START, D):
     set_flags(lane, S, PARAM[case], D[SET_VALUED] == 1, D)
     for j in range(9):
         N[lane, j] = 0
-    for j in range(15):
+    for j in range(16):
         K[lane, j] = 0.0
+    K[lane, LIMIT] = math.nan
     N[lane, CASE] = case
 
 
@@ -67,11 +68,12 @@ def finish(lane, S, N, K, RING, OUT, COUNT, D):
     OUT[case, 3] = K[lane, VMIN]
     good = N[lane, STATUS] == FINISHED or N[lane, STATUS] == REPEATED
     OUT[case, 4] = K[lane, WORK] / K[lane, LASTED] if D[OFFERED] == 1 and K[lane, LASTED] > 0.0 else np.nan
-    OUT[case, 5] = RING[lane, N[lane, DONE] % RINGS, 0] if good else S[D[F_X] + lane]
+    OUT[case, 5] = RING[lane, N[lane, DONE] % KEPT, 0] if good else S[D[F_X] + lane]
     for i in range(D[STATES]):
-        OUT[case, 6 + i] = RING[lane, N[lane, DONE] % RINGS, 1 + i] if good else S[D[F_Y] + i * L + lane]
+        OUT[case, 6 + i] = RING[lane, N[lane, DONE] % KEPT, 1 + i] if good else S[D[F_Y] + i * L + lane]
     for k in range(D[KEPT_MODES]):
-        OUT[case, 6 + D[STATES] + k] = RING[lane, N[lane, DONE] % RINGS, 1 + D[STATES] + k] if good else S[D[F_MODE] + k * L + lane]
+        OUT[case, 6 + D[STATES] + k] = RING[lane, N[lane, DONE] % KEPT, 1 + D[STATES] + k] if good else S[D[F_MODE] + k * L + lane]
+    OUT[case, 6 + D[STATES] + D[KEPT_MODES]] = K[lane, LIMIT] if good else np.nan
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
@@ -88,10 +90,10 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
     N[lane, DONE] += 1
     k = N[lane, DONE]
     x = S[D[F_X] + lane]
-    RING[lane, k % RINGS, 0] = x
+    RING[lane, k % KEPT, 0] = x
     scale = np.empty(D[STATES])
     for i in range(D[STATES]):
-        RING[lane, k % RINGS, 1 + i] = S[D[F_Y] + i * L + lane]
+        RING[lane, k % KEPT, 1 + i] = S[D[F_Y] + i * L + lane]
         if i == 0:
             size = S[D[F_C] + D[FREE] * L + lane]
         elif D[SCALE_AT + i] >= 0:
@@ -100,36 +102,39 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
             size = S[D[F_M] + (i - 1) * L + lane]
         scale[i] = max(size, 1e-300)
     for m in range(D[KEPT_MODES]):
-        RING[lane, k % RINGS, 1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
-    if k >= settle and k < settle + KEPT:
+        RING[lane, k % KEPT, 1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
+    if k >= settle and k < settle + LONGEST:
         XS[lane, k - settle] = x
+    count = min(k - 1, KEPT - 1)  # the start is not among them
     if N[lane, TARGET] > 0:
         if k < N[lane, TARGET]:
             return 0
         if auto and N[lane, NUMBER] > 0:
             K[lane, DISPLACEMENT] = x - K[lane, XBEGIN]
             K[lane, WINDOW] = N[lane, NUMBER]
+            K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 10.0 * rtol, 3.0 * rtol)[1]
         return 1
     if auto and k < periods:
-        p = repeated(lane, N, RING, scale, 10.0 * rtol, D)
-        if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 0.0, D) <= 3.0 * rtol:
-            N[lane, NUMBER] = p
-            N[lane, STATUS] = REPEATED
-            N[lane, TARGET] = k + p
-            K[lane, XBEGIN] = x
-            begin_record(lane, N, K, S, D)
+        p, m = period_number(RING[lane], k, count, LONGEST, scale, 10.0 * rtol, 3.0 * rtol)
+        if p > 0:
+            moved = (x - RING[lane, (k - p) % KEPT, 0]) / p
+            free = scale[0] * S[D[F_C] + D[PERIOD] * L + lane]
+            if steady(moved, limit(RING[lane], k, p, m, scale, True), free, max(STEADY, rtol)):
+                N[lane, NUMBER] = p
+                N[lane, STATUS] = REPEATED
+                N[lane, TARGET] = k + p
+                K[lane, XBEGIN] = x
+                begin_record(lane, N, K, S, D)
         return 0
     if k == periods - 1 and not auto:
         begin_record(lane, N, K, S, D)
     if k < periods:
         return 0
-    p = repeated(lane, N, RING, scale, 30.0 * rtol, D)
-    if p > 0 and k >= 2 * p + 1 and remaining(lane, p, N, RING, scale, 3.0 * rtol, D) > 300.0 * rtol:  # it still drifts
-        p = 0
+    p, K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 30.0 * rtol, 30.0 * rtol)
     N[lane, NUMBER] = p
     whole = max(p, 1)
     first = (periods - settle) % whole
-    if auto or first >= KEPT or first >= periods - settle:
+    if auto or first >= LONGEST or first >= periods - settle:
         first = 0
     K[lane, DISPLACEMENT] = x - (XS[lane, first])
     K[lane, WINDOW] = periods - settle - first

@@ -1,42 +1,6 @@
-"""What is noted of a motion on the way: repeated strobe states, stretches, extremes, the work of friction; text before lanes.py."""
+"""What is noted of a motion on the way: stretches, extremes, the work of friction; text before lanes.py."""
 # ruff: noqa: F821
 # mypy: ignore-errors
-
-
-@njit(int64(int64, i2, f3, f1, float64, i1), **OPTIONS)
-def repeated(lane, N, RING, scale, tolerance, D):
-    """Smallest p such that the strobe state of p periods ago came back, twice in a row; 0 if none."""
-    k = N[lane, DONE]
-    for p in range(1, KEPT + 1):
-        if k < 2 * p or k < p + 1:
-            return 0
-        good = True
-        for back in range(2):
-            d = 0.0
-            for i in range(D[STATES]):
-                d = max(d, abs(RING[lane, (k - back) % RINGS, 1 + i] - RING[lane, (k - back - p) % RINGS, 1 + i]) / scale[i])
-            if not d <= tolerance:
-                good = False
-        if good:
-            return p
-    return 0
-
-
-@njit(float64(int64, int64, i2, f3, f1, float64, i1), **OPTIONS)
-def remaining(lane, p, N, RING, scale, noise, D):
-    """Estimated distance to the periodic state: the last difference d1 over 1 - d1/d0; a difference below `noise` is no drift."""
-    k = N[lane, DONE]
-    d1 = 0.0
-    d0 = 0.0
-    for back in range(max(1, min(p, min(k, RINGS - 1) - 2 * p + 1))):  # every phase of the motion, as far as it is remembered
-        for i in range(D[STATES]):
-            new, old, older = (k - back) % RINGS, (k - back - p) % RINGS, (k - back - 2 * p) % RINGS
-            d1 = max(d1, abs(RING[lane, new, 1 + i] - RING[lane, old, 1 + i]) / scale[i])
-            d0 = max(d0, abs(RING[lane, old, 1 + i] - RING[lane, older, 1 + i]) / scale[i])
-    if d1 <= noise:
-        return d1
-    ratio = min(d1 / d0, 0.999) if d0 > 0.0 else 0.999
-    return d1 / (1.0 - ratio)
 
 
 @njit(void(int64, i2, f2, f1, i1), **OPTIONS)

@@ -20,9 +20,10 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     """Raw results of one case."""
     T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
     strobe = _strobe(todo, model, pieces)
-    period = strobes.period_of(model, strobe, strobes.strobe_tolerance(todo.method, todo.rtol), todo.settle)
-    settle = todo.periods - period if todo.auto and period else todo.settle
-    displacement, window = strobes.window_of(strobe, settle, period)
+    found = strobes.reduced(model, strobe, todo.settle, todo.method, todo.rtol)
+    period = found["period"]
+    if todo.auto and period:
+        found = strobes.reduced(model, strobe, todo.periods - period, todo.method, todo.rtol)
     count = _LOOKS * (period or 1)
     t = pieces.t[-1] - (period or 1) * T * (1 - (np.arange(count) + 0.5) / count)
     index = np.clip(np.searchsorted(pieces.t, t, side="right") - 1, 0, len(pieces.mode) - 1)
@@ -31,7 +32,7 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     codes = strobes.codes_of(model, v, z, mode, todo.slip_ratio, t, x, memory)
     number, seg_time, seg_code = strobes.segments_of(np.full(count, (period or 1) * T / count), codes)
     return {
-        "displacement": displacement, "window": window, "period": period, "periods_run": todo.periods, "status": 0,
+        **found, "periods_run": todo.periods, "status": 0,
         "v_min": v.min(), "v_max": v.max(),
         "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
     }  # fmt: skip

@@ -1,0 +1,50 @@
+"""Plain Python that kernels share with the rest: the text of a module, its functions compiled as they stand."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from importlib import resources
+from typing import Any
+
+from stickslip.engine import cache
+
+__all__ = ["coulomb_text", "recurrence", "recurrence_text"]
+
+_POINTS = "float64[:, ::1], int64"
+_RECURRENCE = {
+    "apart": f"float64({_POINTS}, int64, int64, float64[::1])",
+    "stretch": f"int64({_POINTS}, int64, int64, float64[::1], float64)",
+    "closing": f"UniTuple(float64, 2)({_POINTS}, int64, int64, float64[::1])",
+    "dying": f"boolean({_POINTS}, int64, int64, float64[::1])",
+    "jitters": f"boolean({_POINTS}, int64, int64, float64[::1])",
+    "period_number": f"UniTuple(int64, 2)({_POINTS}, int64, int64, float64[::1], float64, float64)",
+    "approach": f"int64({_POINTS}, int64, int64, float64[::1])",
+    "limit": f"float64({_POINTS}, int64, int64, float64[::1], boolean)",
+    "steady": "boolean(float64, float64, float64, float64)",
+    "outcome": f"Tuple((int64, float64))({_POINTS}, int64, int64, float64[::1], float64, float64)",
+}
+
+
+@lru_cache(1)
+def recurrence_text() -> str:
+    """The functions of `stickslip.recurrence`, for a kernel that has imported njit and named its OPTIONS."""
+    text = (resources.files("stickslip") / "recurrence.py").read_text(encoding="utf-8")
+    body = text[text.index("\nLONGEST") :]
+    for name, signature in _RECURRENCE.items():
+        body = re.sub(rf"^def {name}\(", f'@njit("{signature}", **OPTIONS)\ndef {name}(', body, flags=re.MULTILINE)
+    return "Any = object\n" + body
+
+
+def coulomb_text(*names: str) -> str:
+    """The mode machine of ``kernels/coulomb_harmonic.py``, the test of strobe points, and other texts after them."""
+    folder = resources.files("stickslip.engine") / "kernels"
+    first, *more = ((folder / f"{name}.py").read_text(encoding="utf-8") for name in ("coulomb_harmonic", *names))
+    return "\n\n".join([first, recurrence_text(), *more])
+
+
+@lru_cache(1)
+def recurrence() -> Any:
+    """The functions of `stickslip.recurrence`, compiled."""
+    head = 'from numba import njit\n\nOPTIONS = {"cache": CACHE, "error_model": "numpy", "nogil": True}\n'
+    return cache.load(head + recurrence_text(), "recurrence", "the test of strobe points")

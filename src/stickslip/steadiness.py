@@ -1,0 +1,195 @@
+"""Whether a run has settled: what its mean velocity approaches, and how far from that it still is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip import recurrence
+from stickslip.forces import normal_load
+
+__all__ = [
+    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "free_velocity", "is_steady", "judged", "mean_tolerance",
+    "of_run", "outcome_of", "scales_of", "strobe_tolerance", "window_count",
+]  # fmt: skip
+
+STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
+#: What a code of steadiness says.
+STEADINESS: dict[int, str] = {
+    STEADY: "steady",
+    UNSETTLED: "not settled",
+    IRREGULAR: "does not repeat",
+    UNKNOWN: "not known",
+}
+
+
+@dataclass(frozen=True)
+class Steadiness:
+    """Whether the mean velocity of a run is that of a steady motion.
+
+    Parameters
+    ----------
+    code : int
+        A code of `STEADINESS`: 0 steady, 1 not settled, 2 does not repeat, -1 not known.
+    period : int
+        Drive periods after which the motion repeats; 0 where it does not, or not yet.
+    mean_velocity : float
+        Over the window after settling [m/s].
+    approached : float
+        The mean velocity that it approaches by its last strobe points [m/s]: infinite where no end is in sight, not a number where it
+        does not repeat or nothing is known.
+    change : float
+        By how much the velocity, averaged over a drive period, changed per period at the end of the run [m/s].
+    tolerance : float
+        How far the mean velocity may be from the approached one, relative to it.
+    advice : str
+        What to type.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), periods=60).steadiness.word
+    'steady'
+    """
+
+    code: int
+    period: int
+    mean_velocity: float
+    approached: float
+    change: float = float("nan")
+    tolerance: float = recurrence.STEADY
+    advice: str = ""
+
+    @property
+    def steady(self) -> bool:
+        """Whether it is."""
+        return self.code == STEADY
+
+    @property
+    def word(self) -> str:
+        """The code in words."""
+        return STEADINESS[self.code]
+
+    @property
+    def error(self) -> float:
+        """Estimated distance of the mean velocity from its steady value [m/s]."""
+        return abs(self.mean_velocity - self.approached)
+
+    @property
+    def note(self) -> str:
+        """A sentence on what is not steady, and what to type; empty where there is nothing to say."""
+        if self.code != UNSETTLED:
+            return ""
+        if not np.isfinite(self.approached):
+            far = "no steady value is in sight"
+        else:
+            far = f"it is about {self.error:.2g} m/s from its steady value"
+        if self.period:
+            return f"the motion repeats, but the mean velocity holds a part of the transient: {far}; {self.advice}"
+        change = f"the mean velocity still changes by about {self.change:.2g} m/s in a drive period"
+        return f"the motion has not settled: {change}, and {far}; {self.advice}"
+
+
+def judged(mean: Any, approached: Any, period: Any, free_velocity: Any, tolerance: Any) -> Any:
+    """Codes of steadiness from mean velocities and those that they approach [m/s]."""
+    mean, approached = np.asarray(mean, float), np.asarray(approached, float)
+    with np.errstate(invalid="ignore"):
+        steady = (np.asarray(period) > 0) & recurrence.steady(mean, approached, free_velocity, tolerance)
+    lasting = np.where(np.isnan(approached), IRREGULAR, UNSETTLED)
+    return np.where(np.isfinite(mean), np.where(steady, STEADY, lasting), UNKNOWN).astype(np.int8)
+
+
+def strobe_tolerance(method: str, rtol: float) -> float:
+    """How close strobe points must come to count as one, in their scales: 30 rtol, at most 1e-3; for exact arcs 1e-8.
+
+    Examples
+    --------
+    >>> strobe_tolerance("exact", 1e-4), strobe_tolerance("radau", 1e-4), round(strobe_tolerance("Rodas5P", 1e-6), 9)
+    (1e-08, 0.001, 3e-05)
+    """
+    return 1e-8 if method == "exact" else min(30 * float(rtol), 1e-3)
+
+
+def mean_tolerance(method: str, rtol: float) -> float:
+    """What may be missing from a mean velocity that counts as steady, relative to it: 1e-6, or the tolerance of the run."""
+    return recurrence.STEADY if method == "exact" else max(recurrence.STEADY, float(rtol))
+
+
+def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, float]:
+    """Period number of a run (0: none) and the displacement in a drive period that it approaches [m]; see `recurrence.outcome`.
+
+    `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
+    """
+    shift = [] if getattr(model, "cyclic", False) else [strobe[:, 0]]
+    points = np.ascontiguousarray(np.column_stack([strobe, *shift]), float)[1:]
+    tolerance = strobe_tolerance(method, rtol)
+    last = len(points) - 1
+    if last < 0:
+        return 0, float("inf")
+    count = min(last, recurrence.KEPT - 1)
+    return recurrence.outcome(points, last, count, recurrence.LONGEST, scales_of(model, strobe), tolerance, tolerance)
+
+
+def scales_of(model: Any, strobe: Any) -> Any:
+    """Sizes of v, of each inner state, and of x where the motion depends on it.
+
+    Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
+    """
+    speed = float(free_velocity(model))
+    scale, inner = getattr(model.friction, "scale", None), np.full(strobe.shape[1] - 2, np.nan)
+    if scale is not None and len(inner):
+        inner = np.broadcast_to(np.asarray(scale(normal_load(model, 0.0, 0.0)), float), len(inner))
+    inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
+    shift = [] if getattr(model, "cyclic", False) else [speed * float(model.period) / (2 * np.pi)]
+    scales = np.concatenate([[speed], inner, shift])
+    return np.where(scales > 0, scales, 1.0)
+
+
+def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bool:
+    """Whether the displacement over a window is that of a steady motion: of the row of a case that repeats."""
+    T = float(model.period)
+    mean, approached = found["displacement"] / (found["window"] * T), found["limit"] / T
+    return bool(judged(mean, approached, found["period"], free_velocity(model), mean_tolerance(method, rtol)) == STEADY)
+
+
+def free_velocity(model: Any) -> Any:
+    """What the drive does to a body without friction [m/s]."""
+    return getattr(model, "free_velocity", model.velocity_scale)
+
+
+def window_count(done: int, settle: int, period: int) -> int:
+    """Drive periods in the window of the mean, of so many done: whole motion periods where a period is known."""
+    count = max(done - settle, min(1, done))
+    return count - count % (period or 1) if count > (period or 1) else count
+
+
+def of_run(run: Any) -> Steadiness:
+    """The steadiness of a trajectory."""
+    if run.model.period is None:
+        first, last = run.window
+        x = run.at(np.array([first, last]))["x"]
+        return Steadiness(UNKNOWN, 0, float((x[1] - x[0]) / (last - first)), float("nan"))
+    x, t, T = run.strobe_x, run.strobe_times, run.period_time
+    strobe = np.column_stack([x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])
+    tolerance = mean_tolerance(run.method, run.rtol)
+    known = run.known_period
+    period, limit = (int(known), float("nan")) if known else outcome_of(run.model, strobe, run.method, run.rtol)
+    count = window_count(len(x) - 1, int(run.settle), period)
+    mean = float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count])) if count else float("nan")
+    if known:
+        return Steadiness(STEADY, period, mean, mean)
+    code = int(judged(mean, limit / T, period, free_velocity(run.model), tolerance))
+    return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(len(x) - 1, int(run.settle), period))
+
+
+def _change(x: Any, T: float) -> float:
+    """Change of the velocity per drive period at the end, averaged over two periods each time [m/s]."""
+    return float(abs(x[-1] - 2 * x[-3] + x[-5]) / (4 * T)) if len(x) > 4 else float("nan")
+
+
+def _advice(periods: int, settle: int, period: int) -> str:
+    if period and settle < periods - 2 * period:
+        return f"type settle={periods - 2 * period}, or ss.periodic_mean_velocity(robot) for the steady motion itself"
+    return f"type more periods, such as periods={10 * periods}, or ss.periodic_mean_velocity(robot) for the steady motion itself"
