@@ -13,6 +13,7 @@ from stickslip.analysis.energy import energy
 from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
 from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
 from stickslip.batch import shape_of
+from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.forces import is_dynamic
 from stickslip.solvers import rk4, solve
@@ -140,7 +141,7 @@ def check(
     start: dict[str, Any] | None = None,
     rk4_steps: tuple[int, ...] = RK4_STEPS,
     scipy: bool = True,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Callable[[str, int, int], None] | bool | None = None,
 ) -> Check:
     """Let several methods solve one robot and say how many digits of its mean velocity are certain.
 
@@ -162,8 +163,8 @@ def check(
         Steps per period of the Runge-Kutta judges, which know robots without impulses or memory and are skipped elsewhere.
     scipy : bool
         Whether to ask scipy, which takes most of the time.
-    progress : callable, optional
-        Called with (who is asked, how many were asked, how many there are).
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (who is asked, how many were asked, how many there are).
 
     Returns
     -------
@@ -218,10 +219,10 @@ def _check_arguments(robot: Any, rk4_steps: Any) -> None:
     problems.check()
 
 
-def _told(progress: Callable[[str, int, int], None] | None, whole: int) -> Callable[[str], None]:
+def _told(progress: Callable[[str, int, int], None] | bool | None, whole: int) -> Callable[[str], None]:
     """Counts who was asked."""
-    done = iter(range(whole + 1))
-    return lambda who: progress(who, next(done), whole) if progress else None
+    done, tell = iter(range(whole + 1)), told_of_progress(progress, "check")
+    return lambda who: tell(who, next(done), whole) if tell else None
 
 
 def _skipped(name: str, setting: str, why: str) -> Judge:

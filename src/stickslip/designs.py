@@ -116,7 +116,7 @@ def _read(path: Any) -> dict[str, list[Any]]:
     try:
         with open(path, newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if line]
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         why = getattr(error, "strerror", None) or error
         raise InputError(
             "table", [f"{str(path)!r} cannot be read: {why}; give the path of a CSV file with a line of names first"]

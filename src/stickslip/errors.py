@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import difflib
 import math
+import os
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
-__all__ = ["InputError", "Problems", "SolveError", "StickslipError", "did_you_mean", "gather", "is_whole", "other_words"]
+__all__ = [
+    "InputError", "Problems", "SolveError", "StickslipError", "as_path", "did_you_mean", "gather", "is_one_of", "is_whole", "other_words",
+]  # fmt: skip
 
 
 class StickslipError(Exception):
@@ -85,6 +89,33 @@ def is_whole(value: Any) -> bool:
     (True, False, False)
     """
     return hasattr(value, "__index__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0
+
+
+def is_one_of(value: Any, known: Iterable[str]) -> bool:
+    """Whether a value, which may be anything, is one of these words.
+
+    Examples
+    --------
+    >>> is_one_of("auto", ("auto", "exact")), is_one_of(["auto"], ("auto", "exact"))
+    (True, False)
+    """
+    return isinstance(value, str) and value in known
+
+
+def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
+    """The path of a file or a folder, with the home folder for ~; `InputError` of `what` says why a value is none.
+
+    Examples
+    --------
+    >>> as_path("runs/a.nc", "save").name
+    'a.nc'
+    """
+    if isinstance(value, (str, os.PathLike)) and not isinstance(os.fspath(value), bytes) and "\0" not in os.fspath(value):
+        try:
+            return Path(value).expanduser()
+        except RuntimeError:  # ~ of a user who does not exist
+            return Path(value)
+    raise InputError(what, [f"{value!r} is no path of a file; type for example {example!r}"])
 
 
 def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:

@@ -10,9 +10,9 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypeVar
 
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
 
 if TYPE_CHECKING:
     import inspect
@@ -21,6 +21,7 @@ __all__ = [
     "Frozen",
     "arguments_of",
     "at_least",
+    "by_name",
     "checked_number",
     "describe",
     "everywhere",
@@ -29,12 +30,14 @@ __all__ = [
     "is_number_field",
     "is_tuple_field",
     "leaves",
+    "masked_in",
     "number",
     "positive",
     "replace_leaf",
     "same",
 ]
 
+P, T = ParamSpec("P"), TypeVar("T")
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
 
@@ -58,6 +61,8 @@ def number(value: Any) -> Any:
     """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither."""
     if _only_looks_like_one(value):
         raise ValueError(_refused(value))
+    if masked := masked_in(value):
+        raise ValueError(f"{masked} of its values are masked; give what is there, type array.compressed(), or fill them, array.filled(0.0)")
     try:
         if isinstance(value, (int, float)):
             return float(value)
@@ -74,6 +79,12 @@ def number(value: Any) -> Any:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+def masked_in(value: Any) -> int:
+    """How many values of an array are masked, and so no numbers."""
+    mask = getattr(value, "mask", None)
+    return int(mask.sum()) if mask is not None and hasattr(value, "filled") else 0
 
 
 def _refused(value: Any) -> str:
@@ -195,7 +206,7 @@ class Frozen:
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """An empty record, its arguments' names checked."""
         if args or kwargs:  # copying makes an empty one first
-            _check_arguments(cls, args, kwargs)
+            _check_arguments(cls.__name__, arguments_of(cls), args, kwargs)
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -274,13 +285,38 @@ def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
     return dict(list(inspect.signature(cls.__init__).parameters.items())[1:])  # type: ignore[misc]
 
 
-def _check_arguments(cls: type, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
+def by_name(function: Callable[P, T]) -> Callable[P, T]:
+    """The function, whose misspelt and missing arguments are told in one of our sentences.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.presets.piezo_rig(tilt_deg=1.7, amplitud=5e-4)
+    Traceback (most recent call last):
+    ...
+    stickslip.errors.InputError: piezo_rig: 2 problems
+      - 'amplitud' is no argument; did you mean 'amplitude'?
+      - amplitude is missing; type amplitude=...
+    """
+    import inspect
+
+    known = dict(inspect.signature(function).parameters)
+
+    @functools.wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
+        _check_arguments(function.__name__, known, args, kwargs, "no argument")
+        return function(*args, **kwargs)
+
+    return checked
+
+
+def _check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, kwargs: Any, not_known: str = "not a field") -> None:
     """Names that are not known or missing, said as one of our sentences."""
-    known = arguments_of(cls)
-    problems = Problems(cls.__name__)
+    problems = Problems(what)
     for name in kwargs:
         if name not in known:
-            problems.add(f"{name!r} is not a field; {did_you_mean(name, known)}")
+            hint = other_words(name, kwargs[name], known) or did_you_mean(name, known)
+            problems.add(f"{name!r} is {not_known}; {hint}")
     for p in list(known.values())[len(args) :]:
         if p.default is p.empty and p.name not in kwargs and p.kind is not p.VAR_KEYWORD:
             problems.add(f"{p.name} is missing; type {p.name}=...")
@@ -358,6 +394,8 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
     """A copy, made without any check, in which the named numbers are replaced (the engine puts symbols there)."""
     copy = object.__new__(type(record))
+    for name, value in _beside_fields(record).items():
+        object.__setattr__(copy, name, value)
     for field, _ in _plan(type(record)):  # type: ignore[arg-type]
         value, name = getattr(record, field), prefix + field
         if _is_record(value):
@@ -366,3 +404,27 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
             value = tuple(values.get(f"{name}.{i}", v) for i, v in enumerate(value))
         object.__setattr__(copy, field, values.get(name, value))
     return copy
+
+
+def _beside_fields(record: Any) -> dict[str, Any]:
+    """Attributes that are no fields, which only a record without numbers may have: elsewhere they would be what other numbers gave."""
+    plan = _plan(type(record))
+    names = {name for name, _ in plan}
+    beside = {n: v for n, v in getattr(record, "__dict__", {}).items() if n not in names and not _is_cached(type(record), n)}
+    lost = [*beside, *_derived(type(record))]
+    if lost and any(holds != "kind" for _, holds in plan):
+        told = f"sets {', '.join(lost)} when it is made, which would stay as it is when its numbers are replaced"
+        what = "compute it in the method that needs it, or make it an argument: a field with float"
+        raise InputError(type(record).__name__, [f"{told}; {what}"])
+    return beside
+
+
+def _is_cached(cls: type, name: str) -> bool:
+    return isinstance(getattr(cls, name, None), functools.cached_property)
+
+
+@functools.lru_cache(maxsize=256)
+def _derived(cls: type) -> tuple[str, ...]:
+    """Fields that are no arguments of a class, and no numbers that could be replaced with the others."""
+    kinds = {name for name, holds in _plan(cls) if holds == "kind"}
+    return tuple(f.name for f in dataclasses.fields(cls) if not f.init and f.name in kinds)  # type: ignore[arg-type]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, Problems
+from stickslip.fields import is_array, leaves
 
 __all__ = [
     "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "is_dynamic", "is_set_valued", "law_force", "law_rate",
@@ -105,7 +106,10 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
             return
         slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
         rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(np.asarray(law.sliding(1e9 * _SLOW, 1.0))) for limit in limits]
-    except Exception:  # what goes wrong inside a law is told where it is traced, with what to write
+    except Exception as error:  # what else goes wrong inside a law is told where it is traced, with what to write
+        if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and not getattr(law, "scalar_only", False):
+            why = f"{type(law).__name__} cannot take numbers that are arrays ({error})"
+            problems.add(f"{why}; write where(condition, yes, no), maximum or minimum from stickslip.maths instead of if, max or min")
         return
     kind, (low, high) = type(law).__name__, map(np.asarray, limits)
     if np.any(low > high):

@@ -2,6 +2,10 @@
 
 On a float they call `math`, on an array NumPy, and on anything with a hook (``x.__ss_exp__()``) that hook:
 this is how the engine's symbols write down an equation without this module knowing of them.
+
+All three give the same values everywhere, without an exception or a warning, because `where` has both of its branches evaluated: a
+function has NaN where it has no value, and exp, sinh and cosh keep, beyond an argument of 690, the value that
+they have there (5e299), which a factor of ordinary size leaves finite.
 """
 
 from __future__ import annotations
@@ -9,9 +13,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-__all__ = ["cos", "exp", "log", "maximum", "minimum", "pi", "sin", "sqrt", "tanh", "where", "within"]
+__all__ = [
+    "asinh", "atan", "cos", "cosh", "exp", "hypot", "log", "maximum", "minimum", "pi", "sin", "sinh", "sqrt", "tanh", "where", "within",
+]  # fmt: skip
 
 pi = math.pi
+
+LARGEST = 690.0  # where exp, sinh and cosh stop growing: a float holds up to exp(709.78)
+_FAR = 2e299
+_GROWING = ("exp", "sinh", "cosh")
+_IN_NUMPY = {"asinh": "arcsinh", "atan": "arctan"}
 
 
 def _apply(name: str, x: Any) -> Any:
@@ -19,24 +30,44 @@ def _apply(name: str, x: Any) -> Any:
     if hook is not None:
         return hook()
     if isinstance(x, (float, int)):
-        return getattr(math, name)(x)
+        try:
+            y = getattr(math, name)(x)
+        except (ValueError, OverflowError):
+            y = math.inf
+        return y if abs(y) < _FAR or x != x else _beyond(name, x)
     import numpy as np
 
-    return getattr(np, name)(x)
+    if name in _GROWING:
+        x = np.minimum(x, LARGEST) if name == "exp" else np.clip(x, -LARGEST, LARGEST)
+    with np.errstate(all="ignore"):
+        return getattr(np, _IN_NUMPY.get(name, name))(x)
+
+
+def _beyond(name: str, x: float) -> float:
+    """The value of a function where `math` has none or an infinite one: that of NumPy, within its limits."""
+    import numpy as np
+
+    return float(_apply(name, np.float64(x).reshape(1))[0])
 
 
 def exp(x: Any) -> Any:
-    """e to the power x."""
+    """e to the power x; from x = 690 on it stays at 5e299.
+
+    Examples
+    --------
+    >>> exp(0.0), exp(1e6) == exp(690.0)
+    (1.0, True)
+    """
     return _apply("exp", x)
 
 
 def log(x: Any) -> Any:
-    """Natural logarithm."""
+    """Natural logarithm; NaN of a negative number."""
     return _apply("log", x)
 
 
 def sqrt(x: Any) -> Any:
-    """Square root."""
+    """Square root; NaN of a negative number."""
     return _apply("sqrt", x)
 
 
@@ -50,9 +81,47 @@ def cos(x: Any) -> Any:
     return _apply("cos", x)
 
 
+def atan(x: Any) -> Any:
+    """The angle between -pi/2 and pi/2 whose tangent is x [rad]."""
+    return _apply("atan", x)
+
+
+def sinh(x: Any) -> Any:
+    """Hyperbolic sine; from abs(x) = 690 on it stays at 2e299."""
+    return _apply("sinh", x)
+
+
+def cosh(x: Any) -> Any:
+    """Hyperbolic cosine; from abs(x) = 690 on it stays at 2e299."""
+    return _apply("cosh", x)
+
+
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent."""
     return _apply("tanh", x)
+
+
+def asinh(x: Any) -> Any:
+    """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)): what rate-and-state friction has in place of a logarithm."""
+    return _apply("asinh", x)
+
+
+def hypot(a: Any, b: Any) -> Any:
+    """sqrt(a^2 + b^2); it has a corner where both are zero.
+
+    Examples
+    --------
+    >>> hypot(3.0, 4.0)
+    5.0
+    """
+    if hasattr(a, "__ss_sqrt__") or hasattr(b, "__ss_sqrt__"):
+        return sqrt(a * a + b * b)
+    if isinstance(a, (float, int)) and isinstance(b, (float, int)):
+        return math.hypot(a, b)
+    import numpy as np
+
+    with np.errstate(all="ignore"):
+        return np.hypot(a, b)
 
 
 def where(condition: Any, yes: Any, no: Any) -> Any:

@@ -12,7 +12,6 @@ import dataclasses
 import json
 import os
 import secrets
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,13 +20,14 @@ import numpy as np
 
 from stickslip import hdf5
 from stickslip.datasets import attributes, trajectory_columns, write_csv
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS, Coulomb
 from stickslip.jsontext import plain
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
+from stickslip.tables import document_of
 from stickslip.unpacking import Allowance
 from stickslip.variables import VARIABLES
 
@@ -64,7 +64,7 @@ def unwritable(doing: str) -> Callable[[Path, OSError], InputError]:
 
 # ---- netCDF4 ----
 def save(run: Any, path: str | Path) -> Path:
-    """Write a run to a netCDF4 file; an existing file is replaced.
+    """Write a run to a file; an existing file is replaced. The ending of its name says what it holds.
 
     A law of your own is kept by its name and numbers; `stickslip.load` asks for its class again.
     A drive or a track of your own cannot be kept.
@@ -73,13 +73,25 @@ def save(run: Any, path: str | Path) -> Path:
     ----------
     run : Trajectory
     path : str or Path
+        ``.nc`` (also .nc4, .h5, .hdf5 or no ending) for netCDF4, which `stickslip.load` reads back; ``.csv`` or ``.mat`` for the columns
+        alone, which it does not.
 
     Returns
     -------
     Path
         Where it was written.
+
+    Raises
+    ------
+    InputError
+        Of any other ending, and of a place that cannot be written to.
     """
-    path = Path(path).expanduser()
+    path = as_path(path, "save")
+    if path.suffix.lower() in _OF_COLUMNS:
+        return _OF_COLUMNS[path.suffix.lower()](run, path)
+    if path.suffix.lower() not in _NETCDF:
+        allowed = f"{', '.join(_NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
+        raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
     attrs = {**attributes(run), **_model_attributes(run.model), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
     columns = trajectory_columns(run)
     import h5netcdf
@@ -127,7 +139,7 @@ _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 def read(path: str | Path, laws: Sequence[type] = ()) -> dict[str, Any]:
     """What `save` kept of a run, as the arguments of `Trajectory`."""
-    path = Path(path).expanduser()
+    path = as_path(path, "load")
     give = "give the path of a file that run.save(path) wrote"
     try:
         size = path.stat().st_size if path.is_file() else None
@@ -190,7 +202,9 @@ def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
 
 def from_text(text: str) -> Any:
     """The robot or the mechanism whose TOML this is."""
-    return MECHANISMS.get(tomllib.loads(text).get("mechanism", {}).get("kind"), Robot).from_toml(text)
+    table = document_of(text, "load").get("mechanism")
+    kind = table.get("kind") if isinstance(table, dict) else None
+    return (MECHANISMS[str(kind)] if is_one_of(kind, MECHANISMS) else Robot).from_toml(text)
 
 
 def _unknown_law(self: Any, *arguments: Any, **more: Any) -> Any:
@@ -222,7 +236,7 @@ def to_mat(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a MATLAB file (version 5), one variable each, with units and status; returns its path."""
     from scipy.io import savemat
 
-    path = Path(path).expanduser()
+    path = as_path(path, "to_mat", "run.mat")
     columns = trajectory_columns(run)
     units = {name: VARIABLES[name].unit or "1" for name in columns}
     with moved_into_place(path, unwritable("to_mat")) as beside:
@@ -233,7 +247,12 @@ def to_mat(run: Any, path: str | Path) -> Path:
 # ---- text ----
 def to_csv(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a CSV file, units in its first line; returns its path."""
-    path = Path(path).expanduser()
+    path = as_path(path, "to_csv", "run.csv")
     with moved_into_place(path, unwritable("to_csv")) as beside:
         write_csv(trajectory_columns(run), beside)
     return path
+
+
+#: Endings of a file that `load` reads back, and of those that hold the columns alone.
+_NETCDF = (".nc", ".nc4", ".h5", ".hdf5", "")
+_OF_COLUMNS: dict[str, Callable[[Any, Path], Path]] = {".csv": to_csv, ".mat": to_mat}

@@ -9,8 +9,10 @@ import numpy as np
 
 from stickslip.errors import did_you_mean
 
-__all__ = ["STATUS", "Summary"]
+__all__ = ["LOST", "STATUS", "Summary"]
 
+#: Status of a run whose load fell to zero.
+LOST = 6
 #: What a status code says.
 STATUS: dict[int, str] = {
     0: "finished",

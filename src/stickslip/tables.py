@@ -8,12 +8,12 @@ import tomllib
 from typing import Any
 
 from stickslip.drives import DRIVES
-from stickslip.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, other_words
 from stickslip.fields import arguments_of, describe, example_of, is_array, is_number_field, is_tuple_field
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
-__all__ = ["from_table", "from_toml", "record_html", "to_table", "to_toml"]
+__all__ = ["document_of", "from_table", "from_toml", "record_html", "to_table", "to_toml"]
 
 PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
 
@@ -71,13 +71,23 @@ def to_toml(record: Any, name: str = "robot") -> str:
     return tomli_w.dumps({name: {**kind, **to_table(record)}})
 
 
+def document_of(text: str, what: str = "study file") -> dict[str, Any]:
+    """The tables of a TOML text; `InputError` of `what` says why it cannot be read."""
+    if not isinstance(text, str):
+        raise InputError(what, [f"{type(text).__name__} given; allowed is TOML text; type for example robot.to_toml() to see some"])
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        why = "its tables or lists are nested too deeply"
+    except ValueError as error:  # what TOML does not allow, and integers of thousands of digits
+        why = str(error)
+    raise InputError(what, [f"not readable as TOML: {why}"])
+
+
 def from_toml(cls: type, text: str, name: str = "robot") -> Any:
     """A robot or a mechanism (of class `cls`) from TOML text; all that is wrong with it is reported at once."""
-    try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError("study file", [f"not readable as TOML: {error}"]) from None
-    if name not in document:
+    document = document_of(text)
+    if not isinstance(document.get(name), dict):
         first = next(f for f in dataclasses.fields(cls) if is_number_field(f))
         shown = f"{first.name} = {first.metadata.get('example', '1.0')}"
         raise InputError("study file", [f"has no [{name}] table; begin with the line [{name}] and then {shown}"])
@@ -111,7 +121,7 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> A
         problems.add(f"{where}.kind is missing; type {kinds} under [{where}]")
         return None
     kind = table.pop("kind")
-    if kind not in PARTS[part]:
+    if not is_one_of(kind, PARTS[part]):
         problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
         return None
     for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive

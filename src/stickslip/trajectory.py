@@ -113,9 +113,10 @@ class Trajectory:
 
     @property
     def window(self) -> tuple[float, float]:
-        """Start and end of the part after settling [s]."""
-        first = self.settle * self.period_time if self.settle else float(self.pieces.t[0])
-        return first, float(self.pieces.t[-1])
+        """Start and end of the part after settling [s]; all of a run that ended before it had settled."""
+        first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
+        settled = self.settle * self.period_time if self.settle else first
+        return (settled if settled < last else first), last
 
     @property
     def lost_contact(self) -> bool:
@@ -306,7 +307,7 @@ class Trajectory:
         return to_mat(self, path)
 
     def save(self, path: str | Path) -> Path:
-        """Write the run to a netCDF4 file that `stickslip.load` reads back; returns its path."""
+        """Write the run to a netCDF4 file (.nc) that `stickslip.load` reads back, or its columns to .csv or .mat; returns its path."""
         from stickslip.storage import save
 
         return save(self, path)

@@ -36,6 +36,11 @@ def mean_velocity(run: Any) -> Any:
     float or array
         V [m/s], of the shape of the batch.
 
+    Raises
+    ------
+    InputError
+        Of a run that ended before its first drive period was over, as one does that loses contact at once; in a batch it is NaN.
+
     Examples
     --------
     >>> import stickslip as ss
@@ -53,7 +58,16 @@ def mean_velocity(run: Any) -> Any:
     if run.model.period is None:
         ends = np.array(run.window)
         return float(np.diff(run.at(ends)["x"])[0] / np.diff(ends)[0])
+    if len(run.strobe_times) < 2:
+        raise InputError("mean_velocity", [_too_short(run)])
     return run.steadiness.mean_velocity
+
+
+def _too_short(run: Any) -> str:
+    """Why a run has no mean velocity."""
+    end = float(run.pieces.t[-1])
+    told = f"the run ended at t = {end:.6g} s ({run.status}), before its first drive period of {run.period_time:.6g} s was over"
+    return f"{told}, so it has no mean velocity; type run.x and run.v for the motion until then, or give more load or a smaller drive"
 
 
 def velocity_range(run: Any) -> tuple[float, float]:

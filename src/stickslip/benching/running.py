@@ -12,6 +12,8 @@ from stickslip.benching.pulled import breakaway, stick_slip
 from stickslip.benching.records import Bench, Benches, Experiment
 from stickslip.benching.setup import Setup
 from stickslip.benching.velocity import lag, steady_friction
+from stickslip.callbacks import told_of_progress
+from stickslip.engine.checks import finite
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import is_array, leaves
 from stickslip.forces import check_law
@@ -38,7 +40,7 @@ def bench(
     stiffness: float | None = None,
     speed: float | None = None,
     experiments: Iterable[str] | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Callable[[str, int, int], None] | bool | None = None,
 ) -> Any:
     r"""What a law does, alone: the standard experiments of the friction literature, with their numbers and curves.
 
@@ -62,8 +64,8 @@ def bench(
         Python a twentieth of the contact's stiffness), and 0.05 of force / sqrt(stiffness mass).
     experiments : list of str, optional
         Which of `EXPERIMENTS`; all of them if not given.
-    progress : callable, optional
-        Called with (what is done, how many are done, how many there are).
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (what is done, how many are done, how many there are).
 
     Returns
     -------
@@ -91,6 +93,7 @@ def bench(
     names = _names(experiments)
     _check(load, mass, stiffness, speed)
     found: list[Bench] = []
+    progress = told_of_progress(progress, "bench")
     whole = len(laws) * len(names)
     for one in laws:
         setup = Setup(one, float(load), float(mass), stiffness, speed)
@@ -98,7 +101,8 @@ def bench(
         for name in names:
             if progress is not None:
                 progress(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)
-            done.append(EXPERIMENTS[name](setup))
+            with finite(one):
+                done.append(EXPERIMENTS[name](setup))
         notes = one.notes(float(load)) if hasattr(one, "notes") else []
         found.append(Bench(one, float(load), float(mass), tuple(done), tuple(notes)))
     if progress is not None:

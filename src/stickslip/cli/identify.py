@@ -153,35 +153,55 @@ def _floats(text: str | None, problems: Problems) -> list[float]:
         return []
 
 
+#: Tables and lists of [identify], by the type of what a file may give there, and what to type.
+_SHAPES: dict[str, tuple[type, str]] = {
+    "free": (dict, "mu0 = [0.05, 0.5] under [identify.free]"), "tied": (dict, 'mu_minus = "mu_plus" under [identify.tied]'),
+    "units": (dict, 'Velocity = "mm/s" under [identify.units]'), "roles": (dict, 'Velocity = "velocity" under [identify.roles]'),
+    "arguments": (dict, "tilt_deg = 1.7 under [identify.arguments]"), "records": (list, 'records = ["run.csv"]'),
+    "means": (list, "means = [0.0017, 0.0036]"), "columns": (list, 'columns = ["time", "velocity"]'), "make": (str, 'make = "piezo_rig"'),
+}  # fmt: skip
+
+
 def _study(asked: Any) -> dict[str, Any]:
     """What is to be done, from a study file; paths count from its folder."""
-    import tomllib
-
     path = Path(asked.robot).expanduser()
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8")).get("identify", {})
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"study file {str(path)!r}", [f"not readable as TOML: {error}"]) from None
-    problems = Problems(f"study file {str(path)!r}")
-    for key in table:
-        if key not in _KEYS:
-            problems.add(f"identify.{key} is not known; {did_you_mean(key, _KEYS)}")
-    if not table.get("free"):
-        problems.add("has no [identify.free] table; type for example mu0 = [0.05, 0.5] in it")
-    if bool(table.get("records")) == bool(table.get("means")):
-        problems.add("needs records = [paths] or means = [numbers], one of them")
-    problems.check()
+    table = _table(path)
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
     asked.role += [f"{k}={v}" for k, v in table.get("roles", {}).items()]
     asked.columns = asked.columns or (",".join(table["columns"]) if "columns" in table else None)
     options = {k: table[k] for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient") if k in table}
-    records = [str(path.parent / name) for name in table.get("records", [])]
-    make = table.get("make", str(path))
     return {
-        "make": make,
-        "records": records,
+        "make": table.get("make", str(path)),
+        "records": [str(path.parent / name) for name in table.get("records", [])],
         "means": table.get("means", []),
         "arguments": table.get("arguments", {}),
         "free": table["free"],
         "options": options,
     }
+
+
+def _table(path: Path) -> dict[str, Any]:
+    """The table [identify] of a study file, each key of which has the shape it must have."""
+    from stickslip.tables import document_of
+
+    what = f"study file {str(path)!r}"
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(what, [f"not readable as TOML: {error}"]) from None
+    problems, table = Problems(what), document_of(text, what).get("identify", {})
+    if not isinstance(table, dict):
+        raise InputError(what, [f'identify = {table!r}; allowed is a table; type [identify] and then for example make = "piezo_rig"'])
+    for key, value in table.items():
+        if key not in _KEYS:
+            problems.add(f"identify.{key} is not known; {did_you_mean(key, _KEYS)}")
+        elif key in _SHAPES and not isinstance(value, _SHAPES[key][0]):
+            problems.add(f"identify.{key} = {value!r}; type for example {_SHAPES[key][1]}")
+        elif key in ("records", "columns") and not all(isinstance(name, str) for name in value):
+            problems.add(f"identify.{key} = {value!r}; allowed are texts; type for example {_SHAPES[key][1]}")
+    if not table.get("free"):
+        problems.add("has no [identify.free] table; type for example mu0 = [0.05, 0.5] in it")
+    if bool(table.get("records")) == bool(table.get("means")):
+        problems.add("needs records = [paths] or means = [numbers], one of them")
+    problems.check()
+    return table

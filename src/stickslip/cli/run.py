@@ -131,8 +131,4 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
 
 def written_to(run: Any, path: Path | None) -> Path | None:
     """Write every column of a run to a .nc, .mat or .csv file; returns its path."""
-    if path is None:
-        return None
-    from stickslip.storage import save, to_csv, to_mat
-
-    return {".nc": save, ".mat": to_mat, ".csv": to_csv}[path.suffix.lower()](run, path)
+    return None if path is None else Path(run.save(path))

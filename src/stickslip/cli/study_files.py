@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.probing import of_solver
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean, is_one_of
 
 __all__ = ["ALLOW_CODE", "SOLVER", "Study", "code_refused", "found", "lines_of", "located"]
 
@@ -117,13 +117,10 @@ def _is_usable(made: Any) -> bool:
 # ---- reading ----
 def _read(text: str, name: str, folder: Path) -> Study:
     """The study in a file's text; all that is wrong with it comes as one error, line by line."""
-    import tomllib
+    from stickslip.tables import document_of
 
     what = f"study file {name!r}"
-    try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(what, [f"not readable as TOML: {error}"]) from None
+    document = document_of(text, what)
     problems = Problems(what)
     for word in document:
         if word not in _TABLES and _made(document):
@@ -160,7 +157,7 @@ def _mechanism(document: dict[str, Any], text: str) -> Any:
 
     table = document["mechanism"]
     kind = table.get("kind") if isinstance(table, dict) else None
-    if kind not in MECHANISMS:
+    if not is_one_of(kind, MECHANISMS):
         near = did_you_mean(str(kind), MECHANISMS)
         raise InputError("mechanism", [f'mechanism.kind = {kind!r}; {near}; type for example kind = "pulled_mass" under [mechanism]'])
     return MECHANISMS[kind].from_toml(text)

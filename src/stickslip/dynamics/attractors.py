@@ -110,8 +110,9 @@ def basins(
         Tolerance for dynamic laws.
     workers : int
         Threads. The results do not depend on it.
-    progress : callable, optional
-        Called with a `Progress`; return False to stop. Starts that are not computed then belong to no attractor, and are in no share.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. Starts that are not computed then
+        belong to no attractor, and are in no share.
     **starts
         ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
         (of a smooth drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):

@@ -59,8 +59,9 @@ def bifurcation(
         Tolerance for dynamic laws.
     workers : int
         Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
-    progress : callable, optional
-        Called with a `Progress`; return False to stop. What is not computed then is NaN, with the period -1.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then is NaN, with
+        the period -1.
     **fixed
         The other arguments of `make`.
 

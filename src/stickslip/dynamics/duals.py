@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip import maths
+
 __all__ = ["Dual", "slopes_of", "variables"]
 
 Array = Any
@@ -96,11 +98,11 @@ class Dual:
 
     def __pow__(self, power: Any) -> Dual:
         if isinstance(power, Dual):
-            return (power * self.__ss_log__()).__ss_exp__()
+            return maths.exp(power * maths.log(self))
         return self._through(self.value**power, power * self.value ** (power - 1) if np.ndim(power) or power != 0 else 0.0)
 
     def __rpow__(self, base: Any) -> Dual:
-        return (self * np.log(base)).__ss_exp__()
+        return maths.exp(self * np.log(base))
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -131,26 +133,33 @@ class Dual:
     def __ne__(self, other: Any) -> Truth:  # type: ignore[override]
         return Truth(np.not_equal(self.value, _lift(other).value))
 
-    def __ss_exp__(self) -> Dual:
-        e = np.exp(self.value)
-        return self._through(e, e)
 
-    def __ss_log__(self) -> Dual:
-        return self._through(np.log(self.value), 1.0 / self.value)
+#: Slope of each function of `stickslip.maths` from its argument x and its value y.
+_SLOPES: dict[str, Callable[[Any, Any], Any]] = {
+    "exp": lambda x, y: y,
+    "log": lambda x, y: 1.0 / x,
+    "sqrt": lambda x, y: 0.5 / y,
+    "sin": lambda x, y: maths.cos(x),
+    "cos": lambda x, y: -maths.sin(x),
+    "atan": lambda x, y: 1.0 / (1.0 + x * x),
+    "sinh": lambda x, y: maths.cosh(x),
+    "cosh": lambda x, y: maths.sinh(x),
+    "tanh": lambda x, y: 1.0 - y * y,
+    "asinh": lambda x, y: 1.0 / maths.hypot(x, 1.0),
+}
 
-    def __ss_sqrt__(self) -> Dual:
-        root = np.sqrt(self.value)
-        return self._through(root, 0.5 / root)
 
-    def __ss_sin__(self) -> Dual:
-        return self._through(np.sin(self.value), np.cos(self.value))
+def _hook(name: str) -> Callable[[Dual], Dual]:
+    def through(self: Dual) -> Dual:
+        value = getattr(maths, name)(self.value)
+        with np.errstate(all="ignore"):  # in a branch that is not taken
+            return self._through(value, _SLOPES[name](np.asarray(self.value), np.asarray(value)))
 
-    def __ss_cos__(self) -> Dual:
-        return self._through(np.cos(self.value), -np.sin(self.value))
+    return through
 
-    def __ss_tanh__(self) -> Dual:
-        t = np.tanh(self.value)
-        return self._through(t, 1.0 - t * t)
+
+for _name in _SLOPES:
+    setattr(Dual, f"__ss_{_name}__", _hook(_name))
 
 
 def _lift(value: Any) -> Dual:

@@ -51,8 +51,9 @@ def lyapunov(
         Where to begin, as for `solve`; from rest if not given.
     rtol : float
         Tolerance of the run.
-    progress : callable, optional
-        Called with a `Progress` of drive periods; return False to stop: the averages until then are returned.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress` of drive periods; return False to stop: the averages until
+        then are returned.
 
     Returns
     -------
@@ -182,8 +183,8 @@ def largest_exponents(
         Distance of the neighbours, in the scales of the coordinates.
     workers : int
         Threads. The results do not depend on it.
-    progress : callable, optional
-        Called with a `Progress`; return False to stop. What is not computed then is NaN.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then is NaN.
 
     Returns
     -------

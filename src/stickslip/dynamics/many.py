@@ -17,7 +17,7 @@ __all__ = ["Report", "parts_of", "picked", "shared"]
 Array = Any
 T = TypeVar("T")
 #: What a caller may give as `progress`: it is called with a `Progress`, and says stop by returning False.
-Report = Callable[[Progress], Any]
+Report = Callable[[Progress], Any] | bool
 PART = 128  # cases that run together: enough for full lanes, few enough that threads finish together
 
 
@@ -65,8 +65,9 @@ def shared(
         Takes a part and a function to be called now and then with the share of it that is done (0 to 1).
     workers : int
         Threads.
-    progress : callable, optional
-        Called with a `Progress`; parts that had not ended when it returned False are missing from the results.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; parts that had not ended when it returned False are missing
+        from the results.
     size : int
         Cases in a part.
 

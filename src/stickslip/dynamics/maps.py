@@ -58,8 +58,9 @@ def chaos_map(
         Tolerance for dynamic laws.
     workers : int
         Threads. The results do not depend on it.
-    progress : callable, optional
-        Called with a `Progress`; return False to stop. What is not computed then has the period -1.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then has the
+        period -1.
     **arguments
         Arguments of `make`; one or two of them are lists or arrays.
 

@@ -61,8 +61,9 @@ def attractors(
         Tolerance for dynamic laws.
     workers : int
         Threads for the starts of one value. The results do not depend on it.
-    progress : callable, optional
-        Called with a `Progress` after each value; return False to stop. Attractors then are not there at the values that are missing.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress` after each value; return False to stop. Attractors then are
+        not there at the values that are missing.
     **fixed
         The other arguments of `make`.
 

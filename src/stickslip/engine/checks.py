@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import inspect
 import math
+from collections.abc import Iterator
 from typing import Any
+
+import numpy as np
 
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
 
-__all__ = ["as_tuple", "check_numbers", "check_signatures", "explained", "given"]
+__all__ = ["as_tuple", "check_numbers", "check_signatures", "explained", "finite", "given"]
 
 
 def as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
@@ -80,6 +84,23 @@ def check_signatures(law: Any) -> None:
     problems.check()
 
 
+_LARGEST = 1e290  # exp saturates at 5e299, and nothing of this size is a force
+_BOTH = (
+    "where(condition, a, b) computes both a and b, so that each must be finite on both sides of the condition: "
+    "exp(-abs(v) / v_s) is, exp(-v / v_s) and 1 / v are not"
+)
+
+
+@contextlib.contextmanager
+def finite(law: Any) -> Iterator[None]:
+    """What is done with a law in plain Python; a number that is infinite or none is told in words."""
+    try:
+        with np.errstate(divide="raise", over="raise", invalid="raise"):
+            yield
+    except ArithmeticError as error:
+        raise InputError(type(law).__name__, [f"it gives a number that is not finite ({error}); {_BOTH}"]) from error
+
+
 def check_numbers(model: Any) -> None:
     """Call the law with plain floats of the first case; a law that returns NaN is said here, before any compiling."""
     explained(_check_numbers, model)
@@ -98,14 +119,14 @@ def _check_numbers(model: Any) -> None:
         except (ValueError, ZeroDivisionError, OverflowError) as error:
             values = {"rate or force" if is_dynamic(case.friction) else "sliding or breakaway": f"no number ({error})"}
         for what, value in values.items():
-            if not isinstance(value, (int, float)) or not math.isfinite(value):
+            if not isinstance(value, (int, float)) or not abs(value) < _LARGEST:
                 law = case.friction
                 numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
                 raise InputError(
                     type(law).__name__,
                     [
                         f"{what}(v={v:.6g}, {'z=0, ' if is_dynamic(law) else ''}load={load:.6g}) is {value} with {numbers}; "
-                        "allowed is a finite number; check the law's formula and fields"
+                        f"allowed is a finite number; check the law's formula and fields. {_BOTH}"
                     ],
                 )
 

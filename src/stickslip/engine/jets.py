@@ -1,14 +1,14 @@
 """Taylor coefficients of a solution, written out: each expression of the graph becomes the series of its values in time.
 
 The series follow from one another order by order: those of the states from the slopes, those of a product by Cauchy's
-rule, those of exp, log, sqrt, sin, cos and tanh from their differential equations (Moore 1966; Jorba and Zou 2005).
+rule, those of a function from its differential equation (Moore 1966; Jorba and Zou 2005).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from stickslip.engine.symbols import Sym, TraceError
+from stickslip.engine.symbols import Sym, TraceError, slope_of
 from stickslip.engine.trace import Equations
 from stickslip.engine.write import Writer, literal
 
@@ -40,10 +40,7 @@ class Jets:
     def _rules(self, node: Sym) -> Callable[[Sym, int], str]:
         if node.op == "variable":
             return self._variable
-        rule = getattr(self, f"_{node.op}", None)
-        if rule is None:
-            raise TraceError(f"no Taylor series is known for {node.op}")
-        return rule
+        return getattr(self, f"_{node.op}", self._by_slope)
 
     def _line(self, text: str) -> str:
         return ZERO if text == ZERO else self.w.line(self.w.fresh(), text)
@@ -85,9 +82,10 @@ class Jets:
         tail = _dot([(self.coefficient(a, j), self.coefficient(node, m - j), 1.0) for j in range(1, m + 1)])
         return ZERO if tail == ZERO else self._line(f"-{self.coefficient(node, 0)} * ({tail})")
 
-    def _exp(self, node: Sym, m: int) -> str:
-        a = node.args[0]
-        return self._line(_dot([(self.coefficient(a, j), self.coefficient(node, m - j), j / m) for j in range(1, m + 1)]))
+    def _by_slope(self, node: Sym, m: int) -> str:
+        """A function y(a): m y_m is the sum of j a_j s_(m-j) with its slope s = dy/da, which needs no coefficient of y beyond m - 1."""
+        a, slope = node.args[0], slope_of(node)
+        return self._line(_dot([(self.coefficient(a, j), self.coefficient(slope, m - j), j / m) for j in range(1, m + 1)]))
 
     def _log(self, node: Sym, m: int) -> str:
         a = node.args[0]
@@ -110,16 +108,6 @@ class Jets:
 
     def _cos(self, node: Sym, m: int) -> str:
         return self._turning(node, self._graph.call("sin", node.args[0]), -1.0, m)
-
-    def _tanh(self, node: Sym, m: int) -> str:
-        bell, a = self._graph.call("bell", node.args[0]), node.args[0]
-        return self._line(_dot([(self.coefficient(a, j), self.coefficient(bell, m - j), j / m) for j in range(1, m + 1)]))
-
-    def _bell(self, node: Sym, m: int) -> str:
-        """Its slope is -2 tanh bell a'."""
-        a = node.args[0]
-        product = self._graph.multiply(self._graph.call("tanh", a), node)
-        return self._line(_dot([(self.coefficient(a, j), self.coefficient(product, m - j), -2.0 * j / m) for j in range(1, m + 1)]))
 
     def _turning(self, node: Sym, other: Sym, sign: float, m: int) -> str:
         """sin and cos of one argument, each the other's slope."""

@@ -8,14 +8,20 @@ construction. Nodes know how to differentiate themselves. Conditions on the stat
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
+from stickslip import maths
 from stickslip.errors import StickslipError
 
-__all__ = ["Condition", "Graph", "Sym", "TraceError"]
+__all__ = ["FUNCTIONS", "Condition", "Graph", "Sym", "TraceError", "slope_of"]
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
 _BLUNT_LESS = 1e-32  # the same where slopes alone are wanted, also of deflections of a nanometre
+
+#: What an equation may have of `stickslip.maths`, each a node with a slope, a Taylor series and lines of its own.
+FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "sinh", "cosh", "tanh", "asinh")
+_POSITIVE, _ODD = ("exp", "sqrt", "cosh", "bell"), ("atan", "sinh", "tanh", "asinh")
 
 CONSTANT, CASE, STATE = 0, 1, 2  # what a node depends on: nothing, the case's numbers, the state or time
 
@@ -70,7 +76,7 @@ class Sym:
         return self.graph.power(self, power)
 
     def __rpow__(self, base: Any) -> Sym:
-        return self.graph.call("exp", self * self._with(math.log(base)))
+        return self.graph.call("exp", self * self._with(maths.log(base)))
 
     def __abs__(self) -> Sym:
         if self.level < STATE:
@@ -97,34 +103,27 @@ class Sym:
 
     def __float__(self) -> float:
         raise TraceError(
-            "a law turns a symbol into a number; call exp, sqrt, sin, cos, tanh, log from stickslip.maths, not from math or numpy"
+            "a law turns a symbol into a number; call exp, log, sqrt, sin, cos, tanh … from stickslip.maths, not from math or numpy"
         )
 
     __int__ = __index__ = __float__  # type: ignore[assignment]
 
-    def __ss_exp__(self) -> Sym:
-        return self.graph.call("exp", self)
-
-    def __ss_log__(self) -> Sym:
-        return self.graph.call("log", self)
-
     def __ss_sqrt__(self) -> Sym:
         return self.graph.power(self, 0.5)
-
-    def __ss_sin__(self) -> Sym:
-        return self.graph.call("sin", self)
-
-    def __ss_cos__(self) -> Sym:
-        return self.graph.call("cos", self)
 
     def __ss_within__(self, period: Any) -> Sym:
         return self  # the engine's time begins anew with each period
 
-    def __ss_tanh__(self) -> Sym:
-        return self.graph.call("tanh", self)
-
     def __repr__(self) -> str:
         return {"constant": repr(self.value)}.get(self.op, self.name or f"{self.op}({', '.join(map(repr, self.args))})")
+
+
+def _hook(name: str) -> Callable[[Sym], Sym]:
+    return lambda self: self.graph.call(name, self)
+
+
+for _name in set(FUNCTIONS) - {"sqrt"}:
+    setattr(Sym, f"__ss_{_name}__", _hook(_name))
 
 
 _IF = "a law uses `if`, `and`, `or`, `min` or `max` on a symbol; write where(condition, yes, no), maximum or minimum from stickslip.maths"
@@ -331,7 +330,7 @@ class Graph:
     def call(self, name: str, a: Sym) -> Sym:
         """A function of one argument."""
         if a.op == "constant":
-            return self.constant(1.0 / math.cosh(a.value) ** 2 if name == "bell" else getattr(math, name)(a.value))
+            return self.constant(1.0 / math.cosh(a.value) ** 2 if name == "bell" else getattr(maths, name)(a.value))
         return self._node(name, (a,))
 
     def select(self, held: Sym, yes: Sym, no: Sym) -> Sym:
@@ -351,9 +350,9 @@ class Graph:
             if first is second:
                 return self.constant(1.0)
             return self.multiply(self.sign(first), self.sign(second))
-        if a.op in ("exp", "sqrt", "bell"):
+        if a.op in _POSITIVE:
             return self.constant(1.0)
-        if a.op == "reciprocal":
+        if a.op == "reciprocal" or a.op in _ODD:
             return self.sign(a.args[0])
         if not self.varies(a):
             return a if _is_sign(a) else self.select(a, self.constant(1.0), self.constant(-1.0))
@@ -403,7 +402,7 @@ class Graph:
             return d[0] * a[1] + a[0] * d[1]
         if d[0] is zero:
             return zero
-        return d[0] * _slope(node, a[0])
+        return d[0] * slope_of(node)
 
 
 def _is_sign(a: Sym) -> bool:
@@ -411,9 +410,9 @@ def _is_sign(a: Sym) -> bool:
     return a.op == "flag" and not a.name.startswith("mode")
 
 
-def _slope(node: Sym, a: Sym) -> Sym:
+def slope_of(node: Sym) -> Sym:
     """Derivative of a function of one argument by that argument."""
-    graph = node.graph
+    graph, a = node.graph, node.args[0]
     match node.op:
         case "exp":
             return node
@@ -425,10 +424,18 @@ def _slope(node: Sym, a: Sym) -> Sym:
             return graph.call("cos", a)
         case "cos":
             return -graph.call("sin", a)
+        case "atan":
+            return 1.0 / (1.0 + a * a)
+        case "sinh":
+            return graph.call("cosh", a)
+        case "cosh":
+            return graph.call("sinh", a)
         case "tanh":
             return graph.call("bell", a)
         case "bell":  # 1/cosh^2, which is not 1 - tanh^2 once that has lost all its digits
             return -2.0 * (graph.call("tanh", a) * node)
+        case "asinh":
+            return 1.0 / graph.call("sqrt", 1.0 + a * a)
         case "reciprocal":
             return -(node * node)
     raise TraceError(f"no derivative is known for {node.op}")

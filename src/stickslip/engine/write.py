@@ -2,7 +2,7 @@
 
 Local names begin with an underscore, so that a whole block can be renamed for a second group of lanes. Products that are
 added are written as explicit fused multiply-adds: the compiler then has nothing left to contract, and one lane and eight
-lanes round alike. exp, log, sin and cos are branch-free polynomials (no vector library is needed).
+lanes round alike. Functions are branch-free polynomials (no vector library is needed).
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from stickslip.engine.symbols import CASE, STATE, Sym
+from stickslip.engine.symbols import CASE, FUNCTIONS, STATE, Sym
+from stickslip.maths import LARGEST
 
 __all__ = ["LOG_OF_BITS", "Writer", "combine", "horner", "literal"]
 
@@ -47,6 +48,9 @@ def horner(coefficients: Sequence[str], x: str) -> str:
 
 _SIN = (-1 / 6, 8.3333333333333333e-3, -1.9841269841269841e-4, 2.7557319223985893e-6, -2.5052108385441720e-8)
 _SIN += (1.6059043836821613e-10, -7.6471637318198164e-13, 2.8114572543455206e-15, -8.2206352466243297e-18)  # sin r = r + r^3 (…)
+
+_ATAN = tuple((-1) ** i / (2 * i + 1) for i in range(22))  # atan r = r (1 + r^2 (…)); the first term left out is 1e-18 at r = tan(pi/8)
+_DEEP = {"atan": 30, "sinh": 20, "cosh": 18, "tanh": 18, "bell": 18, "asinh": 35}
 
 
 def _never_positive(node: Sym) -> bool:
@@ -140,12 +144,12 @@ class Writer:
             return bind[node.name]
         if node.op == "exp":
             return self._exp(self.value(node.args[0], bind), _never_positive(node.args[0]))
-        if node.op in ("log", "sin", "cos"):
+        if node.op in ("tanh", "bell"):
+            return self._of_tanh(node, bind)
+        if node.op in FUNCTIONS and node.op != "sqrt":
             return getattr(self, f"_{node.op}")(self.value(node.args[0], bind))
         if node.op in ("add", "subtract"):
             return self._sum(node, bind)
-        if node.op in ("tanh", "bell"):
-            return self._of_tanh(node, bind)
         a = [self.value(x, bind) for x in node.args]
         text = {
             "multiply": lambda: f"-{a[1]}" if a[0] == "(-1.0)" else f"{a[0]} * {a[1]}",
@@ -191,7 +195,7 @@ class Writer:
     def _ready(self, node: Sym) -> int:
         """How many operations deep a node is, functions and quotients counting for more."""
         if node.number not in self._depth:
-            cost = {"exp": 12, "log": 20, "sin": 15, "cos": 15, "tanh": 18, "bell": 18, "reciprocal": 4, "sqrt": 5}.get(node.op, 1)
+            cost = {"exp": 12, "log": 20, "sin": 15, "cos": 15, "reciprocal": 4, "sqrt": 5, **_DEEP}.get(node.op, 1)
             deep = node.level == STATE and node.args
             self._depth[node.number] = cost + max(self._ready(a) for a in node.args) if deep else 0
         return self._depth[node.number]
@@ -200,7 +204,7 @@ class Writer:
         """e^x: 2^k times a polynomial of degree 12 on |r| <= ln(2)/2 (error 2e-16)."""
         a = self.line(self.fresh(), f"{x} if {x} > -708.0 else -708.0")
         if not falling:
-            self.line(a, f"{a} if {a} < 709.0 else 709.0")
+            self.line(a, f"{a} if {a} < {LARGEST} else {LARGEST}")
         k = self.line(self.fresh(), f"fma({a}, 1.4426950408889634, 6755399441055744.0)")
         whole = self.line(self.fresh(), f"{k} - 6755399441055744.0")
         if falling:  # what the second part of ln 2 would correct is below 1e-14 of a number below 1
@@ -255,3 +259,50 @@ class Writer:
         natural = self.line(self.fresh(), f"fma({e}, 6.93147180369123816490e-01, fma({e}, 1.90821492927058770002e-10, {low}))")
         nan = self.line(self.fresh(), f"{natural} if {x} > 0.0 else math.nan")
         return self.line(self.fresh(), f"{nan} if {x} != 0.0 else -math.inf")
+
+    def _expm1(self, x: str) -> str:
+        """e^x - 1 for -708 <= x <= 690, without cancellation: 2^k (e^r - 1) + (2^k - 1)."""
+        k = self.line(self.fresh(), f"fma({x}, 1.4426950408889634, 6755399441055744.0)")
+        whole = self.line(self.fresh(), f"{k} - 6755399441055744.0")
+        r = self.line(self.fresh(), f"fma({whole}, -6.93147180369123816490e-01, {x})")
+        self.line(r, f"fma({whole}, -1.90821492927058770002e-10, {r})")
+        p = self._estrin([1 / math.factorial(i + 1) for i in range(13)], r)
+        power = self.line(self.fresh(), f"as_float((as_bits({k}) + 1023) << 52)")
+        return self.line(self.fresh(), f"fma({r} * {p}, {power}, {power} - 1.0)")
+
+    def _size(self, x: str, most: float) -> str:
+        """The absolute value, `most` at most."""
+        a = self.line(self.fresh(), f"abs({x})")
+        return self.line(self.fresh(), f"{a} if {a} < {literal(most)} else {literal(most)}")
+
+    def _signed(self, value: str, x: str) -> str:
+        """An odd function: its value at |x| with the sign of x."""
+        return self.line(self.fresh(), f"{value} if {x} > 0.0 else -{value}")
+
+    def _sinh(self, x: str) -> str:
+        u = self._expm1(self._size(x, LARGEST))
+        return self._signed(self.line(self.fresh(), f"0.5 * ({u} + {u} / ({u} + 1.0))"), x)
+
+    def _cosh(self, x: str) -> str:
+        e = self._exp(self._size(x, LARGEST), falling=False)
+        return self.line(self.fresh(), f"0.5 * {e} + 0.5 / {e}")
+
+    def _asinh(self, x: str) -> str:
+        """log(1 + y) with y = |x| + sqrt(x^2 + 1) - 1; what rounding takes from 1 + y is added again."""
+        a = self.line(self.fresh(), f"abs({x})")
+        i = self.line(self.fresh(), f"1.0 / {a}")
+        y = self.line(self.fresh(), f"{a} + {a} / ({i} + math.sqrt(fma({i}, {i}, 1.0)))")
+        w = self.line(self.fresh(), f"1.0 + {y}")
+        natural = self._log(w)
+        return self._signed(self.line(self.fresh(), f"{natural} + ({y} - ({w} - 1.0)) / {w}"), x)
+
+    def _atan(self, x: str) -> str:
+        """atan |x| = pi/2 - atan(1/|x|) beyond 1, and atan t = pi/4 + atan((t - 1)/(t + 1)) beyond tan(pi/8)."""
+        a = self.line(self.fresh(), f"abs({x})")
+        t = self.line(self.fresh(), f"1.0 / {a} if {a} > 1.0 else {a}")
+        r = self.line(self.fresh(), f"({t} - 1.0) / ({t} + 1.0) if {t} > 0.4142135623730951 else {t}")
+        r2 = self.line(self.fresh(), f"{r} * {r}")
+        p = self.line(self.fresh(), horner([literal(c) for c in _ATAN[1:]], r2))
+        small = self.line(self.fresh(), f"fma({r} * {r2}, {p}, {r})")
+        angle = self.line(self.fresh(), f"{small} + 0.7853981633974483 if {t} > 0.4142135623730951 else {small}")
+        return self._signed(self.line(self.fresh(), f"1.5707963267948966 - {angle} if {a} > 1.0 else {angle}"), x)

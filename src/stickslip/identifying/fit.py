@@ -137,9 +137,13 @@ class Fit:
 
     @property
     def correlations(self) -> Any:
-        """Correlations of the free parameters, in the order of `values`."""
+        """Correlations of the free parameters, in the order of `values`; NaN beside one that the data do not determine."""
         size = np.sqrt(np.diag(self.covariance))
-        return self.covariance / np.where(np.outer(size, size) > 0, np.outer(size, size), 1.0)
+        known = np.isfinite(size)
+        product = np.where(np.outer(known, known), np.outer(np.where(known, size, 0.0), np.where(known, size, 0.0)), np.nan)
+        found = np.where(np.outer(known, known), self.covariance, np.nan) / np.where(product == 0, 1.0, product)
+        found[~known, ~known] = 1.0
+        return found
 
     def interval(self, name: str, level: float = 0.95, method: str = "covariance", **options: Any) -> tuple[float, float]:
         """A confidence interval of a parameter.

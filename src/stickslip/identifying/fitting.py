@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
@@ -39,7 +40,7 @@ def identify(
     starts: int = 64,
     seed: int = 0,
     rtol: float = 1e-8,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     **arguments: Any,
 ) -> Fit:
     """Fit the parameters of a robot, or of a friction law, to one or several records at once.
@@ -80,8 +81,8 @@ def identify(
         Of the multistart.
     rtol : float
         Of the solver.
-    progress : callable, optional
-        Called with (done, in all).
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (done, in all).
     **arguments
         Arguments of `make` that are known: one value, or a list with one for each record.
 
@@ -103,7 +104,7 @@ def identify(
     problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, progress)
+    best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"))
     best = polished(problem, best.place)
     problem.solves += rough.solves
     return _fit(problem, best, starts, agree, notes, noise is not None, seed, tuple(records))

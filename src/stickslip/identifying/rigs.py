@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives import Harmonic, MultiHarmonic
-from stickslip.errors import Problems
+from stickslip.errors import Problems, is_one_of
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve
 
 __all__ = ["virtual_rig"]
 
 _OVER = 8  # the sensor's bandwidth is applied to this many times more samples
+_OF_THE_DRIVE = ("absolute velocity", "drive")
 CHANNELS = ("velocity", "absolute velocity", "position", "drive", "force", "acceleration")
 
 
@@ -75,7 +76,7 @@ def virtual_rig(
     >>> rec.synthetic, len(rec["velocity"]), round(rec.mean_velocity() * 1e3, 1)
     (True, 2000, 1.7)
     """
-    _check(noise, periods, settle, samples, channels, bandwidth, resolution, harmonics, getattr(robot, "drive", None))
+    _check(noise, periods, settle, samples, channels, bandwidth, resolution, harmonics, robot)
     if any(harmonics):
         robot = robot.replace(drive=MultiHarmonic(robot.drive.omega, tuple(robot.drive.amplitude * part for part in (1.0, *harmonics))))
     run = solve(robot, periods=settle + periods + 1, settle=settle, rtol=rtol, samples=8, keep="trajectory")
@@ -96,15 +97,17 @@ _LABEL = "SYNTHETIC: made by a virtual rig, not measured"
 
 
 def _check(
-    noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, drive: Any
+    noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, robot: Any
 ) -> None:
-    problems = Problems("virtual_rig")
+    problems, drive, what = Problems("virtual_rig"), getattr(robot, "drive", None), type(robot).__name__
     for name, value, least in (("noise", noise, 0), ("periods", periods, 1), ("settle", settle, 0), ("samples", samples, 4)):
         if not isinstance(value, (int, float, np.number)) or not least <= value < np.inf:
             problems.add(f"{name} = {value!r}; allowed is {least} or more; type for example {name}={max(least, 20)}")
+    there = [name for name in CHANNELS if drive is not None or name not in _OF_THE_DRIVE]
     for name in channels:
-        if name not in CHANNELS:
-            problems.add(f"channels names {name!r}; allowed are {', '.join(CHANNELS)}")
+        if not is_one_of(name, there):
+            without = "" if drive is not None else f" and the {what} has no drive that moves an inner mass"
+            problems.add(f"channels names {name!r}{without}; allowed are {', '.join(there)}")
     if bandwidth is not None and not bandwidth > 0:
         problems.add(f"bandwidth = {bandwidth!r}; allowed is a positive frequency [Hz], or None")
     if not resolution >= 0:
@@ -137,14 +140,9 @@ def _seen(run: Any, start: float, t: Any, step: float, bandwidth: float | None, 
 
 
 def _columns(at: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "velocity": at["v"],
-        "absolute velocity": at["v"] + at["xi_rate"],
-        "position": at["x"] - at["x"][0],
-        "drive": at["xi_rate"],
-        "force": at["friction_force"],
-        "acceleration": at["acceleration"],
-    }
+    of_drive = {"absolute velocity": at["v"] + at["xi_rate"], "drive": at["xi_rate"]} if "xi_rate" in at else {}
+    position = at["x"] - at["x"][0]
+    return {"velocity": at["v"], "position": position, "force": at["friction_force"], "acceleration": at["acceleration"], **of_drive}
 
 
 def _truth(robot: Any, run: Any, noise: float, seed: int, bandwidth: float | None, resolution: float) -> dict[str, Any]:

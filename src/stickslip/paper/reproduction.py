@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import Amplitudes, infer
@@ -101,7 +102,7 @@ class Reproduction:
         return f"<Reproduction: {len(self.claims)} claims, {len(self.errata)} errata, {len(self.figures)} figures in {str(self.folder)!r}>"
 
 
-def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress: Tell | None = None) -> Reproduction:
+def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress: Tell | bool | None = None) -> Reproduction:
     """Compute the paper again: section 4's table, Figures 6 to 30, every claim with a verdict, and the errata.
 
     Parameters
@@ -110,8 +111,8 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
         Folder to write to; it is made if it is not there.
     fast : bool
         A subset in about a minute: coarser scans, fewer figures, no Runge-Kutta runs of more than 5000 steps per period.
-    progress : callable, optional
-        Called with (what is being done, how much of it is done, of how much).
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (what is being done, how much of it is done, of how much).
 
     Returns
     -------
@@ -129,7 +130,7 @@ def reproduce(out: str | Path = "stickslip-paper", fast: bool = False, progress:
     >>> result.table[0].type  # doctest: +SKIP
     'I'
     """
-    begun, tell = time.perf_counter(), progress or _silent
+    begun, tell = time.perf_counter(), told_of_progress(progress, "reproduce") or _silent
     folder = _folder(Path(out))
     runs = solve_all(tell)
     study = study_of(fast, runs, rows(runs), infer(fast, tell), tell)

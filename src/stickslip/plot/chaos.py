@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.maths import exp
 from stickslip.plot.style import COLOURS, INK, axes, labelled, publication, scaled
 
 __all__ = ["MOTIONS", "chaos_map"]
@@ -138,7 +139,7 @@ def _geometric(values: Any) -> bool:
 def _edges(values: Any) -> Any:
     """The edges of cells around numbers, half way between neighbours (by their logarithms where they grow by a factor)."""
     if _geometric(values):
-        return np.exp(_edges(np.log(values)))
+        return exp(_edges(np.log(values)))  # which stays finite at the end of what a float holds
     if len(values) == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = 0.5 * (values[1:] + values[:-1])

@@ -50,7 +50,7 @@ def span(run: Any, periods: float | None = None, duration: float | None = None) 
     periods = 3 if periods is None else periods
     if not periods > 0:
         raise InputError("plot", [f"periods = {periods!r}; allowed is a positive number of drive periods; type periods=3"])
-    end = float(run.strobe_times[-1])
+    end = float(run.strobe_times[-1]) or end  # a run that ended in its first period is shown to its end
     return max(end - periods * run.period_time, first), end
 
 

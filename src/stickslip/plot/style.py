@@ -66,8 +66,12 @@ def publication() -> Iterator[None]:
     """
     import matplotlib as mpl
 
-    with mpl.rc_context(_RC):
+    before = {name: mpl.rcParams[name] for name in _RC}
+    mpl.rcParams.update(_RC)
+    try:
         yield
+    finally:  # these settings and no others: a back end that a notebook's first figure loads turns `interactive` on, and it must stay on
+        mpl.rcParams.update(before)
 
 
 def axes(ax: Any = None, height: float = 2.1) -> Any:

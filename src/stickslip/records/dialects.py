@@ -60,11 +60,16 @@ class Dialect:
         """The cells of a line."""
         if self.separator == " ":
             return re.findall(r"[^ \t]+", line)
-        if '"' in line and len(self.separator) == 1:
-            cells = [cell.strip(_BLANK) for cell in next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])]
-        else:
-            cells = [cell.strip(_BLANK) for cell in line.split(self.separator)]
+        parts = self._quoted(line) if '"' in line and len(self.separator) == 1 else line.split(self.separator)
+        cells = [part.strip(_BLANK) for part in parts]
         return cells[:-1] if len(cells) == self.width + 1 and cells[-1] == "" else cells
+
+    def _quoted(self, line: str) -> list[str]:
+        """The parts of a line with quotes; where the csv module takes no part as long as one here, quotes part nothing."""
+        try:
+            return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
+        except csv.Error:
+            return line.split(self.separator)
 
     def number(self, cell: str) -> float | None:
         """What a cell holds; NaN where it says that nothing was measured, None where it is no number."""

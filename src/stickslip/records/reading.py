@@ -13,7 +13,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
@@ -79,7 +79,7 @@ def read(
     >>> rec["velocity"].values.tolist(), rec["velocity"].unit, rec["velocity"].rate
     ([1.5, 2.5, 3.5], 'mm/s', 1000.0)
     """
-    path = Path(path).expanduser()
+    path = as_path(path, "read", "run.csv")
     options = {"units": units or {}, "columns": columns, "roles": roles or {}, "rate": rate}
     return read_bytes(_bytes(path), str(path), separator, decimal, byte_order, **options)
 

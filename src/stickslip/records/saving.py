@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import Problems
+from stickslip.errors import Problems, as_path
 from stickslip.records.channel import ROLES
 from stickslip.storage import moved_into_place, unwritable
 
@@ -24,7 +24,7 @@ _ROLE = "# stickslip: the role of "
 
 def save(rec: Any, path: str | Path) -> Path:
     """Write a record: one line for each sample, units in the headings, every digit."""
-    path, channels, problems = Path(path).expanduser(), list(rec.channels.values()), Problems("record")
+    path, channels, problems = as_path(path, "record", "run.csv"), list(rec.channels.values()), Problems("record")
     if path.suffix.lower() != ".csv":
         problems.add(f"{str(path)!r} ends in {path.suffix or 'nothing'!r}; allowed is .csv; type for example rec.save('run.csv')")
     if not channels:

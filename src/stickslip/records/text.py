@@ -49,6 +49,9 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
         Overrule what is found out.
     """
     text = decoded(data)
+    if _is_json(text):
+        why = "the file is JSON, which has no rows and columns; write its lists as the columns of a CSV file"
+        raise InputError("read", [f"{why}; {_FORMATS}"])
     lines = re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
     raw = Raw("text", table=True)
     dialect, first = sniffed(lines, separator, decimal, raw.notes)
@@ -59,6 +62,15 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
     raw.columns = [Column(*(names[i] if names else ("", None)), values[:, i]) for i in range(dialect.width)]
     return raw
+
+
+_JSON = re.compile(r"""\s*(\{\s*["}]|\[\s*[\[{"\]])""")
+_NUMBERS = re.compile(r"\s*\[[\s\d,.eE+-]*\]\s*")
+
+
+def _is_json(text: str) -> bool:
+    """Whether a text is an object or a list of JSON, whole or cut short; a heading in brackets, and a number in them, is neither."""
+    return bool(_JSON.match(text) or _NUMBERS.fullmatch(text))
 
 
 # ---- headings ----

@@ -35,7 +35,7 @@ def solve(
     method: str = "auto",
     slip_ratio: float = 0.75,
     dwell: float = 0.03,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool | None = None,
     duration: float | None = None,
     **options: Any,
 ) -> Any:
@@ -66,8 +66,8 @@ def solve(
         One of `METHODS`.
     slip_ratio, dwell : float
         When a dynamic law counts as stuck, see `stickslip.motion`; used for the motion types of a batch.
-    progress : callable, optional
-        Called with (cases begun, cases in all).
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (cases begun, cases in all).
     duration : float, optional
         How long to simulate [s], instead of `periods`. A model that has no period needs it. A batch of periodic models cannot take it.
     **options

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.errors import SolveError
 from stickslip.forces import is_dynamic
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
-from stickslip.summary import STATUS, Summary
+from stickslip.summary import LOST, STATUS, Summary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["NEEDED", "Raw", "gather", "trajectory"]
@@ -86,8 +87,17 @@ def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
     }
 
 
+def _remedy(status: int) -> str:
+    """What to change where a run ended at its start."""
+    if status == LOST:
+        return "nothing presses the body on its track there; give a smaller vertical vibration, more gravity or another phase of the drive"
+    return "give a longer run or other numbers"
+
+
 def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], status: int = 0) -> Trajectory:
-    """A trajectory from dense output, cut at the duration that was asked for."""
+    """A trajectory from dense output, cut at the duration that was asked for; `SolveError` where there is no motion at all."""
+    if len(pieces.mode) == 0 or not pieces.t[-1] > pieces.t[0]:
+        raise SolveError(f"the run ended at its start, t = {float(pieces.t[0]):.6g} s: {STATUS[status]}; {_remedy(status)}")
     tolerance = None if method == "exact" else todo.rtol
     if todo.duration is not None and pieces.t[-1] > todo.duration:
         pieces, status = pieces.until(todo.duration), 0

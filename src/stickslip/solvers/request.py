@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import Labels, labels_of, spread
+from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import memories_of, states_of
@@ -84,6 +85,7 @@ def request(
     _check_names(labels, keep, method, options, problems)
     states = _start_states(model, labels, start, problems)
     problems.check()
+    progress = told_of_progress(progress, "solve")
     keep = keep or ("summary" if labels.shape else "trajectory")
     periods = int(periods)
     _check_size(keep, periods, int(samples))
@@ -190,6 +192,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
             continue
         several = len(columns[name])
         try:
+            value = number(value)
             values = np.asarray(value, dtype=float)
             if name == "memory" and np.any(values != np.round(values)):
                 problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")
@@ -206,7 +209,31 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
             problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
     if not np.all(np.isfinite(table)):
         problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
+    elif not problems.found:
+        _check_sizes(model, labels, table, problems)
     return table
+
+
+LARGEST_START = 1e9
+#: A position is told from its neighbours by this part of the distance that the drive moves the body in a period, or nearer.
+RESOLVED = 1e-8
+
+
+def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> None:
+    """Note starts that are out of this world, and positions beside which the motion would be lost in rounding."""
+    worst = float(np.max(np.abs(table), initial=0.0))
+    if worst > LARGEST_START:
+        problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
+        return
+    moved = spread(model.velocity_scale * (getattr(model, "time_scale", 1.0) if model.period is None else model.period), labels)
+    lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
+    if np.any(lost):
+        case = int(np.argmax(lost))
+        most = RESOLVED * moved[case] / np.finfo(float).eps
+        x = f"start x = {table[case, 0]:.6g} m, where neighbouring numbers are {np.spacing(abs(table[case, 0])):.2g} m apart"
+        problems.add(
+            f"{x}: too far for a motion of {moved[case]:.2g} m in a period; allowed are sizes up to {most:.2g} m; measure x from nearby"
+        )
 
 
 def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str, Any]:

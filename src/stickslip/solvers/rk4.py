@@ -37,6 +37,7 @@ SLICE = 1_000_000
 #: Pieces of dense output per drive period; finer steps are thinned.
 PIECES = 1000
 _NOT_A_NUMBER = 4
+_LOOKS = 360  # at the load, in a drive period
 
 
 def allows(steps: Any) -> bool:
@@ -55,6 +56,7 @@ def solve(todo: Request) -> Trajectory | Summary:
     steps = todo.options.get("steps", STEPS)
     if not allows(steps):
         raise InputError("solve", [f"steps = {steps!r}; allowed is {ALLOWED}; type for example steps={STEPS}"])
+    _check_load(todo.model)
     kernel = engine.kernel(todo.model)
     rows = rows_of(todo.model, kernel.names)
     if todo.keep == "summary":
@@ -66,6 +68,16 @@ def solve(todo: Request) -> Trajectory | Summary:
             f"the run stopped in period {march.done + 1} of {todo.periods}: {STATUS[_NOT_A_NUMBER]}; type more than steps={steps}"
         )
     return trajectory(todo, "rk4", march.pieces(), {"steps": todo.periods * int(steps), "steps_per_period": int(steps)})
+
+
+def _check_load(model: Any) -> None:
+    """Refuse a load that falls to zero within a drive period: fixed steps do not end where contact is lost."""
+    if not callable(model.load):
+        return
+    lowest = min(float(np.min(model.load(model.period * k / _LOOKS, 0.0))) for k in range(_LOOKS))
+    if not lowest > 0:
+        told = f'method = "rk4" does not see where contact is lost, and the load falls to {lowest:.6g} N'
+        raise InputError("solve", [f'{told}; type method="auto", whose run ends there'])
 
 
 class _March:

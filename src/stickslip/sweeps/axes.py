@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves
+from stickslip.fields import leaves, masked_in
 
 __all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
@@ -120,7 +120,9 @@ def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:
         _add_labelled(space, name, value, problems)
     elif isinstance(value, (Sequence, np.ndarray, range)) and not isinstance(value, (str, bytes)) and np.ndim(value) >= 1:
         array = _flat(value)
-        if array is None or array.size == 0:
+        if masked_in(value):
+            problems.add(f"{name} has {masked_in(value)} masked values; give what is there, type {name}=array.compressed()")
+        elif array is None or array.size == 0:
             shape = np.shape(value) if array is None else array.shape
             problems.add(f"{name} has shape {shape}; allowed is a single value, a list of one or more, or a labelled xarray.DataArray")
         else:

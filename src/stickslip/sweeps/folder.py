@@ -15,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError, StickslipError, as_path
 from stickslip.sweeps.axes_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.datasets import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
@@ -60,10 +60,16 @@ def put(path: Path, content: bytes, new: bool = False) -> bool:
         beside.unlink(missing_ok=True) if beside.exists() else None
 
 
+_NO_ROOM = {
+    errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up",
+    errno.EFBIG: "a file would be larger than the file system or `ulimit -f` allows",
+}  # fmt: skip
+
+
 def unwritable(path: Path, error: OSError) -> StickslipError:
     """What to say, and to type, where a file could not be written."""
-    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-        what = "the disk is full" if error.errno == errno.ENOSPC else "the quota is used up"
+    if error.errno in _NO_ROOM:
+        what = _NO_ROOM[error.errno]
         return StorageError(f"sweep: {what}, {str(path)!r} could not be written; free some space and type resume=True (--resume) to go on")
     if error.errno in (errno.EROFS, errno.EACCES, errno.EPERM):
         return InputError("sweep", [f"{str(path.parent)!r} cannot be written to ({error.strerror}); give a folder that you may write to"])
@@ -73,7 +79,7 @@ def unwritable(path: Path, error: OSError) -> StickslipError:
 # ---- the folder ----
 def read_manifest(folder: str | Path) -> dict[str, Any]:
     """The manifest of a study folder; `InputError` if it is none."""
-    path = Path(folder).expanduser() / MANIFEST
+    path = as_path(folder, "open_study", "grid") / MANIFEST
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
         version = int(found["stickslip_format"])

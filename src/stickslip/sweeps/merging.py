@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, as_path
 from stickslip.sweeps.axes_file import AXES, read_labels
 from stickslip.sweeps.folder import MANIFEST, put, read_manifest, unwritable
 from stickslip.sweeps.manifest import differences
@@ -42,10 +42,10 @@ def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False)
     >>> ss.merge(["part1", "part2"], "whole").motion_type.values.tolist()
     ['II', 'I', 'I', 'III']
     """
-    sources = [Path(f).expanduser() for f in folders]
+    sources = [as_path(f, "merge", "grid-1") for f in folders]
     if not sources:
         raise InputError("merge", ["no folders are given; type merge([shard1, shard2], out)"])
-    told, target = _checked(sources), Path(out).expanduser()
+    told, target = _checked(sources), as_path(out, "merge", "grid")
     sources = [*sources, target] if (target / MANIFEST).exists() else sources
     found = {k: place for k in range(told["tiles"]) if (place := _place(sources, k, told)) is not None}
     missing = [k for k in range(told["tiles"]) if k not in found]

@@ -10,7 +10,7 @@ import numpy as np
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.axes_file import read_labels
 from stickslip.sweeps.columns import COLUMNS, from_characters, words
@@ -48,7 +48,7 @@ def open_study(folder: str | Path) -> Any:
     >>> ss.open_study("study").motion_type.values.tolist()
     ['II', 'III']
     """
-    folder = Path(folder).expanduser()
+    folder = as_path(folder, "open_study", "grid")
     if folder.is_file():
         return _open_file(folder)
     told = read_manifest(folder)

@@ -43,7 +43,7 @@ def sweep(
     tile: int | None = None,
     client: Any = None,
     retries: int = 3,
-    progress: Callable[[Progress], Any] | None = None,
+    progress: Callable[[Progress], Any] | bool | None = None,
     **axes: Any,
 ) -> Any:
     """Solve a robot over a grid of its numbers, or over any other design.
@@ -82,8 +82,9 @@ def sweep(
         Where to compute instead of here: each tile is a task.
     retries : int
         How often a tile is tried again when a worker is lost.
-    progress : callable, optional
-        Called with a `Progress`; return False to stop. What is finished by then is returned, the rest has the status "not computed".
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is finished by then is returned,
+        the rest has the status "not computed".
     **axes
         Arguments of `make`. A list, an array or an `xarray.DataArray` is an axis; words such as ``law=["coulomb", "lugre"]`` too.
 
@@ -128,7 +129,7 @@ def carried_out(
     shard: tuple[int, int] | str | None = None,
     client: Any = None,
     retries: int = 3,
-    progress: Callable[[Progress], Any] | None = None,
+    progress: Callable[[Progress], Any] | bool | None = None,
 ) -> Any:
     """The dataset of a plan, in memory or in a folder; arguments as for `sweep`."""
     problems = Problems("sweep")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, as_path
 from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.columns import COLUMNS, STATUSES, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
@@ -45,7 +45,7 @@ def export(study: Any, path: str | Path) -> Path:
     >>> print(ss.export(grid, "grid.csv").read_text().splitlines()[1][:14])
     0.0003,1.7,7.8
     """
-    target = Path(path).expanduser()
+    target = as_path(path, "export", "grid.nc")
     write = FORMATS.get(target.suffix.lower())
     if write is None:
         raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])

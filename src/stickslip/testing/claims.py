@@ -7,7 +7,7 @@ import math
 import random
 from typing import Any
 
-from stickslip.engine.checks import ARGUMENTS, check_signatures
+from stickslip.engine.checks import ARGUMENTS, check_signatures, finite
 from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves
 from stickslip.forces import is_dynamic
@@ -62,11 +62,12 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     law = _instance(law)
     _check_methods(law, float(load))
     probe = Probe(law, float(load))
-    found = [_finite(probe)]
-    if found[0].passed:
-        runs = _cycles(probe)
-        claims = [_rest(probe), _opposes(probe), _costs(runs), _gives_back(probe, runs)]
-        claims += [make(probe) for make in (_mirror, _other_units, _arrays, _symbols)]
+    with finite(law):
+        found = [_finite(probe)]
+        if found[0].passed:
+            runs = _cycles(probe)
+            claims = [_rest(probe), _opposes(probe), _costs(runs), _gives_back(probe, runs)]
+            claims += [make(probe) for make in (_mirror, _other_units, _arrays, _symbols)]
         found += [claim for claim in claims if claim is not None]
     report = LawReport(type(law).__name__, tuple(found))
     if raise_ and report.failures:

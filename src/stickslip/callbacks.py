@@ -1,0 +1,65 @@
+"""What a caller may give as `progress`: a function, or True for a line on the terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+from stickslip.errors import InputError
+
+__all__ = ["told_of_progress"]
+
+PAUSE = 5.0  # between two lines where nobody watches [s]
+
+
+def told_of_progress(progress: Any, what: str) -> Callable[..., Any] | None:
+    """What is called as work goes on: the function that was given, a line on stderr for True, nothing for None and False.
+
+    Parameters
+    ----------
+    progress : callable, bool or None
+    what : str
+        Who was given it, for the error.
+
+    Returns
+    -------
+    callable or None
+
+    Raises
+    ------
+    InputError
+        Of anything else.
+
+    Examples
+    --------
+    >>> told_of_progress(print, "solve") is print, told_of_progress(False, "solve")
+    (True, None)
+    """
+    if progress is None or progress is False:
+        return None
+    if progress is True:
+        return Line()
+    if callable(progress):
+        return progress  # type: ignore[no-any-return]
+    allowed = "a function that is called as the work goes on, True for a line on the terminal, or None"
+    raise InputError(what, [f"progress = {progress!r}; allowed is {allowed}; type progress=True"])
+
+
+class Line:
+    """How far the work is, in one line: written over itself on a terminal, from time to time in a log."""
+
+    def __init__(self, out: Any = None):
+        self.out, self._last, self._next = out or sys.stderr, 0, time.monotonic() + PAUSE
+
+    def __call__(self, *state: Any) -> None:
+        """Take what a callback is told: one object with a ``line()``, or (done, whole), or (what, done, whole)."""
+        *names, done, whole = state if len(state) > 1 else (state[0].done, state[0].cases)
+        text = state[0].line() if len(state) == 1 else f"{': '.join(map(str, names)) + ', ' if names else ''}{done} of {whole}"
+        if self.out.isatty():
+            print(f"\r{text:<{self._last}}", end="\n" if done >= whole else "", file=self.out, flush=True)
+            self._last = len(text)
+        elif time.monotonic() >= self._next:
+            self._next = time.monotonic() + PAUSE
+            print(text, file=self.out, flush=True)
