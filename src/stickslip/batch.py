@@ -9,7 +9,18 @@ from typing import Any
 from stickslip.errors import InputError, Problems
 from stickslip.fields import describe, is_array, leaves, replace_leaf, same
 
-__all__ = ["Labels", "check_shape", "labels_of", "labels_together", "point_by_point", "rows_of", "shape_of", "spread", "stacked"]
+__all__ = [
+    "Labels",
+    "check_shape",
+    "labels_of",
+    "labels_together",
+    "made_model",
+    "point_by_point",
+    "rows_of",
+    "shape_of",
+    "spread",
+    "stacked",
+]
 
 
 @dataclass(frozen=True)
@@ -115,6 +126,15 @@ def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], c
     return stacked(what, [make(**fixed, **dict(zip(columns, point, strict=True))) for point in points])
 
 
+def made_model(what: str, made: Any) -> Any:
+    """What a maker returned, if it is a robot or a mechanism."""
+    if hasattr(made, "friction") and hasattr(made, "acceleration") and not isinstance(made, type):
+        return made
+    raise InputError(
+        what, [f"the maker returns {made!r}; allowed is a Robot or a mechanism; return ss.presets.piezo_rig(...), for example"]
+    )
+
+
 def stacked(what: str, models: list[Any]) -> Any:
     """Models of one kind as one whose numbers are arrays; `InputError` if they are of several kinds.
 
@@ -127,6 +147,8 @@ def stacked(what: str, models: list[Any]) -> Any:
     """
     import numpy as np
 
+    for model in models:
+        made_model(what, model)
     numbers = [name for name, _ in leaves(models[0])]
     whole = [dict(leaves(model, kinds=True)) for model in models]
     first, *others = ({n: v for n, v in each.items() if not (n in numbers and v is not None)} for each in whole)

@@ -42,7 +42,7 @@ def told_of_progress(progress: Any, what: str) -> Callable[..., Any] | None:
     if progress is True:
         return Line()
     if callable(progress):
-        return progress  # type: ignore[no-any-return]
+        return progress
     allowed = "a function that is called as the work goes on, True for a line on the terminal, or None"
     raise InputError(what, [f"progress = {progress!r}; allowed is {allowed}; type progress=True"])
 

@@ -12,6 +12,7 @@ from typing import Any
 from stickslip.analysis.energy import energy
 from stickslip.analysis.steady import closed_mean_velocity, mean_velocity, period_number
 from stickslip.analysis.verdict import RK4, certain_digits, naive, sentence
+from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
@@ -134,8 +135,9 @@ def _row(judge: Judge) -> tuple[str, ...]:
     return judge.name, judge.setting, str(judge.periods or "-"), value, difference, f"{judge.seconds:.2f}", judge.remark
 
 
+@explains_arguments
 def check(
-    robot: Any,
+    robot: Model,
     periods: int = 200,
     rtol: float = 1e-6,
     start: dict[str, Any] | None = None,

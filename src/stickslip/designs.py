@@ -11,7 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import InputError, Problems
+from stickslip.arguments import explains_arguments
+from stickslip.errors import InputError, Problems, as_path
+from stickslip.fields import masked_in
 
 __all__ = ["Design", "latin_hypercube", "sobol", "table", "zipped"]
 
@@ -41,6 +43,7 @@ class Design:
         return len(next(iter(self.columns.values())))
 
 
+@explains_arguments
 def zipped(dim: str = "case", /, **columns: Any) -> Design:
     """Columns that go together: point i has the i-th value of each.
 
@@ -66,8 +69,15 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
     """
     import numpy as np
 
-    arrays = {name: np.asarray(values) for name, values in columns.items()}
-    problems = Problems("design")
+    arrays, problems = {}, Problems("design")
+    for name, values in columns.items():
+        try:
+            arrays[name] = np.asarray(values)
+        except ValueError:
+            problems.add(f"{name} = {values!r} is no flat list; type for example {name}=[1.0, 2.0]")
+        if masked_in(values):
+            problems.add(f"{name} has {masked_in(values)} masked values; give what is there, type {name}=array.compressed()")
+    problems.check()
     if not arrays:
         problems.add("no columns are given; type for example zipped(amplitude=[4e-4, 5e-4], tilt_deg=[1.7, 2.7])")
     lengths = {name: a.shape for name, a in arrays.items()}
@@ -78,6 +88,7 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
     return Design(dim, {name: _plain(a) for name, a in arrays.items()}, {"design": "zipped"})
 
 
+@explains_arguments
 def table(rows: Any, dim: str = "case") -> Design:
     r"""Arbitrary rows: a dict of columns, a pandas DataFrame, or the path of a CSV file whose first line names the columns.
 
@@ -114,7 +125,7 @@ def _read(path: Any) -> dict[str, list[Any]]:
     import csv
 
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(as_path(path, "table", "cases.csv"), newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if line]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         why = getattr(error, "strerror", None) or error
@@ -133,6 +144,7 @@ def _numbers(texts: list[str]) -> list[Any]:
         return [text.strip() for text in texts]
 
 
+@explains_arguments
 def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
     """A scrambled Sobol sequence: points that fill a box evenly, the next ones in the gaps of those before (Sobol 1967, Owen 1998).
 
@@ -168,6 +180,7 @@ def sobol(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, f
     return _random("sobol", unit, count, seed, dim, bounds)
 
 
+@explains_arguments
 def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tuple[float, float]) -> Design:
     """A Latin hypercube: each argument has exactly one point in each of `count` equal strips (McKay, Beckman and Conover 1979).
 
@@ -194,7 +207,7 @@ def latin_hypercube(count: int, seed: int = 0, dim: str = "case", **bounds: tupl
 
 def _random(kind: str, unit: Any, count: Any, seed: Any, dim: str, bounds: dict[str, Any]) -> Design:
     problems = Problems(kind)
-    problems.whole("count", count, 1, example=1024)
+    problems.whole("count", count, 1, example=1024, most=100_000_000)
     problems.whole("seed", seed, 0, example=1)
     if not bounds:
         problems.add("no ranges are given; type for example amplitude=(1e-4, 8e-4)")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import errno
 import math
+import operator
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 __all__ = [
     "InputError", "Problems", "SolveError", "StickslipError", "as_path", "did_you_mean", "gather", "is_one_of", "is_whole", "other_words",
@@ -57,8 +59,8 @@ class Problems:
         """Note one problem."""
         self.found.append(sentence)
 
-    def whole(self, name: str, value: Any, least: int, example: int, what: str = "") -> None:
-        """Note a value that is no whole number from `least`, of Python or NumPy; `what` says of what it is one.
+    def whole(self, name: str, value: Any, least: int, example: int, what: str = "", most: int = 10**12) -> None:
+        """Note a value that is no whole number from `least` to `most`, of Python or NumPy; `what` says of what it is one.
 
         Examples
         --------
@@ -67,8 +69,9 @@ class Problems:
         >>> problems.found
         ['workers = 2.5; allowed is a whole number from 1; type for example workers=2']
         """
-        if not is_whole(value) or value < least:
-            self.add(f"{name} = {value!r}; allowed is a whole number{what} from {least}; type for example {name}={example}")
+        if not is_whole(value) or not least <= value <= most:
+            end = f" to {most}" if is_whole(value) and value > most else ""
+            self.add(f"{name} = {value!r}; allowed is a whole number{what} from {least}{end}; type for example {name}={example}")
 
     def include(self, error: InputError, prefix: str = "") -> None:
         """Take over the problems of another error, each with `prefix` before it."""
@@ -88,10 +91,14 @@ def is_whole(value: Any) -> bool:
     >>> is_whole(3), is_whole(3.0), is_whole(True)
     (True, False, False)
     """
-    return hasattr(value, "__index__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0
+    try:
+        operator.index(value)
+    except TypeError:
+        return False
+    return not isinstance(value, bool) and getattr(value, "ndim", 0) == 0 and getattr(getattr(value, "dtype", None), "kind", "i") in "iu"
 
 
-def is_one_of(value: Any, known: Iterable[str]) -> bool:
+def is_one_of(value: Any, known: Iterable[str]) -> TypeGuard[str]:
     """Whether a value, which may be anything, is one of these words.
 
     Examples
@@ -110,12 +117,17 @@ def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
     >>> as_path("runs/a.nc", "save").name
     'a.nc'
     """
-    if isinstance(value, (str, os.PathLike)) and not isinstance(os.fspath(value), bytes) and "\0" not in os.fspath(value):
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if isinstance(text, str) and "\0" not in text:
+        path = Path(os.path.expanduser(text))  # leaves ~ of a user who does not exist
         try:
-            return Path(value).expanduser()
-        except RuntimeError:  # ~ of a user who does not exist
-            return Path(value)
-    raise InputError(what, [f"{value!r} is no path of a file; type for example {example!r}"])
+            path.is_file()
+            return path
+        except OSError as error:
+            if error.errno != errno.ENAMETOOLONG:
+                return path  # what may not be looked at is told where it is opened
+    shown = value if not isinstance(text, str) or len(text) < 200 else f"{text[:60]}... of {len(text)} characters"
+    raise InputError(what, [f"{shown!r} is no path of a file; type for example {example!r}"])
 
 
 def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:
@@ -158,7 +170,7 @@ def other_words(name: str, value: Any, known: Iterable[str], equals: str = "=") 
         return f"{there[0]}{equals}{given if isinstance(given, str) else f'{given:.6g}'}" if there else None
 
     def given(usual: float) -> float:
-        return value if isinstance(value, (int, float)) else usual
+        return value if isinstance(value, (int, float)) and abs(value) < 1e300 else usual
 
     if last in ("frequency", "freq", "f", "hz") and (
         line := typed("omega", f"{2 * given(40.0):g}pi" if equals == "=" else 2 * math.pi * given(40.0))

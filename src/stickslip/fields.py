@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, ClassVar, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 
@@ -21,7 +21,8 @@ __all__ = [
     "Frozen",
     "arguments_of",
     "at_least",
-    "by_name",
+    "between",
+    "check_arguments",
     "checked_number",
     "describe",
     "everywhere",
@@ -37,7 +38,6 @@ __all__ = [
     "same",
 ]
 
-P, T = ParamSpec("P"), TypeVar("T")
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
 
@@ -120,10 +120,13 @@ def describe(value: Any) -> str:
         return repr(value)
     import numpy as np
 
-    flat = np.asarray(value).ravel()
-    if flat.size == 0:
-        return f"an array of shape {np.shape(value)}, without values"
-    return f"an array of shape {np.shape(value)} from {np.nanmin(flat):.6g} to {np.nanmax(flat):.6g}"
+    if value.dtype.kind not in "iuf":
+        return f"an array of shape {np.shape(value)} and of type {value.dtype}"
+    flat = np.asarray(value, float).ravel()
+    numbers = flat[~np.isnan(flat)]
+    if numbers.size == 0:
+        return f"an array of shape {np.shape(value)}, without {'values' if flat.size == 0 else 'numbers'}"
+    return f"an array of shape {np.shape(value)} from {numbers.min():.6g} to {numbers.max():.6g}"
 
 
 def describe_bad(value: Any, good: Rule) -> str:
@@ -152,6 +155,16 @@ def at_least(bound: float) -> Rule:
         return value >= bound
 
     rule.__doc__ = f"at least {bound:g}"
+    return rule
+
+
+def between(low: float, high: float) -> Rule:
+    """From `low` to `high`."""
+
+    def rule(value: Any) -> Any:
+        return (value >= low) & (value <= high)
+
+    rule.__doc__ = f"from {low:g} to {high:g}"
     return rule
 
 
@@ -206,7 +219,7 @@ class Frozen:
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """An empty record, its arguments' names checked."""
         if args or kwargs:  # copying makes an empty one first
-            _check_arguments(cls.__name__, arguments_of(cls), args, kwargs)
+            check_arguments(cls.__name__, arguments_of(cls), args, kwargs)
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -216,8 +229,16 @@ class Frozen:
                 self._take(field, problems)
             elif is_tuple_field(field):
                 self._take_tuple(field, problems)
-        self._check(problems)
+        self._check_together(problems)
         problems.check()
+
+    def _check_together(self, problems: Problems) -> None:
+        """Check what needs more than one field, as far as the fields are right."""
+        try:
+            self._check(problems)
+        except (TypeError, ValueError, ArithmeticError, Warning):
+            if not problems.found:
+                raise
 
     def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
         value = getattr(self, field.name)
@@ -229,7 +250,7 @@ class Frozen:
         values = getattr(self, field.name)
         if values is None and "None" in str(field.type):
             return
-        if isinstance(values, (str, bytes, int, float)) or not hasattr(values, "__iter__"):
+        if isinstance(values, (str, bytes, int, float)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
             example = field.metadata.get("example", "(0.5, 0.5)")
             problems.add(f"{field.name} = {values!r}; allowed is a tuple of numbers; type for example {field.name}={example}")
             return
@@ -285,40 +306,16 @@ def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
     return dict(list(inspect.signature(cls.__init__).parameters.items())[1:])  # type: ignore[misc]
 
 
-def by_name(function: Callable[P, T]) -> Callable[P, T]:
-    """The function, whose misspelt and missing arguments are told in one of our sentences.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> ss.presets.piezo_rig(tilt_deg=1.7, amplitud=5e-4)
-    Traceback (most recent call last):
-    ...
-    stickslip.errors.InputError: piezo_rig: 2 problems
-      - 'amplitud' is no argument; did you mean 'amplitude'?
-      - amplitude is missing; type amplitude=...
-    """
-    import inspect
-
-    known = dict(inspect.signature(function).parameters)
-
-    @functools.wraps(function)
-    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
-        _check_arguments(function.__name__, known, args, kwargs, "no argument")
-        return function(*args, **kwargs)
-
-    return checked
-
-
-def _check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, kwargs: Any, not_known: str = "not a field") -> None:
+def check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, kwargs: Any, not_known: str = "not a field") -> None:
     """Names that are not known or missing, said as one of our sentences."""
     problems = Problems(what)
-    for name in kwargs:
+    takes_any = any(p.kind is p.VAR_KEYWORD for p in known.values()) and not_known != "not a field"
+    for name in kwargs if not takes_any else ():
         if name not in known:
             hint = other_words(name, kwargs[name], known) or did_you_mean(name, known)
             problems.add(f"{name!r} is {not_known}; {hint}")
     for p in list(known.values())[len(args) :]:
-        if p.default is p.empty and p.name not in kwargs and p.kind is not p.VAR_KEYWORD:
+        if p.default is p.empty and p.name not in kwargs and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL):
             problems.add(f"{p.name} is missing; type {p.name}=...")
     problems.check()
 
@@ -408,14 +405,15 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
 
 def _beside_fields(record: Any) -> dict[str, Any]:
     """Attributes that are no fields, which only a record without numbers may have: elsewhere they would be what other numbers gave."""
-    plan = _plan(type(record))
+    cls: Any = type(record)
+    plan = _plan(cls)
     names = {name for name, _ in plan}
-    beside = {n: v for n, v in getattr(record, "__dict__", {}).items() if n not in names and not _is_cached(type(record), n)}
-    lost = [*beside, *_derived(type(record))]
+    beside = {n: v for n, v in getattr(record, "__dict__", {}).items() if n not in names and not _is_cached(cls, n)}
+    lost = [*beside, *_derived(cls)]
     if lost and any(holds != "kind" for _, holds in plan):
         told = f"sets {', '.join(lost)} when it is made, which would stay as it is when its numbers are replaced"
         what = "compute it in the method that needs it, or make it an argument: a field with float"
-        raise InputError(type(record).__name__, [f"{told}; {what}"])
+        raise InputError(cls.__name__, [f"{told}; {what}"])
     return beside
 
 
@@ -424,7 +422,7 @@ def _is_cached(cls: type, name: str) -> bool:
 
 
 @functools.lru_cache(maxsize=256)
-def _derived(cls: type) -> tuple[str, ...]:
+def _derived(cls: Any) -> tuple[str, ...]:
     """Fields that are no arguments of a class, and no numbers that could be replaced with the others."""
     kinds = {name for name, holds in _plan(cls) if holds == "kind"}
-    return tuple(f.name for f in dataclasses.fields(cls) if not f.init and f.name in kinds)  # type: ignore[arg-type]
+    return tuple(f.name for f in dataclasses.fields(cls) if not f.init and f.name in kinds)

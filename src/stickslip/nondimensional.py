@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, at_least, positive
@@ -175,7 +176,8 @@ class DimensionlessRobot(Frozen):
         return Robot(total_mass - inner, inner, Harmonic(amplitude=amplitude, omega=omega), friction, gravity)
 
 
-def dimensionless(robot: Robot) -> DimensionlessRobot:
+@explains_arguments
+def dimensionless(robot: Model) -> DimensionlessRobot:
     """The dimensionless form of a LuGre robot with a harmonic drive on a level (or folded) track: Eq. 5.1.
 
     Parameters

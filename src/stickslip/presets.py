@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from stickslip.arguments import explains_arguments
 from stickslip.batch import labels_together
 from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of
-from stickslip.fields import at_least, by_name, checked_number, describe, everywhere, positive
+from stickslip.fields import at_least, checked_number, describe, everywhere, positive
 from stickslip.friction import Coulomb, LuGre
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
@@ -23,7 +24,7 @@ LAWS_HERE = {"lugre": (), "coulomb": ("f0", "sigma0", "sigma1", "sigma2", "v_s")
 EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "omega": "205.46", "mu0": "0.18", "f0": "0.21", "gravity": "9.81"}
 
 
-@by_name
+@explains_arguments
 def piezo_rig(
     tilt_deg: Any,
     amplitude: Any,
@@ -142,7 +143,7 @@ def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -
         problems.add(f"tilt_deg = {describe(n['tilt_deg'])}; allowed is between -90 and 90 degrees; type for example tilt_deg=1.7")
 
 
-@by_name
+@explains_arguments
 def piezo_beam_rig(
     voltage: Any,
     frequency: Any,
@@ -222,7 +223,7 @@ def _noted(problems: Problems, make: Callable[[], Any]) -> Any:
     return None
 
 
-@by_name
+@explains_arguments
 def coulomb_robot(alpha_plus: Any, alpha_minus: Any) -> Robot:
     r"""The Coulomb robot without dimensions: :math:`w' = \sin\tau - r` with r = alpha_plus forwards and -alpha_minus backwards.
 

@@ -6,6 +6,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import check_shape, shape_of
 from stickslip.drives.drive import typical_velocity
 from stickslip.drives.turned import Reversed
@@ -150,6 +151,7 @@ class Robot(Frozen):
         return to_toml(self)
 
     @classmethod
+    @explains_arguments
     def from_toml(cls, text: str) -> Robot:
         """A robot from the TOML text of a study file or of `to_toml`."""
         return from_toml(cls, text)
@@ -221,7 +223,8 @@ def _lifted(robot: Robot) -> list[str]:
     return [remark] if least <= 0 else []
 
 
-def mirrored(robot: Robot) -> Robot:
+@explains_arguments
+def mirrored(robot: Model) -> Robot:
     """The mirror image of a robot: it moves as the robot does, in the other direction.
 
     Its drive is turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import errno
 import json
 import os
 import secrets
@@ -40,6 +41,8 @@ FORMAT = 1
 @contextlib.contextmanager
 def moved_into_place(path: Path, failed: Callable[[Path, OSError], Exception]) -> Iterator[Path]:
     """A path beside `path` to write to; it takes the place of `path` when all went well, and `failed` makes the error where it cannot."""
+    if not path.name or path.is_dir():
+        raise failed(path, IsADirectoryError(errno.EISDIR, "it is a folder"))
     beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}{path.suffix}")
     try:
         beside.open("xb").close()

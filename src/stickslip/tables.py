@@ -103,11 +103,15 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
         if isinstance(arguments.get(part), dict):
             arguments[part] = _part(part, dict(arguments[part]), problems, f"{name}.{part}")
         elif part in arguments or part != "track":
-            problems.add(f'[{name}.{part}] is missing or no table; type [{name}.{part}] and then kind = "{next(iter(PARTS[part]))}"')
+            problems.add(_missing(part, name))
             arguments.pop(part, None)
     made = _build(cls, arguments, name, problems)
     problems.check()
     return made
+
+
+def _missing(part: str, where: str) -> str:
+    return f'[{where}.{part}] is missing or no table; type [{where}.{part}] and then kind = "{next(iter(PARTS[part]))}"'
 
 
 def _parts_of(cls: type) -> list[str]:
@@ -143,7 +147,10 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
         problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
         arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
-    lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track" and "." not in where)]
+    lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track")]
+    for part in lacking:
+        if "." in where and part not in arguments:  # a part of a part
+            problems.add(_missing(part, where))
     try:
         made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
     except InputError as error:

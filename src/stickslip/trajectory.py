@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import forces
+from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
 from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
 from stickslip.steadiness import Steadiness, of_run
@@ -215,7 +216,8 @@ class Trajectory:
     actuator_force = _force_column("actuator_force")
     actuator_power = _force_column("actuator_power")
 
-    def at(self, t: Any) -> dict[str, Any]:
+    @explains_arguments
+    def at(self, t: Numbers) -> dict[str, Any]:
         """Everything at any time of the run, from the dense output.
 
         Parameters
@@ -300,12 +302,14 @@ class Trajectory:
 
         return trajectory_dataset(self)
 
+    @explains_arguments
     def to_mat(self, path: str | Path) -> Path:
         """Write the columns to a MATLAB file; returns its path."""
         from stickslip.storage import to_mat
 
         return to_mat(self, path)
 
+    @explains_arguments
     def save(self, path: str | Path) -> Path:
         """Write the run to a netCDF4 file (.nc) that `stickslip.load` reads back, or its columns to .csv or .mat; returns its path."""
         from stickslip.storage import save

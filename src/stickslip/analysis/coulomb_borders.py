@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.closed_form import border_ii_i, border_ii_iii, border_iii_iv, first_slide, long_slide
+from stickslip.arguments import Grid, explains_arguments
 from stickslip.errors import InputError
 
 __all__ = ["BORDERS", "Border", "border_functions", "coulomb_borders"]
@@ -65,7 +66,8 @@ def border_functions(alpha_plus: Array, alpha_minus: Array) -> dict[tuple[str, s
     }
 
 
-def coulomb_borders(grid: Any, x: str | None = None, y: str | None = None) -> list[Border]:
+@explains_arguments
+def coulomb_borders(grid: Grid, x: str | None = None, y: str | None = None) -> list[Border]:
     """The exact borders of the motion types of the robot with Coulomb friction, over the plane of a map.
 
     The dataset's columns alpha_plus and alpha_minus say what the two axes do to the robot; between its points they are interpolated

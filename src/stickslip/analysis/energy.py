@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip import forces
 from stickslip.analysis.steady import needs_run
+from stickslip.arguments import Run, explains_arguments
 from stickslip.pieces import HarmonicArcs
 
 __all__ = ["Energy", "energy"]
@@ -70,7 +71,8 @@ class Energy:
         return float(abs(self.residual[self.settle :]).max(initial=0.0))
 
 
-def energy(run: Any) -> Energy:
+@explains_arguments
+def energy(run: Run) -> Energy:
     """Energy balance of a run, period by period.
 
     The integrals are taken over the forces themselves, as the law and the drive give them at the dense output, and not from the

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.analysis.segments import Segments, intervals_of, raw_segments, type_of
 from stickslip.analysis.steady import needs_run, period_number
+from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.friction import Coulomb
@@ -82,7 +83,8 @@ class Motion:
         return self.type if self._twin is None else self._twin()
 
 
-def motion(run: Any, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion:
+@explains_arguments
+def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion:
     """The motion that a run ends in.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the

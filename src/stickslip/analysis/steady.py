@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import recurrence, steadiness
+from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError
 from stickslip.summary import Summary
 
@@ -19,6 +20,7 @@ __all__ = [
 LONGEST_PERIOD = recurrence.LONGEST
 
 
+@explains_arguments
 def mean_velocity(run: Any) -> Any:
     r"""Mean steady velocity of a run, as the paper defines it.
 
@@ -139,7 +141,8 @@ def period_number(run: Any) -> int | None:
     return run.steadiness.period or None
 
 
-def periodic_mean_velocity(model: Any, periods: int = 2000, rtol: float = 1e-8) -> Any:
+@explains_arguments
+def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-8) -> Any:
     """Mean velocity of the periodic motion itself, free of what a transient leaves in a window.
 
     For a Coulomb robot with a harmonic drive it comes from the closed formulas; any other robot is run until its strobe

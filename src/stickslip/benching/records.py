@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
 
@@ -140,6 +141,7 @@ class Bench:
         parts = [type(getattr(self.law, part)).__name__ for part in ("first", "second") if hasattr(self.law, part)]
         return " + ".join(parts) if len(parts) == 2 else kind.__name__
 
+    @explains_arguments
     def __getitem__(self, key: str) -> Experiment:
         for experiment in self.experiments:
             if experiment.key == key:
@@ -219,6 +221,7 @@ class Benches:
     def __len__(self) -> int:
         return len(self.benches)
 
+    @explains_arguments
     def __getitem__(self, key: int | str) -> Bench:
         if isinstance(key, int):
             return self.benches[key]

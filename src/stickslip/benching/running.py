@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from stickslip.arguments import explains_arguments
 from stickslip.benching.drift import drift
 from stickslip.benching.path import dissipation, hysteresis
 from stickslip.benching.pulled import breakaway, stick_slip
@@ -33,6 +34,7 @@ EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
 }
 
 
+@explains_arguments
 def bench(
     law: Any,
     load: float = 1.0,

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.cli import recorded, show
 from stickslip.cli.arguments import parser, settings
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, as_path, did_you_mean
 
 __all__ = ["act"]
 
@@ -110,7 +110,7 @@ def _maker(name: str) -> Any:
         return PRESETS[name]
     if name.lower() in LAWS:
         return LAWS[name.lower()]
-    path = Path(name).expanduser()
+    path = as_path(name, "identify")
     if path.suffix.lower() == ".toml" and path.is_file():
         from stickslip.robot import Robot
 
@@ -119,7 +119,7 @@ def _maker(name: str) -> Any:
 
 
 def _is_study(name: str) -> bool:
-    path = Path(name).expanduser()
+    path = as_path(name, "identify")
     return path.suffix.lower() == ".toml" and path.is_file() and "[identify" in path.read_text(encoding="utf-8", errors="replace")
 
 
@@ -164,7 +164,7 @@ _SHAPES: dict[str, tuple[type, str]] = {
 
 def _study(asked: Any) -> dict[str, Any]:
     """What is to be done, from a study file; paths count from its folder."""
-    path = Path(asked.robot).expanduser()
+    path = as_path(asked.robot, "identify")
     table = _table(path)
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
     asked.role += [f"{k}={v}" for k, v in table.get("roles", {}).items()]

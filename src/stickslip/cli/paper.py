@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path
 
 __all__ = ["act"]
 
@@ -19,7 +19,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--out", metavar="FOLDER", default="stickslip-paper", help="where to (default: ./stickslip-paper)")
     made.add_argument("--fast", action="store_true", help="a subset that takes about a minute")
     asked = made.parse_args(words)
-    folder = Path(asked.out).expanduser()
+    folder = as_path(asked.out, "paper")
     _check(folder)
 
     from stickslip import paper

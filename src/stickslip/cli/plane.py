@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
 from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, watcher
-from stickslip.errors import InputError, did_you_mean
+from stickslip.errors import InputError, as_path, did_you_mean
 
 __all__ = ["act"]
 
@@ -49,7 +49,7 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
     """The map, computed or from a folder."""
     from stickslip.sweeps import export, map, open_study
 
-    if (Path(asked.robot).expanduser() / "manifest.json").exists():
+    if (as_path(asked.robot, "map") / "manifest.json").exists():
         if asked.settings:
             raise InputError(
                 "map", [f"{asked.robot!r} is a finished study; it takes no {asked.settings[0]!r}; give only --figure or --velocity"]

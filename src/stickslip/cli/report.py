@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.arguments import parser, subject
 from stickslip.cli.kept import is_run
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path
 
 __all__ = ["act"]
 
@@ -36,7 +36,7 @@ def act(command: str, words: list[str]) -> int:
 
 def _page(asked: Any, typed: str) -> tuple[str, str]:
     """The page's text, and what it is about."""
-    path = Path(asked.robot).expanduser()
+    path = as_path(asked.robot, "report")
     if (path / "manifest.json").exists() or path.suffix.lower() == ".nc":
         if asked.settings:
             raise InputError("report", [f"{asked.robot!r} is finished; it takes no {asked.settings[0]!r}; leave the settings out"])

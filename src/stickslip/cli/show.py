@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path
 from stickslip.jsontext import strict
 
 __all__ = ["counted", "draw_to", "facts", "no_period", "print_json", "progress", "quantity", "stages", "table", "writable"]
@@ -106,7 +106,7 @@ def writable(option: str, path: str | None, suffixes: Sequence[str]) -> Path | N
     """The path if a file of a known kind can be written there; said before the work, not after it."""
     if path is None:
         return None
-    target = Path(path).expanduser()
+    target = as_path(path, "output")
     if target.suffix.lower() not in suffixes:
         ending = f"ends in {target.suffix!r}" if target.suffix else "has no ending"
         raise InputError(option, [f"{path!r} {ending}; allowed are {', '.join(suffixes)}; type for example result{suffixes[0]}"])

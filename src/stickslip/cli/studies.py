@@ -9,6 +9,7 @@ from stickslip.cli import show
 from stickslip.cli.arguments import parser
 from stickslip.cli.kept import FILES, is_run
 from stickslip.cli.run import DATA, written_to
+from stickslip.errors import as_path
 
 __all__ = ["act"]
 
@@ -35,7 +36,7 @@ def _export(command: str, words: list[str]) -> int:
     made.add_argument("results", metavar="RESULTS", help="a study folder, the .nc file of a sweep, or the .nc file of a run")
     made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv or (of a study) .parquet file")
     asked = made.parse_args(words)
-    source = Path(asked.results).expanduser()
+    source = as_path(asked.results, "study")
     if source.is_file() and is_run(source, command):
         return _export_run(source, show.writable("FILE", asked.file, DATA), asked.json)
     target = show.writable("FILE", asked.file, FILES)

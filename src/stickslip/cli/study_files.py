@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.cli.probing import of_solver
-from stickslip.errors import InputError, Problems, did_you_mean, is_one_of
+from stickslip.errors import InputError, Problems, as_path, did_you_mean, is_one_of
 
 __all__ = ["ALLOW_CODE", "SOLVER", "Study", "code_refused", "found", "lines_of", "located"]
 
@@ -55,7 +55,7 @@ def found(name: str) -> Study:
         return Study(PRESETS[name])
     if ":" in name:
         return Study(_imported(name))
-    path = Path(name).expanduser()
+    path = as_path(name, "robot")
     if path.suffix.lower() != ".toml" and not path.exists():
         near = did_you_mean(name, PRESETS)
         raise InputError("robot", [f"{name!r} is neither a preset nor a study file; give the path of a .toml file or a preset: {near}"])
@@ -74,7 +74,7 @@ def _imported(name: str, folder: Path | None = None) -> Any:
     import sys
 
     where, _, function = name.rpartition(":")
-    path = (folder or Path()) / Path(where).expanduser()
+    path = (folder or Path()) / as_path(where, "robot")
     if path.suffix == ".py":
         sys.path.insert(0, str(path.resolve().parent))
         where = path.stem
@@ -160,7 +160,7 @@ def _mechanism(document: dict[str, Any], text: str) -> Any:
     if not is_one_of(kind, MECHANISMS):
         near = did_you_mean(str(kind), MECHANISMS)
         raise InputError("mechanism", [f'mechanism.kind = {kind!r}; {near}; type for example kind = "pulled_mass" under [mechanism]'])
-    return MECHANISMS[kind].from_toml(text)
+    return MECHANISMS[str(kind)].from_toml(text)
 
 
 def _function(name: str, folder: Path) -> Any:
@@ -181,9 +181,12 @@ def code_refused(key: str, name: str) -> str:
     return f"{key} = {name!r} names Python code, which could do anything you can; read it first, and if you trust it type --allow-code"
 
 
-def _options(table: dict[str, Any], make: Any, problems: Problems) -> dict[str, Any]:
+def _options(table: Any, make: Any, problems: Problems) -> dict[str, Any]:
     """The arguments of the solver that are known; names and values that are wrong are noted."""
     names = {name.partition(".")[0] for name in SOLVER}
+    if not isinstance(table, dict):
+        problems.add(f"solve = {table!r} is no table; type [solve] and under it for example periods = 200")
+        return {}
     for option in table:
         if option not in names:
             problems.add(f"solve.{option} is not known; {did_you_mean(option, names)}")

@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.cli import show
 from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject
 from stickslip.cli.kept import FILES
-from stickslip.errors import InputError, Problems, StickslipError
+from stickslip.errors import InputError, Problems, StickslipError, as_path
 
 __all__ = ["act", "add_options", "axes_of", "out_file", "run_options", "watcher"]
 
@@ -79,7 +79,7 @@ def add_options(made: Parser, designs: bool = True) -> None:
 
 def out_file(out: str | None) -> Path | None:
     """The file that --out names, or None for a study folder; the ending of a file that is not ours is no folder's name."""
-    if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (Path(out).expanduser() / "manifest.json").exists():
+    if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (as_path(out, "sweep") / "manifest.json").exists():
         return None
     return show.writable("--out", out, FILES)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import at_least, describe, everywhere, is_array, number, positive
+from stickslip.fields import between, describe, everywhere, is_array, number
 
 __all__ = ["given", "record", "take_damping", "together"]
 
@@ -33,8 +33,8 @@ def given(voltage: Any, frequency: Any) -> tuple[Any, Any]:
     """Voltage and frequency as numbers; what is wrong with both at once."""
     problems, taken = Problems("PiezoBeam"), []
     for name, value, rule, allowed, example in (
-        ("voltage", voltage, at_least(0.0), "zero or more [V]", "60"),
-        ("frequency", frequency, positive, "a positive frequency [Hz]", "32.7"),
+        ("voltage", voltage, between(0.0, 1e9), "zero or more [V], up to 1e9", "60"),
+        ("frequency", frequency, between(1e-9, 1e12), "a positive frequency [Hz], 1e-9 to 1e12", "32.7"),
     ):
         try:
             x = number(value)
@@ -51,8 +51,8 @@ def record(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:
     """Times and volts of a transient, checked."""
     import numpy as np
 
-    problems, t = Problems("PiezoBeam"), np.atleast_1d(np.asarray(t, float))
-    if t.ndim != 1 or not np.all(np.isfinite(t)) or np.any(np.diff(t) <= 0) or (frequency is not None and t[0] < 0):
+    problems, t = Problems("PiezoBeam"), np.atleast_1d(np.asarray(number(t), float))
+    if t.ndim != 1 or t.size == 0 or not np.all(np.isfinite(t)) or np.any(np.diff(t) <= 0) or (frequency is not None and t[0] < 0):
         allowed = "allowed are ascending times [s], with a frequency from 0 on"
         problems.add(f"t = {describe(t)}; {allowed}; type for example t=np.linspace(0, 1, 2001)")
     if frequency is not None:
@@ -60,6 +60,9 @@ def record(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:
             voltage, _ = given(voltage, frequency)
         except InputError as error:
             problems.include(error)
+        for name, value in (("voltage", voltage), ("frequency", frequency)):
+            if is_array(value):
+                problems.add(f"{name} is {describe(value)}; allowed is one number where a sine is asked for")
         problems.check()
         return t, voltage
     volts = np.asarray([voltage(x) for x in t] if callable(voltage) else voltage, float)

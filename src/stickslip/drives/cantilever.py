@@ -9,13 +9,15 @@ from __future__ import annotations
 import functools
 from typing import Any
 
+from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere, number
 
 __all__ = ["cantilever_eigenvalues", "modal_mass", "mode_shape"]
 
 
-def cantilever_eigenvalues(tip_mass_ratio: Any, n: int) -> Any:
+@explains_arguments
+def cantilever_eigenvalues(tip_mass_ratio: Numbers, n: int) -> Any:
     r"""Eigenvalues :math:`\beta_i L` of a clamped beam with a mass at its tip: the first `n` roots of Eq. 3.5.
 
     .. math:: 1 + \cos b\cosh b + R\,b\,(\cos b\sinh b - \sin b\cosh b) = 0, \qquad R = \frac{m}{\rho A L}
@@ -91,7 +93,7 @@ def _checked(tip_mass_ratio: Any, n: Any) -> Any:
             problems.add(f"tip_mass_ratio = {given}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
     except ValueError as error:
         problems.add(f"tip_mass_ratio: {error}; allowed is a finite number, zero or more; type for example tip_mass_ratio=1.2")
-    problems.whole("n", n, 1, example=5)
+    problems.whole("n", n, 1, example=5, most=10_000)
     problems.check()
     return ratio
 

@@ -117,7 +117,18 @@ def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, 
             problems.add(f"{name} = {describe(x)}; allowed is {allowed}")
         else:
             taken[name] = x
+    _check_fit(problems, taken)
     return taken
+
+
+def _check_fit(problems: Problems, taken: dict[str, Any]) -> None:
+    """Note arrays that do not fit together."""
+    try:
+        sum(0.0 * x for x in taken.values())
+    except ValueError:
+        shapes = "; ".join(f"{name} has shape {x.shape}" for name, x in taken.items() if is_array(x))
+        problems.add(f"the arrays do not fit together: {shapes}; give arrays of one shape, or label them all")
+        problems.check()
 
 
 def resolved(problems: Problems, known: dict[str, Any], ways: dict[str, Callable[[Any], Any]], unit: str, example: str) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, NamedTuple
 
+from stickslip.arguments import Numbers, explains_arguments
 from stickslip.drives import beam_notes
 from stickslip.drives.beam_input import given, record, take_damping, together
 from stickslip.drives.cantilever import cantilever_eigenvalues
@@ -129,17 +130,20 @@ class PiezoBeam(Frozen):
         """Bending moment T of both patches for one volt, d31 (h1 + h2) b E2 [N m/V] (Eq. 3.2, E2 being Young's modulus)."""
         return self.d31 * (self.thickness + self.patch_thickness) * self.width * self.patch_modulus
 
+    @explains_arguments
     def eigenvalues(self, n: int | None = None) -> Any:
         """The first n eigenvalues beta_i L (Eq. 3.5) [-], shape (..., n); as many as `modes` if n is left out."""
         return cantilever_eigenvalues(self.tip_mass_ratio, self.modes if n is None else n)
 
+    @explains_arguments
     def frequencies(self, n: int | None = None) -> Any:
         """The first n undamped natural frequencies [Hz], shape (..., n)."""
         import numpy as np
 
         return self.eigenvalues(n) ** 2 * np.asarray(self.angular_unit)[..., None] / (2 * pi)
 
-    def response(self, voltage: Any, frequency: Any) -> TipMotion:
+    @explains_arguments
+    def response(self, voltage: Numbers, frequency: Numbers) -> TipMotion:
         """Steady motion of the tip for V(t) = voltage sin(2 pi frequency t) (Eq. 3.7).
 
         Parameters
@@ -182,7 +186,8 @@ class PiezoBeam(Frozen):
 
             return xr.apply_ufunc(cases, *arguments, join="exact")
 
-    def drive(self, voltage: Any, frequency: Any) -> Harmonic:
+    @explains_arguments
+    def drive(self, voltage: Numbers, frequency: Numbers) -> Harmonic:
         """The motion of the tip as a robot's drive: amplitude and frequency of `response`, and what there is to remark.
 
         The phase is left out. It only moves the origin of time: a robot started at rest differs in its first moments, not in how it runs.
@@ -190,13 +195,15 @@ class PiezoBeam(Frozen):
         tip = self.response(voltage, frequency)
         return Harmonic(amplitude=tip.amplitude, frequency=frequency, notes=tuple(self.notes(voltage, frequency)))
 
+    @explains_arguments
     def notes(self, voltage: Any = None, frequency: Any = None) -> list[str]:
         """What to know about this beam and, if they are given, about driving it with this voltage [V] and frequency [Hz]."""
         if voltage is None or frequency is None:
             return beam_notes.of_beam(self)
         return [*beam_notes.of_beam(self), *beam_notes.of_use(self, *given(voltage, frequency))]
 
-    def transient(self, t: Any, voltage: Any, frequency: float | None = None) -> Any:
+    @explains_arguments
+    def transient(self, t: Numbers, voltage: Numbers, frequency: Numbers | None = None) -> Any:
         """Motion of the tip from rest at the first time.
 
         Parameters

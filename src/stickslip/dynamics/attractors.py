@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity, whole_motions
 from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.fields import number
 
 __all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
 
@@ -89,8 +91,9 @@ class Basins:
         return "<Basins: " + "; ".join(map(repr, self.attractors)) + f"; {self.map.attractor.size} starts>"
 
 
+@explains_arguments
 def basins(
-    model: Any,
+    model: Model,
     *,
     settle: int = 300,
     rtol: float = 1e-7,
@@ -152,7 +155,7 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
             problems.add(f"{name!r} is no coordinate of the start; {did_you_mean(name, known)}")
             continue
         try:
-            axis = np.atleast_1d(np.asarray(value, float))
+            axis = np.atleast_1d(np.asarray(number(value), float))
         except (TypeError, ValueError):
             axis = np.empty((0, 0))
         if axis.ndim != 1 or axis.size == 0 or not np.isfinite(axis).all():

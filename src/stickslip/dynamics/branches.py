@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.cycle_paths import CyclePath, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
 from stickslip.dynamics.family import Family, family
@@ -88,11 +89,13 @@ class Branch:
         attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
         return xr.Dataset(columns, {self.parameter: ("point", self.values, self.family.describe(self.parameter))}, attrs)
 
+    @explains_arguments
     def at(self, value: float) -> PeriodicOrbit:
         """The orbit of this branch at a value of the parameter, by Newton's method from its nearest point."""
         nearest = int(np.argmin(abs(self.values - value)))
         return periodic_orbit(self.family.robot(value), self.period, guess=self.orbits[nearest], rtol=self.orbits[nearest].rtol)
 
+    @explains_arguments
     def doubled(self, flip: Special | None = None, stop: float | None = None, step: float = 0.02, points: int = 200) -> Branch:
         """The branch of twice the period that leaves this one at a flip.
 
@@ -132,8 +135,9 @@ _TOLD = {
 }
 
 
+@explains_arguments
 def continuation(
-    make: Any,
+    make: Maker,
     *,
     parameter: str,
     start: float,

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.arguments import explains_arguments
 from stickslip.dynamics.branches import Branch, Special
 from stickslip.dynamics.cycles import LimitCycle
 from stickslip.dynamics.family import Family
@@ -102,6 +103,7 @@ class _Problem:
         return self.origin + self.span * u[..., -2:]
 
 
+@explains_arguments
 def special_curve(branch: Branch, special: Special, parameter: str, stop: float, *, step: float = 0.02, points: int = 200) -> Curve:
     """The curve on which a special point of a branch lies when a second parameter varies too.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, strobe_map, strobe_orbit
@@ -24,11 +25,12 @@ UNDONE = -1  # period number of what was not computed
 _RETURN = 1e-6  # strobe points closer than this, in scales, count as one
 
 
+@explains_arguments
 def bifurcation(
-    make: Any,
+    make: Maker,
     *,
     parameter: str,
-    values: Any,
+    values: Numbers,
     settle: int = 200,
     points: int = 64,
     follow: bool = True,

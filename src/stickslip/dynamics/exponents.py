@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, flight, needs_model, strobe_map, strobe_states
 from stickslip.dynamics.variational import transfers
 from stickslip.errors import InputError, Problems
+from stickslip.fields import number
 from stickslip.sweeps.progress import Watch
 
 __all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
@@ -25,8 +27,9 @@ _ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
 
 
+@explains_arguments
 def lyapunov(
-    model: Any,
+    model: Model,
     periods: int = 2000,
     *,
     settle: int = 200,
@@ -154,8 +157,9 @@ def _carried_in_the_plane(matrices: Array, number: Array, logs: Array, Q: Array)
     return np.array([[x, -y], [y, x]])
 
 
+@explains_arguments
 def largest_exponents(
-    model: Any,
+    model: Model,
     periods: int = 400,
     *,
     settle: int = 200,
@@ -206,7 +210,7 @@ def largest_exponents(
     problems.whole("workers", workers, 1, example=2)
     problems.check()
     cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
-    state = np.zeros((cases, len(at.names))) if start is None else np.atleast_2d(np.asarray(start, float))
+    state = _states_given(start, cases, at.names)
     means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
 
     def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
@@ -218,6 +222,18 @@ def largest_exponents(
     for part, found in shared(cases, grown, workers, progress):
         means[part], errors[part] = found
     return means, errors
+
+
+def _states_given(start: Any, cases: int, names: tuple[str, ...]) -> Array:
+    """The strobe states that the cases begin in: an array (cases, states), or one state for all; rest from None."""
+    try:
+        states = np.atleast_2d(np.zeros(len(names)) if start is None else np.asarray(number(start), float))
+        if not np.isfinite(states).all():
+            raise ValueError("its numbers are not finite")
+        return np.broadcast_to(states, (cases, len(names))).copy()
+    except ValueError as error:
+        allowed = f"an array of shape ({cases}, {len(names)}) with {', '.join(names)} of each case, or one state for all"
+        raise InputError("largest_exponents", [f"start = {start!r} ({error}); allowed is {allowed}"]) from None
 
 
 def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
@@ -276,8 +292,9 @@ class Verdict:
         return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
 
 
+@explains_arguments
 def verdict(
-    model: Any,
+    model: Model,
     periods: int = 1000,
     *,
     settle: int = 500,

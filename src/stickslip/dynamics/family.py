@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import point_by_point
+from stickslip.batch import made_model, point_by_point
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
 from stickslip.sweeps.axes import check_names  # a family is a sweep whose values are not known before
@@ -40,7 +40,7 @@ class Family:
     def robot(self, *values: float) -> Any:
         """The robot at one point."""
         arguments = {**self.fixed, **dict(zip(self.parameters, map(float, values), strict=True))}
-        return self.make(**arguments) if callable(self.make) else self.make.replace(arguments)
+        return made_model(self.what, self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
 
     def robots(self, *values: Any) -> Any:
         """Robots at many points, as one batch: arrays of one length."""
@@ -48,7 +48,7 @@ class Family:
         if not callable(self.make):
             return self.make.replace({**self.fixed, **columns})
         try:
-            return self.make(**self.fixed, **columns)
+            return made_model(self.what, self.make(**self.fixed, **columns))
         except InputError:
             raise
         except (TypeError, ValueError):  # a maker that cannot take arrays

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError, is_whole
@@ -69,6 +70,7 @@ class FlowOrbit:
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
 
+@explains_arguments
 def flow_orbit(
     flow: SwitchingFlow,
     state: Any,
@@ -245,7 +247,8 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     return step[:n], float(step[n]), mode
 
 
-def switching_flow(model: Any) -> SwitchingFlow:
+@explains_arguments
+def switching_flow(model: Model) -> SwitchingFlow:
     """Any model with a set-valued law as a switching flow with modes +1, 0 and -1 and the states x and v.
 
     Its orbits come from an integrator and from Python's own loops: slow, and independent of our solvers.

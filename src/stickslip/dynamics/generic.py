@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import explains_arguments
 from stickslip.dynamics.switched import SwitchingFlow
 from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
@@ -123,6 +124,7 @@ def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bo
     return x
 
 
+@explains_arguments
 def lyapunov_of_map(
     f: Callable[..., Any], x0: Any, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
 ) -> Lyapunov:
@@ -167,6 +169,7 @@ def lyapunov_of_map(
     return gathered(logs, 1.0, "iteration")
 
 
+@explains_arguments
 def lyapunov_of_flow(
     f: Callable[..., Any],
     x0: Any,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.exponents import largest_exponents
 from stickslip.dynamics.family import Family, family
@@ -14,6 +15,7 @@ from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import InputError, Problems
+from stickslip.fields import number
 
 __all__ = ["chaos_map"]
 
@@ -30,8 +32,9 @@ _TOLD = {
 }
 
 
+@explains_arguments
 def chaos_map(
-    make: Any,
+    make: Maker,
     *,
     settle: int = 300,
     periods: int = 200,
@@ -96,16 +99,21 @@ def chaos_map(
     return xr.Dataset(columns, {name: (name, axis, robots.describe(name)) for name, axis in axes.items()}, attrs)
 
 
+def _is_many(value: Any) -> bool:
+    """Whether an argument is a list or an array."""
+    return isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) > 0
+
+
 def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) -> dict[str, Array]:
     problems = Problems("chaos_map")
     try:
-        axes = {name: np.asarray(value, float) for name, value in arguments.items() if np.ndim(value) == 1 and not isinstance(value, str)}
+        axes = {name: np.asarray(number(value), float) for name, value in arguments.items() if _is_many(value)}
     except (TypeError, ValueError):
         raise InputError("chaos_map", ["an argument with several values has one that is no number; allowed are lists of numbers"]) from None
     if len(axes) not in (1, 2):
         problems.add(f"{len(axes)} arguments have several values; allowed are one or two, such as mu0=[...], amplitude=[...]")
     for name, axis in axes.items():
-        if not len(axis) or not np.isfinite(axis).all():
+        if axis.ndim != 1 or not len(axis) or not np.isfinite(axis).all():
             problems.add(f"{name} = {arguments[name]!r}; allowed are finite numbers, at least one")
     problems.whole("settle", settle, 1, example=300)
     problems.whole("periods", periods, 20, example=200)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import Motion, motion
+from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.closed import ClosedMotion, largest_first
 from stickslip.dynamics.cycles import limit_cycle
 from stickslip.dynamics.mapping import (
@@ -24,7 +25,9 @@ from stickslip.dynamics.mapping import (
 from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.fields import number
 from stickslip.forces import is_dynamic
+from stickslip.solvers.request import LARGEST_START
 
 __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 
@@ -124,7 +127,8 @@ class PeriodicOrbit(ClosedMotion):
         )
 
 
-def periodic_orbit(model: Any, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12) -> Any:
+@explains_arguments
+def periodic_orbit(model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12) -> Any:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
     Where nothing drives (a block on a belt) it is a limit cycle, and how long it takes is found too.
@@ -230,16 +234,22 @@ def states_of(start: Any, at: Coordinates) -> Array:
     if hasattr(start, "strobe_v"):
         return strobe_states(start)[-1]
     if isinstance(start, dict):
-        return np.array([_named(start, name) for name in at.names])
+        return _checked(start, np.array([_named(start, name) for name in at.names]), at)
     try:
-        state = np.asarray(start, float).ravel()
+        state = np.asarray(number(start), float).ravel()
     except (TypeError, ValueError):
         state = np.empty(0)
     if state.shape != (len(at.names),):
         raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type dict(v=0.0)"])
-    if not np.isfinite(state).all():
+    return _checked(start, state, at)
+
+
+def _checked(start: Any, state: Array, at: Coordinates) -> Array:
+    """A state whose numbers are finite and of a size that can be computed with."""
+    if not np.all(abs(state) <= LARGEST_START):
+        allowed = f"finite {', '.join(at.names)} up to {LARGEST_START:.0e} in size"
         raise InputError(
-            "start", [f"{start!r} has numbers that are not finite; allowed are finite {', '.join(at.names)}; type dict(v=0.0)"]
+            "start", [f"{start!r} has numbers that are not finite, or out of this world; allowed are {allowed}; type dict(v=0.0)"]
         )
     return state
 
@@ -247,10 +257,14 @@ def states_of(start: Any, at: Coordinates) -> Array:
 def _named(start: dict[str, Any], name: str) -> float:
     """One number of a start; z0, z1, ... are entries of z, memory0, ... of memory."""
     whole = name.rstrip("0123456789")
-    if name in start or name == whole:
-        return float(np.ravel(start.get(name, 0.0))[0])
-    values = np.ravel(np.asarray(start.get(whole, 0.0), float))
-    return float(values[int(name[len(whole) :]) if len(values) > 1 else 0])
+    given = name if name in start or name == whole else whole
+    try:
+        values = np.ravel(number(start.get(given, 0.0)))
+        return float(values[int(name[len(whole) :]) if given != name and len(values) > 1 else 0])
+    except (ValueError, IndexError):
+        raise InputError(
+            "start", [f"{given} = {start[given]!r}; allowed is a number, or as many as the law has; type {given}=0.0"]
+        ) from None
 
 
 def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.steady import needs_run, period_number
+from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.variables import VARIABLES
 
@@ -16,7 +17,8 @@ __all__ = ["halved", "poincare", "spectrum", "strobe"]
 Array = Any
 
 
-def strobe(run: Any, phase: float = 0.0, settle: int | None = None) -> Any:
+@explains_arguments
+def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> Any:
     """The states of a run at one phase of every drive period.
 
     Parameters
@@ -50,7 +52,8 @@ def strobe(run: Any, phase: float = 0.0, settle: int | None = None) -> Any:
     return _dataset(run, np.minimum(t, run.strobe_times[-1]))
 
 
-def poincare(run: Any, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> Any:
+@explains_arguments
+def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> Any:
     """The states of a run at which a column passes a value, such as v = 0.
 
     Parameters
@@ -130,7 +133,8 @@ def _dataset(run: Any, t: Array) -> Any:
     return xr.Dataset(columns)
 
 
-def spectrum(run: Any, column: str = "v", harmonics: int = 40, periods: int | None = None) -> Any:
+@explains_arguments
+def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | None = None) -> Any:
     """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and between where it repeats later.
 
     The window holds whole motion periods and no taper, so a periodic motion gives exact lines and no leakage. Where no period is

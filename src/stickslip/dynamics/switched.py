@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import explains_arguments
 from stickslip.dynamics.switched_arcs import arc, guards_of
 from stickslip.dynamics.written import answer, derivative
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
@@ -206,6 +207,7 @@ class _Crossing:
         return self.A + np.outer(jump, self.moved) if jump.any() else self.A
 
 
+@explains_arguments
 def passage(
     flow: SwitchingFlow, state: Any, mode: Any, duration: float, begin: float = 0.0, rtol: float = 1e-12, switches: int | None = None
 ) -> Passage:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.dynamics.attractors import Attractor, settled_points, start_axes, told_apart, wilson
 from stickslip.dynamics.diagrams import UNDONE, checked_values, strobe_attrs
 from stickslip.dynamics.family import Family, family
@@ -28,11 +29,12 @@ class _Track:
     found: dict[int, Attractor]
 
 
+@explains_arguments
 def attractors(
-    make: Any,
+    make: Maker,
     *,
     parameter: str,
-    values: Any,
+    values: Numbers,
     starts: dict[str, Any] | None = None,
     settle: int = 300,
     rtol: float = 1e-7,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.arguments import Law, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic, states_of, wants_applied
@@ -93,7 +94,8 @@ def symbol_text(name: str) -> str:
     return body + (f"_{{{index}}}" if index else "")
 
 
-def latex(law: Any) -> str:
+@explains_arguments
+def latex(law: Law) -> str:
     r"""The equations of a friction law as LaTeX, derived from the law's own code.
 
     Parameters

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin, motion
+from stickslip.arguments import Law, Measured, Model, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS
@@ -128,10 +129,11 @@ class Comparison:
     __repr__ = __str__
 
 
+@explains_arguments
 def compare(
-    record: Record,
-    robot: Any,
-    laws: Sequence[Any] | dict[str, Any] = ("coulomb", "lugre"),
+    record: Measured,
+    robot: Model,
+    laws: Sequence[str | Law] | dict[str, Any] = ("coulomb", "lugre"),
     *,
     using: str = "auto",
     frequency: float | None = None,

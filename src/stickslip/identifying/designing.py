@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.steady_curves import steady_curve
@@ -95,8 +96,9 @@ class Design:
     __repr__ = __str__
 
 
+@explains_arguments
 def design(
-    make: Any,
+    make: Maker,
     *,
     free: dict[str, float],
     experiments: dict[str, Any] | list[dict[str, Any]],
@@ -145,6 +147,7 @@ def design(
     (('mu0',), ('sigma0',))
     """
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
+    rivals = [] if rivals is None else list(rivals)
     slopes, curves, apart, dropped = {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:

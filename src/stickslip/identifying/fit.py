@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import Problems, did_you_mean
+from stickslip.arguments import Ax, explains_arguments
+from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 
 __all__ = ["Fit", "Quality"]
 
@@ -145,6 +146,7 @@ class Fit:
         found[~known, ~known] = 1.0
         return found
 
+    @explains_arguments
     def interval(self, name: str, level: float = 0.95, method: str = "covariance", **options: Any) -> tuple[float, float]:
         """A confidence interval of a parameter.
 
@@ -179,8 +181,12 @@ class Fit:
         return {"covariance": by_covariance, "profile": by_profile, "bootstrap": by_bootstrap}[method](self, name, level, **options)
 
     # ---- what was fitted ----
+    @explains_arguments
     def model(self, record: int = 0) -> Any:
         """The fitted model of one record: a robot, or a law where force was fitted against motion."""
+        count = len(self.problem.parameters.fixed)
+        if not is_whole(record) or not 0 <= record < count:
+            raise InputError("fit", [f"record = {record!r}; allowed is a whole number from 0 to {count - 1}; type record=0"])
         return self.problem.parameters.model(self.values, record)
 
     @cached_property
@@ -224,6 +230,7 @@ class Fit:
         return [*remarks(self), *self.correlated, *self.notes]
 
     # ---- show ----
+    @explains_arguments
     def report(self, path: str | Path | None = None) -> Any:
         """The fit as text; with a path as one HTML file with data, fit, residuals, uncertainties and provenance (its path is returned)."""
         if path is None:
@@ -234,7 +241,8 @@ class Fit:
 
         return write_report(path, [self])
 
-    def plot(self, record: int = 0, ax: Any = None) -> Any:
+    @explains_arguments
+    def plot(self, record: int = 0, ax: Ax = None) -> Any:
         """Record and fit over one drive period; returns the axes."""
         from stickslip.identifying.doors import plot_fit
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
 from stickslip.callbacks import told_of_progress
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, Problems, is_one_of
+from stickslip.fields import between, checked_number
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.parameters import Parameters, parameters
@@ -25,9 +27,10 @@ USES = ("auto", "velocity", "position", "mean", "force")
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
 
+@explains_arguments
 def identify(
-    records: Any,
-    make: Any,
+    records: Measured | Sequence[Measured] | Numbers,
+    make: Maker,
     *,
     free: dict[str, Any],
     tied: dict[str, Any] | None = None,
@@ -136,10 +139,10 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     for i, rec in enumerate(records):
         if not isinstance(rec, (Record, int, float, np.number)) or isinstance(rec, bool):
             problems.add(f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)) or a mean velocity [m/s]")
-    if using not in USES:
+    if not is_one_of(using, USES):
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
-    if noise is not None and not noise > 0:
-        problems.add(f"noise = {noise!r}; allowed is a positive standard deviation, or None")
+    if noise is not None:
+        checked_number("noise", noise, problems, between(1e-100, 1e100), "a positive standard deviation, or None", "noise=1e-4")
     problems.whole("starts", starts, 1, example=64)
     problems.check()
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.uncertainty import effective
@@ -89,7 +90,8 @@ class Ranking:
     __repr__ = __str__
 
 
-def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
+@explains_arguments
+def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
     """Order fits of several laws to the same records by information criteria and by records that were held out.
 
     Residuals that are correlated say less than their number: all criteria count the independent ones, as those of the best fit are. If
@@ -145,8 +147,9 @@ def rank(fits: Sequence[Fit] | dict[str, Fit], held_out: dict[str, Sequence[floa
     return Ranking(tuple(rows), decided, verdict, independent, count)
 
 
+@explains_arguments
 def prediction_errors(
-    fit: Fit, records: Any, *, load: float | None = None, frequency: float | None = None, **arguments: Any
+    fit: Fitted, records: Measured | Sequence[Measured], *, load: float | None = None, frequency: float | None = None, **arguments: Any
 ) -> list[float]:
     """How well a fit predicts records that it has not seen: rms for each record [SI]. Only the drive's phase is fitted there.
 
@@ -178,6 +181,8 @@ def prediction_errors(
     free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
     using = fit.problem.targets[0].kind
     transient = any(getattr(t, "transient", False) for t in fit.problem.targets)
+    if not as_list(records):
+        raise InputError("prediction_errors", ["no record is given; type for example ss.prediction_errors(fit, ss.read(path))"])
     whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient)
     problem = whole.only(fit.values)
     found = polished(problem, problem.aligned(np.empty(0)))

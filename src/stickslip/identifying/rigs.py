@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic, MultiHarmonic
 from stickslip.errors import Problems, is_one_of
 from stickslip.records import Channel, Record
@@ -18,8 +19,9 @@ _OF_THE_DRIVE = ("absolute velocity", "drive")
 CHANNELS = ("velocity", "absolute velocity", "position", "drive", "force", "acceleration")
 
 
+@explains_arguments
 def virtual_rig(
-    robot: Any,
+    robot: Model,
     *,
     noise: float = 0.0,
     seed: int = 0,

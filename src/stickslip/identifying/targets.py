@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.identifying.averages import MOST, averaged
 from stickslip.records import Record
+from stickslip.records.given import given_frequency
 from stickslip.records.measures import LONGEST, _repeats, mean_velocity
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
@@ -87,7 +88,7 @@ def target(
         found = mean_velocity(rec, frequency)
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
     t, y = _finite(rec[kind])
-    f = rec.drive_frequency().value if frequency is None else float(frequency)
+    f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
     level = noise(y) if sigma is None else float(sigma)
     if not level > 0:
         level = 1e-6 * float(np.ptp(y)) or 1.0

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from stickslip.arguments import explains_arguments
 from stickslip.storage import read
 from stickslip.trajectory import Trajectory
 
 __all__ = ["load"]
 
 
+@explains_arguments
 def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
     """Read a run that `Trajectory.save` wrote.
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Benched, Page, explains_arguments
 from stickslip.benching import Bench, Benches
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, DASHES, INK, prefix, publication
@@ -21,7 +22,8 @@ _TOLD = (
 _COLUMNS = ("steady", "lag", "hysteresis", "dissipation", "breakaway", "stick_slip")
 
 
-def bench(found: Any, figure: Any = None) -> Any:
+@explains_arguments
+def bench(found: Benched, figure: Page = None) -> Any:
     """The figure of a bench: a panel for each experiment and the numbers; of several laws a row of panels for each.
 
     Parameters

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.maths import exp
 from stickslip.plot.style import COLOURS, INK, axes, labelled, publication, scaled
@@ -22,7 +23,8 @@ _NAMES = {"flip": "flip", "fold": "fold", "type-border": "border of types", "tor
 _LOWEST = -2.0  # exponents below it have one colour
 
 
-def chaos_map(found: Any, ax: Any = None, quantity: str = "motion", curves: Any = ()) -> Any:
+@explains_arguments
+def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any = ()) -> Any:
     """A map of motions over two parameters; over one, the largest exponent as a line.
 
     Parameters

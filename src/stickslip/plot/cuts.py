@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.maps import DARK, TYPE_COLOURS, plain_label, scaled
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
@@ -14,7 +15,8 @@ from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
 __all__ = ["line_cut"]
 
 
-def line_cut(grid: Any, along: str, at: dict[str, Any] | None = None, lines: Sequence[float] | None = None, ax: Any = None) -> Any:
+@explains_arguments
+def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Sequence[float] | None = None, ax: Ax = None) -> Any:
     """The mean velocity along one axis, for some values of the other; below them the motion types, a strip for each line.
 
     Parameters

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.arguments import Ax, Basin, Exponents, Grid, Ways, explains_arguments
+from stickslip.errors import InputError, is_whole
 from stickslip.forces import is_dynamic
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 
@@ -20,11 +21,12 @@ _MARKERS = {
 _CLOUD = "#8A94A0"
 
 
+@explains_arguments
 def continuation(
-    branch: Any,
+    branch: Ways,
     observable: str | None = None,
-    ax: Any = None,
-    diagram: Any = None,
+    ax: Ax = None,
+    diagram: Grid | None = None,
     labels: Sequence[str] | None = None,
     special: bool = True,
 ) -> Any:
@@ -62,6 +64,8 @@ def continuation(
     branches = list(branch) if isinstance(branch, (list, tuple)) else [branch]
     if not branches or not all(hasattr(b, "points") and hasattr(b, "special") for b in branches):
         raise InputError("plot", [f"branch = {branch!r}; allowed is a Branch or a list of them, from ss.continuation"])
+    if labels is not None and len(labels) != len(branches):
+        raise InputError("plot", [f"labels has {len(labels)} texts for {len(branches)} branches; give one for each"])
     parameter, across = branches[0].parameter, branches[0].points[branches[0].parameter]
     cycles = branches[0].orbits[0].model.period is None
     observable = observable or ("duration" if cycles else "v")
@@ -195,7 +199,8 @@ def _of_orbit(orbit: Any, observable: str) -> float:
     return float(abs(orbit.multipliers).max()) if observable == "largest_multiplier" else float(getattr(orbit, observable))
 
 
-def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
+@explains_arguments
+def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
     """A bifurcation diagram by brute force; upwards and downwards in two colours, so that hysteresis shows.
 
     Parameters
@@ -240,7 +245,8 @@ def bifurcation(diagram: Any, observable: str = "v", ax: Any = None) -> Any:
         return ax
 
 
-def basins(found: Any, ax: Any = None) -> Any:
+@explains_arguments
+def basins(found: Basin, ax: Ax = None) -> Any:
     """Which start goes to which attractor, over the first two axes of the grid of starts that have several values.
 
     Parameters
@@ -314,7 +320,8 @@ def _edges(values: Any) -> tuple[float, float]:
     return float(values[0] - half), float(values[-1] + half)
 
 
-def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
+@explains_arguments
+def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
     """How Lyapunov exponents converge, with three standard errors of the end as a band.
 
     Parameters
@@ -339,6 +346,8 @@ def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
     """
     if not hasattr(exponents, "record"):
         raise InputError("plot", [f"{exponents!r}; allowed is what ss.lyapunov gives"])
+    if not is_whole(count) or not 1 <= count <= len(exponents.spectrum):
+        raise InputError("plot", [f"count = {count!r}; allowed is a whole number from 1 to {len(exponents.spectrum)}; type count=1"])
     with publication():
         ax = axes(ax)
         ax.axhline(0.0, color=INK, linewidth=0.5)
@@ -352,11 +361,13 @@ def convergence(exponents: Any, ax: Any = None, count: int = 1) -> Any:
         ax.set_xlim(0, exponents.record[-1, 0])
         ax.set_xlabel(f"{exponents.unit}s averaged over")
         ax.set_ylabel(f"exponent per {exponents.unit}")
-        legend_above(ax, ncols=3)
+        if ax.get_legend_handles_labels()[0]:  # none where every exponent is -infinity
+            legend_above(ax, ncols=3)
         return ax
 
 
-def spectrum(lines: Any, ax: Any = None) -> Any:
+@explains_arguments
+def spectrum(lines: Grid, ax: Ax = None) -> Any:
     """The lines of a motion over the order of the drive's frequency; harmonics of the drive stand out from lines between them.
 
     Parameters

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
+from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
 
@@ -28,7 +29,8 @@ _ROUNDED = (0.8, 0.008)  # cells, share of a map's side: over the larger the cor
 _ROW = 11.5  # height of a row of a legend [points]
 
 
-def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, ax: Any = None) -> Any:
+@explains_arguments
+def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: bool = True, ax: Ax = None) -> Any:
     """The motion type over a plane, each region with its name, and the exact borders of Coulomb friction drawn over it.
 
     Parameters
@@ -75,7 +77,8 @@ def motion_map(grid: Any, x: str | None = None, y: str | None = None, borders: b
         return _framed(ax, grid, across, up)
 
 
-def velocity_map(grid: Any, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Any = None) -> Any:
+@explains_arguments
+def velocity_map(grid: Grid, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Ax = None) -> Any:
     """The mean velocity over a plane, with the borders of the motion types and the fastest point marked.
 
     Parameters

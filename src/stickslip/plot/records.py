@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Ax, Compared, Fitted, Measured, explains_arguments
+from stickslip.errors import InputError, is_whole
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, prefix, publication
 from stickslip.records.units import SI, quantity_of
 
@@ -29,7 +31,8 @@ def _words(kind: str, unit: str) -> str:
     return f"{what[0]} ({unit}{what[1]})"
 
 
-def comparison(found: Any, ax: Any = None) -> Any:
+@explains_arguments
+def comparison(found: Compared, ax: Ax = None) -> Any:
     """A record and several laws over one drive period, as Figs 7 to 10 of the paper.
 
     Parameters
@@ -66,7 +69,8 @@ def comparison(found: Any, ax: Any = None) -> Any:
     return ax
 
 
-def fitted(fit: Any, record: int = 0, ax: Any = None) -> Any:
+@explains_arguments
+def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """One record and what the fitted model gives: over the drive's phase, or force against position.
 
     Parameters
@@ -91,7 +95,7 @@ def fitted(fit: Any, record: int = 0, ax: Any = None) -> Any:
     """
     with publication():
         ax = axes(ax)
-        target, curve = fit.problem.targets[record], fit.predicted[record]
+        target, curve = _target(fit, record), fit.predicted[record]
         if target.kind == "mean":
             return _means(fit, ax)
         x, label = _abscissa(fit, record)
@@ -106,12 +110,20 @@ def fitted(fit: Any, record: int = 0, ax: Any = None) -> Any:
     return ax
 
 
+def _target(fit: Any, record: int) -> Any:
+    """What was fitted in one record; `InputError` where there is none of this number."""
+    targets = fit.problem.targets
+    if not is_whole(record) or not 0 <= record < len(targets):
+        raise InputError("plot", [f"record = {record!r}; allowed is a whole number from 0 to {len(targets) - 1}; type record=0"])
+    return targets[record]
+
+
 def _rest(fit: Any, record: int) -> Any:
     return fit._split(fit.residuals * fit.problem.sigma)[record]
 
 
 def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
-    target = fit.problem.targets[record]
+    target = _target(fit, record)
     if target.kind == "force":
         moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.before :]
         factor, unit = prefix(moved - moved.mean())
@@ -130,7 +142,8 @@ def _means(fit: Any, ax: Any) -> Any:
     return ax
 
 
-def residuals(fit: Any, record: int = 0, ax: Any = None) -> Any:
+@explains_arguments
+def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """What a fit leaves over of one record: noise if the law is right, a shape if it is not.
 
     Parameters
@@ -154,7 +167,7 @@ def residuals(fit: Any, record: int = 0, ax: Any = None) -> Any:
     """
     with publication():
         ax = axes(ax)
-        target, rest = fit.problem.targets[record], _rest(fit, record)
+        target, rest = _target(fit, record), _rest(fit, record)
         factor, unit = prefix(rest)
         x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
         ax.axhline(0.0, color=INK, linewidth=0.6)
@@ -164,7 +177,8 @@ def residuals(fit: Any, record: int = 0, ax: Any = None) -> Any:
     return ax
 
 
-def record_spectrum(record: Any, channel: str = "velocity", ax: Any = None) -> Any:
+@explains_arguments
+def record_spectrum(record: Measured, channel: str = "velocity", ax: Ax = None) -> Any:
     """Amplitude spectrum of a channel.
 
     Parameters

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
+from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic, normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
@@ -51,7 +52,10 @@ def span(run: Any, periods: float | None = None, duration: float | None = None) 
     if not periods > 0:
         raise InputError("plot", [f"periods = {periods!r}; allowed is a positive number of drive periods; type periods=3"])
     end = float(run.strobe_times[-1]) or end  # a run that ended in its first period is shown to its end
-    return max(end - periods * run.period_time, first), end
+    start = max(end - periods * run.period_time, first)
+    if not start < end:
+        raise InputError("plot", [f"periods = {periods!r} is too short a time to draw; type periods=3"])
+    return start, end
 
 
 def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
@@ -109,8 +113,13 @@ def _time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit
     ax.set_xlabel(f"time {since} ({unit}s)")
 
 
+@explains_arguments
 def velocity(
-    run: Any, periods: float | None = None, ax: Any = None, labels: Sequence[str] | None = None, duration: float | None = None
+    run: Run | Sequence[Run],
+    periods: float | None = None,
+    ax: Ax = None,
+    labels: Sequence[str] | None = None,
+    duration: float | None = None,
 ) -> Any:
     """Velocity of the body over the last drive periods; where its contact sticks the background is shaded.
 
@@ -154,8 +163,13 @@ def velocity(
         return _finish(ax, runs, shaded)
 
 
+@explains_arguments
 def phase(
-    run: Any, periods: float | None = None, ax: Any = None, labels: Sequence[str] | None = None, duration: float | None = None
+    run: Run | Sequence[Run],
+    periods: float | None = None,
+    ax: Ax = None,
+    labels: Sequence[str] | None = None,
+    duration: float | None = None,
 ) -> Any:
     """Phase portrait: velocity against the displacement without its drift, with the strobe points marked.
 
@@ -244,7 +258,8 @@ def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
     return s - middle, found["v"], strobe["x"] - drift * (strobe["t"] - start) - middle, strobe["v"]
 
 
-def forces(run: Any, periods: float | None = None, ax: Any = None, duration: float | None = None) -> Any:
+@explains_arguments
+def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
 
     Of a mechanism there is the friction force alone.

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.style import COLOURS, axes, labelled, legend_above, publication, scaled
 
@@ -14,7 +15,8 @@ __all__ = ["attractors"]
 _QUANTITIES = ("mean_velocity", "share")
 
 
-def attractors(found: Any, quantity: str = "mean_velocity", ax: Any = None) -> Any:
+@explains_arguments
+def attractors(found: Grid, quantity: str = "mean_velocity", ax: Ax = None) -> Any:
     """Attractors along a parameter, one line each; a ring where a motion has no period.
 
     Parameters

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.given import given_frequency
 from stickslip.records.overview import noise
 from stickslip.records.tones import _finite
 
@@ -60,7 +61,7 @@ def _velocity(rec: Any) -> tuple[Any, Any]:
 
 
 def _frequency(rec: Any, frequency: float | None) -> float:
-    return rec.drive_frequency().value if frequency is None else float(frequency)
+    return rec.drive_frequency().value if frequency is None else given_frequency(frequency)
 
 
 def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, period: int = 1) -> Cycle:

@@ -13,6 +13,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.raw import Column, Raw
@@ -28,6 +29,7 @@ _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
 
 
+@explains_arguments
 def read(
     path: str | Path,
     *,

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.units import quantity_of
@@ -52,7 +53,8 @@ class Record:
         object.__setattr__(self, "notes", tuple(self.notes))
 
     @classmethod
-    def of(cls, t: Any, columns: dict[str, Any], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
+    @explains_arguments
+    def of(cls, t: Numbers, columns: Mapping[str, Numbers], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
         from stickslip.records.raw import Column
         from stickslip.records.reading import _roles
@@ -69,6 +71,7 @@ class Record:
             channels[name] = Channel(name, np.array(values, float), unit, np.array(t, float), "time", "s", named.get(name))
         return cls(channels, (), {"format": "arrays"}, synthetic)
 
+    @explains_arguments
     def __getitem__(self, key: str) -> Channel:
         """The channel of this name, or the only one with this role."""
         if key in self.channels:
@@ -112,6 +115,7 @@ class Record:
         """A copy with some fields changed."""
         return dataclasses.replace(self, **changes)
 
+    @explains_arguments
     def between(self, start: float, end: float) -> Record:
         """The part from `start` to `end` [s]."""
         cut = {}
@@ -131,7 +135,8 @@ class Record:
         kept = [note for note in self.notes if note not in of_all]
         return (*kept, *(dict.fromkeys(of_part) if len(kept) < len(self.notes) else ()))
 
-    def derived(self, heading: str, values: Any, like: str, role: str | None = None) -> Record:
+    @explains_arguments
+    def derived(self, heading: str, values: Numbers, like: str, role: str | None = None) -> Record:
         """With one channel more, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
         from stickslip.records.units import heading as split
 
@@ -146,6 +151,7 @@ class Record:
             raise InputError("record", ["absolute and convected velocity are not sampled at the same times; resample one of them"])
         return self.derived("relative velocity [m/s]", inner.si - body.si, like=body.name, role="drive")
 
+    @explains_arguments
     def save(self, path: str | Path) -> Path:
         """Write the channels to a CSV file that `ss.read` takes back with no options: units in the headings, every digit.
 
@@ -182,18 +188,21 @@ class Record:
 
         return overview(self)
 
+    @explains_arguments
     def drive_frequency(self, about: float | None = None) -> Any:
         """Frequency of the drive with its standard error [Hz], refined from the data; `about` helps where it is not the strongest."""
         from stickslip.records.tones import drive_frequency
 
         return drive_frequency(self, about)
 
+    @explains_arguments
     def mean_velocity(self, frequency: float | None = None) -> float:
         """Mean steady velocity over whole drive periods [m/s]."""
         from stickslip.records.measures import mean_velocity
 
         return mean_velocity(self, frequency).value
 
+    @explains_arguments
     def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
         """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.motions.motion`."""
         from stickslip.records.motions import motion
@@ -205,23 +214,27 @@ class Record:
         """The motion type; where the noise leaves it open, those between which it is open, such as "I or IV"."""
         return str(self.motion().type)
 
+    @explains_arguments
     def stick_intervals(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
         """Intervals at rest, as (start, length) in drive periods."""
         m = self.motion(frequency, threshold, dwell)
         return tuple((start, length) for start, length, sign in m.intervals if sign == 0)
 
+    @explains_arguments
     def period(self, frequency: float | None = None) -> int | None:
         """After how many drive periods the motion repeats; None if it does not within the record."""
         from stickslip.records.measures import period_number
 
         return period_number(self, frequency)
 
+    @explains_arguments
     def spectrum(self, channel: str = "velocity") -> Any:
         """Amplitude spectrum of a channel: frequencies [Hz] and amplitudes [SI]."""
         from stickslip.records.tones import spectrum
 
         return spectrum(self[channel])
 
+    @explains_arguments
     def modes(self, channel: str | None = None, count: int = 1) -> Any:
         """Modes of a measured frequency response: natural frequency [in the unit of its axis] and damping ratio."""
         from stickslip.records.modes import modes

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, is_one_of, is_whole
+from stickslip.records.given import given_frequency
 from stickslip.records.measures import _repeats, _velocity
 
 __all__ = ["settled", "settling_periods"]
@@ -67,18 +68,19 @@ def settled(rec: Any, settle: int | str = "auto", frequency: float | None = None
     frequency : float, optional
         Of the drive [Hz].
     """
-    if settle != "auto" and not (isinstance(settle, int) and not isinstance(settle, bool) and settle >= 0):
+    auto = is_one_of(settle, ("auto",))
+    if not auto and not (is_whole(settle) and int(settle) >= 0):
         raise InputError("settle", [f'settle = {settle!r}; allowed is "auto" or a number of drive periods; type for example settle=10'])
     if settle == 0:
         return rec, 0, None
-    f = rec.drive_frequency().value if frequency is None else float(frequency)
-    count = settling_periods(rec, f) if settle == "auto" else int(settle)
+    f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
+    count = settling_periods(rec, f) if auto else int(settle)
     if count == 0:
         return rec, 0, None
     start = float(_velocity(rec)[0][0])
     kept = rec.between(start + (count - 1e-6) / f, np.inf)
-    what = "differ from the later ones" if settle == "auto" else "were to be left out"
-    late = settle == "auto" and count >= int((_velocity(rec)[0][-1] - start) * f) // 2 - 1
+    what = "differ from the later ones" if auto else "were to be left out"
+    late = auto and count >= int((_velocity(rec)[0][-1] - start) * f) // 2 - 1
     more = "; the record may not have settled at all" if late else ""
     return (
         kept,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.given import given_frequency
 
 __all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "spectrum"]
 
@@ -124,6 +125,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
 
 def _strongest(name: str, t: Any, y: Any, about: float | None) -> Frequency:
     """The strongest line of these samples, refined."""
+    about = None if about is None else given_frequency(about, "about")
     drifting = _without_drift(t, y)
     lines, amplitude = spectrum(_Cut(name, t, drifting))
     near = (lines > 1.5 / np.ptp(t)) if about is None else abs(lines / about - 1) < 0.1

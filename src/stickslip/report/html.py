@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, as_path
 from stickslip.storage import moved_into_place, unwritable
 
 __all__ = ["outside_addresses", "page", "svg_address", "write"]
@@ -78,7 +78,7 @@ def outside_addresses(text: str) -> list[str]:
 
 def write(path: str | Path, text: str) -> Path:
     """Write a page; returns its path. An existing file is replaced, at the end and at once."""
-    path = Path(path)
+    path = as_path(path, "report", "report.html")
     with moved_into_place(path, unwritable("report")) as beside:
         beside.write_text(text, encoding="utf-8")
     return path

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, overload
 
+from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
 from stickslip.solvers.request import Request, request
@@ -23,8 +24,9 @@ def solve(model: Any, periods: int | None = ..., *, keep: Literal["trajectory"],
 def solve(model: Any, periods: int | None = ..., *, keep: Literal["summary"], **arguments: Any) -> Summary: ...
 @overload
 def solve(model: Any, periods: int | None = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any) -> Any: ...
+@explains_arguments
 def solve(
-    model: Any,
+    model: Model,
     periods: int | None = None,
     settle: int | str | None = None,
     rtol: float = 1e-6,

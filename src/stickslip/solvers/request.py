@@ -12,11 +12,11 @@ import numpy as np
 
 from stickslip.batch import Labels, labels_of, spread
 from stickslip.callbacks import told_of_progress
-from stickslip.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import memories_of, states_of
 
-__all__ = ["Request", "provenance", "request"]
+__all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def request(
     problems.whole("periods", periods, 1, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.whole("samples", samples, 4, example=200)
-    auto = settle == "auto"
+    auto = is_one_of(settle, ("auto",))
     if settle is not None and not auto and (not is_whole(settle) or settle < 0 or (is_whole(periods) and settle >= periods)):
         allowed = f'a whole number from 0 below periods = {periods!r}, None or "auto"'
         problems.add(f"settle = {settle!r}; allowed is {allowed}; type for example settle=100")
@@ -145,15 +145,15 @@ def _check_size(keep: str, periods: int, samples: int) -> None:
 def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
     from stickslip.solvers import METHODS
 
-    if keep not in (None, "trajectory", "summary"):
+    if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
         problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
-    if keep == "trajectory" and labels.shape:
+    if is_one_of(keep, ("trajectory",)) and labels.shape:
         problems.add(
             f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
         )
-    if method not in METHODS:
+    if not is_one_of(method, METHODS):
         problems.add(f"method = {method!r} is not known; {did_you_mean(str(method), METHODS)}")
-    known = {"rk4": ("steps",)}.get(method, ())
+    known = ("steps",) if is_one_of(method, ("rk4",)) else ()
     for name in options:
         if name not in known:
             arguments = (

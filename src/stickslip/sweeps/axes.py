@@ -118,13 +118,15 @@ def _add_design(space: Space, design: Design) -> None:
 def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:
     if hasattr(value, "dims") and value.ndim:
         _add_labelled(space, name, value, problems)
-    elif isinstance(value, (Sequence, np.ndarray, range)) and not isinstance(value, (str, bytes)) and np.ndim(value) >= 1:
+    elif isinstance(value, (Sequence, np.ndarray, range)) and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) >= 1:
         array = _flat(value)
         if masked_in(value):
             problems.add(f"{name} has {masked_in(value)} masked values; give what is there, type {name}=array.compressed()")
         elif array is None or array.size == 0:
-            shape = np.shape(value) if array is None else array.shape
-            problems.add(f"{name} has shape {shape}; allowed is a single value, a list of one or more, or a labelled xarray.DataArray")
+            shape = (
+                f"shape {array.shape}" if array is not None else f"shape {value.shape}" if hasattr(value, "shape") else "lists in a list"
+            )
+            problems.add(f"{name} has {shape}; allowed is a single value, a list of one or more, or a labelled xarray.DataArray")
         else:
             space.sizes[name] = len(array)
             space.columns[name] = space.coords[name] = Column((name,), array)
@@ -185,7 +187,11 @@ def _known(make: Any, given: Sequence[str], problems: Problems) -> list[str] | N
             problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
             return None
         return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
-    parameters = inspect.signature(make).parameters.values()
+    try:
+        parameters = inspect.signature(make).parameters.values()
+    except ValueError:  # a class of Python's own
+        problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
+        return None
     for p in parameters:
         if p.default is p.empty and p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) and p.name not in given:
             problems.add(f"{p.name} is missing; {getattr(make, '__name__', 'the maker')} has no default for it")

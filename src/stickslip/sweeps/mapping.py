@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems
-from stickslip.robot import Robot
 from stickslip.sweeps.columns import BETWEEN, COLUMNS, all_failed, empty
 from stickslip.sweeps.datasets import dataset, labels_of, provenance_of
 from stickslip.sweeps.planning import SOLVER, Plan, planned
@@ -23,7 +22,8 @@ Array = Any
 _CHUNK = 16384
 
 
-def map(make: Callable[..., Robot] | Robot, refine: bool = False, coarse: int = 33, **arguments: Any) -> Any:
+@explains_arguments
+def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -> Any:
     """Solve a robot over a plane: two axes of numbers.
 
     Parameters

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.sweeps.axes_file import AXES, read_labels
 from stickslip.sweeps.folder import MANIFEST, put, read_manifest, unwritable
@@ -16,6 +17,7 @@ from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
 __all__ = ["merge"]
 
 
+@explains_arguments
 def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> Any:
     """Put the folders of the shards of one study together in one folder, as if it had been one run.
 

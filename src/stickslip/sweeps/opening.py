@@ -10,6 +10,7 @@ import numpy as np
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, as_path
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.axes_file import read_labels
@@ -25,6 +26,7 @@ Array = Any
 _OLD = "kept by an earlier stickslip, without checksums: damage to the file may go unseen"
 
 
+@explains_arguments
 def open_study(folder: str | Path) -> Any:
     """The results in a study folder as a dataset; of a study that is not finished, what is there.
 

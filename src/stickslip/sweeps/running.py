@@ -9,9 +9,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from stickslip.arguments import Maker, explains_arguments
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
-from stickslip.robot import Robot
 from stickslip.sweeps.columns import all_failed
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
@@ -24,8 +24,9 @@ Array = Any
 Done = tuple[int, dict[str, Array], dict[str, int]]
 
 
+@explains_arguments
 def sweep(
-    make: Callable[..., Robot] | Robot,
+    make: Maker,
     *designs: Design,
     periods: int = 200,
     duration: float | None = None,

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.columns import COLUMNS, STATUSES, TYPES, characters, coded, described, empty, flags
@@ -22,6 +23,7 @@ _ROWS = 65536  # cases at a time
 _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 
 
+@explains_arguments
 def export(study: Any, path: str | Path) -> Path:
     """Write the results of a sweep to one file; the ending of its name says in which format.
 

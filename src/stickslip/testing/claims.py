@@ -7,9 +7,10 @@ import math
 import random
 from typing import Any
 
+from stickslip.arguments import explains_arguments
 from stickslip.engine.checks import ARGUMENTS, check_signatures, finite
 from stickslip.errors import InputError, Problems
-from stickslip.fields import is_array, leaves
+from stickslip.fields import between, checked_number, is_array, leaves
 from stickslip.forces import is_dynamic
 from stickslip.friction.probe import Probe, mirrored
 from stickslip.testing.motions import burst, shaken
@@ -26,6 +27,7 @@ MOTIONS = ((0.3, 1.0), (3.0, 1.0), (3.0, 0.1), (3.0, 10.0), (10.0, 1.0))
 BURSTS = (10.0, 1000.0)
 
 
+@explains_arguments
 def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     """Run on a law the claims that the built-in laws are tested for.
 
@@ -60,6 +62,9 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
     (True, 0.0)
     """
     law = _instance(law)
+    problems = Problems("check_law")
+    checked_number("load", load, problems, between(1e-100, 1e100), "one positive load [N]", "load=1.0")
+    problems.check()
     _check_methods(law, float(load))
     probe = Probe(law, float(load))
     with finite(law):
@@ -68,7 +73,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
             runs = _cycles(probe)
             claims = [_rest(probe), _opposes(probe), _costs(runs), _gives_back(probe, runs)]
             claims += [make(probe) for make in (_mirror, _other_units, _arrays, _symbols)]
-        found += [claim for claim in claims if claim is not None]
+            found += [claim for claim in claims if claim is not None]
     report = LawReport(type(law).__name__, tuple(found))
     if raise_ and report.failures:
         raise InputError(report.law, [f"{c.name}: {_measured(c)}{c.meaning}; {c.remedy}" for c in report.failures])

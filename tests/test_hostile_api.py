@@ -1,0 +1,242 @@
+"""Every public function, class and method with wrong types, shapes, sizes and values: one of our sentences, or Python's own TypeError."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import random
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from hostile import Outcome, limits, strange, warm
+from stickslip import maths, tracks
+
+#: A time limit may strike in a finalizer, which cannot pass it on.
+pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+
+RIG = {"tilt_deg": 1.7, "amplitude": 6e-4, "law": "coulomb"}
+
+
+def flow_parts():
+    flow = ss.SwitchingFlow({0: lambda t, y: (y[1], -y[0])}, {}, None)
+    return flow, {"state": [1.0, 0.0], "mode": 0, "duration": 1.0}
+
+
+def examples():
+    """What is called, by name: a function and arguments with which it works; heavy ones with as little work as may be."""
+    from stickslip.drives import DRIVES
+    from stickslip.friction import LAWS
+
+    robot = ss.presets.piezo_rig(**RIG)
+    many = ss.presets.piezo_rig(**{**RIG, "amplitude": [4e-4, 6e-4]})
+    run, batch = ss.solve(robot, periods=6), ss.solve(many, periods=6)
+    rec = ss.virtual_rig(robot, noise=1e-4, seed=1, periods=6, settle=10, samples=40)
+    grid = ss.sweep(ss.presets.piezo_rig, amplitude=[4e-4, 6e-4], tilt_deg=[1.5, 1.7], law="coulomb", periods=6)
+    fit = ss.identify(rec, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, starts=2, seed=0, **RIG)
+    along = {"parameter": "amplitude", "tilt_deg": 1.7, "law": "coulomb"}
+    branch = ss.continuation(ss.presets.piezo_rig, start=5e-4, stop=6e-4, points=4, **along)
+    diagram = ss.bifurcation(ss.presets.piezo_rig, values=[5e-4, 6e-4], settle=10, points=4, **along)
+    flow, at = flow_parts()
+    bench = ss.bench(ss.Coulomb(0.15, 0.2), experiments=["steady"])
+    exponents = ss.lyapunov(robot, periods=20, settle=5)
+    lines = ss.spectrum(run, harmonics=4)
+    beam = ss.PiezoBeam()
+    found = {
+        "solve": (ss.solve, {"model": robot, "periods": 3, "settle": 1, "rtol": 1e-6, "start": {"v": 0.1}, "workers": 1, "keep": None,
+                             "samples": 40, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03, "progress": None, "duration": None}),
+        "solve many": (ss.solve, {"model": many, "periods": 3, "start": {"v": [0.1, 0.2]}, "workers": 2, "method": "exact"}),
+        "sweep": (ss.sweep, {"make": ss.presets.piezo_rig, **RIG, "amplitude": [4e-4, 6e-4], "periods": 3, "settle": "auto", "workers": 1,
+                             "start": None, "rtol": 1e-6, "method": "auto", "progress": None}),
+        "map": (ss.map, {"make": ss.presets.piezo_rig, **RIG, "amplitude": [4e-4, 6e-4], "tilt_deg": [1.0, 2.0], "periods": 3,
+             "coarse": 3,
+                         "refine": False}),
+        "check": (ss.check, {"robot": robot, "periods": 3, "rtol": 1e-6, "start": None, "rk4_steps": (100,), "scipy": False}),
+        "mean_velocity": (ss.mean_velocity, {"run": run}), "mean_velocity many": (ss.mean_velocity, {"run": batch}),
+        "motion": (ss.motion, {"run": run, "slip_ratio": 0.75, "dwell": 0.03}), "energy": (ss.energy, {"run": run}),
+        "periodic_mean_velocity": (ss.periodic_mean_velocity, {"model": robot, "periods": 50, "rtol": 1e-6}),
+        "strobe": (ss.strobe, {"run": run, "phase": 0.1, "settle": 1}),
+        "poincare": (ss.poincare, {"run": run, "on": "v", "value": 0.0, "direction": 1, "settle": 1}),
+        "spectrum": (ss.spectrum, {"run": run, "column": "v", "harmonics": 4, "periods": 1}),
+        "mirrored": (ss.mirrored, {"robot": robot}), "dimensionless": (ss.dimensionless, {"robot": robot}), "latex": (ss.latex,
+             {"law": robot.friction}),
+        "export": (ss.export, {"study": grid, "path": "x.csv"}), "load": (ss.load, {"path": "x.nc", "laws": ()}),
+        "read": (ss.read, {"path": "x.csv", "units": None, "columns": None, "roles": None, "rate": None, "separator": None,
+             "decimal": None}),
+        "open_study": (ss.open_study, {"folder": "x"}), "merge": (ss.merge, {"folders": ["x"], "out": "y", "partial": False}),
+        "bench": (ss.bench, {"law": ss.Coulomb(0.15, 0.2), "load": 1.0, "mass": 1.0, "stiffness": None, "speed": None,
+             "experiments": ["steady"]}),
+        "bifurcation": (ss.bifurcation, {"make": ss.presets.piezo_rig, "values": [5e-4, 6e-4], "settle": 5, "points": 4, "follow": True,
+                                         "start": None, "rtol": 1e-6, "workers": 1, **along}),
+        "continuation": (ss.continuation, {"make": ss.presets.piezo_rig, "start": 5e-4, "stop": 6e-4, "points": 3, "period": 1,
+             "guess": None,
+                                           "step": 0.02, "rtol": 1e-12, **along}),
+        "attractors": (ss.attractors, {"make": ss.presets.piezo_rig, "values": [5e-4, 6e-4], "starts": None, "settle": 5, **along}),
+        "basins": (ss.basins, {"model": robot, "settle": 5, "rtol": 1e-6, "workers": 1, "v": [0.0, 0.1]}),
+        "chaos_map": (ss.chaos_map, {"make": ss.presets.piezo_rig, **RIG, "amplitude": [4e-4, 6e-4], "tilt_deg": [1.0, 2.0], "settle": 5,
+             "periods": 5}),
+        "periodic_orbit": (ss.periodic_orbit, {"model": robot, "period": 1, "guess": None, "rtol": 1e-12, "tolerance": 1e-12}),
+        "largest_exponents": (ss.largest_exponents, {"model": many, "periods": 5, "settle": 5, "start": None, "rtol": 1e-9,
+             "apart": 1e-7}),
+        "lyapunov": (ss.lyapunov, {"model": robot, "periods": 5, "settle": 5, "start": None, "rtol": 1e-7}),
+        "verdict": (ss.verdict, {"model": robot, "periods": 20, "settle": 5, "start": None, "rtol": 1e-8}),
+        "lyapunov_of_map": (ss.lyapunov_of_map, {"f": lambda x: (3.9 * x[0] * (1 - x[0]),), "x0": [0.3], "iterations": 50, "settle": 5,
+             "jacobian": None}),
+        "lyapunov_of_flow": (ss.lyapunov_of_flow, {"f": lambda y: (y[1], -y[0]), "x0": [1.0, 0.0], "duration": 1.0, "settle": 0.5,
+             "every": 0.5}),
+        "special_curve": (ss.special_curve, {"branch": branch, "special": None, "parameter": "tilt_deg", "stop": 2.0, "step": 0.02,
+             "points": 3}),
+        "flow_orbit": (ss.flow_orbit, {"flow": flow, "periods": 1, "settle": 0, "most": 3, **at}), "passage": (ss.passage, {"flow": flow,
+             **at}),
+        "switching_flow": (ss.switching_flow, {"model": robot}),
+        "coulomb_borders": (ss.coulomb_borders, {"grid": grid, "x": None, "y": None}),
+        "virtual_rig": (ss.virtual_rig, {"robot": robot, "noise": 1e-4, "seed": 1, "periods": 2, "settle": 1, "samples": 20.0,
+             "phase": 0.0,
+                                         "channels": ("velocity",), "bandwidth": None, "harmonics": (0.0, 0.0), "resolution": 0.0,
+                                              "offset": 0.0}),
+        "identify": (ss.identify, {"records": rec, "make": ss.presets.piezo_rig, "free": {"mu0": (0.1, 0.3)}, "starts": 1, "seed": 0,
+             "noise": None,
+                                   "tied": None, "using": "auto", "frequency": None, "settle": "auto", **RIG}),
+        "compare": (ss.compare, {"record": rec, "robot": robot, "laws": ("coulomb",), "using": "auto", "frequency": None, "noise": None}),
+        "prediction_errors": (ss.prediction_errors, {"fit": fit, "records": rec, "load": None, "frequency": None}),
+        "rank": (ss.rank, {"fits": [fit, fit], "held_out": None}),
+        "design": (ss.design, {"make": ss.presets.piezo_rig, "free": {"mu0": 0.18}, "experiments": {"amplitude": [5e-4, 6e-4]},
+             "noise": 1e-4,
+                               "samples": 20, "together": 1, "rivals": None, "using": "velocity", "tilt_deg": 1.7, "law": "coulomb"}),
+        "cantilever_eigenvalues": (ss.cantilever_eigenvalues, {"tip_mass_ratio": 0.5, "n": 3}),
+        "check_law": (ss.testing.check_law, {"law": ss.Coulomb(0.15, 0.2), "load": 1.0, "raise_": True}),
+        "piezo_rig": (ss.presets.piezo_rig, {**RIG, "omega": 200.0, "mu0": 0.18, "f0": 0.2, "incline": "folded", "body_mass": 0.06}),
+        "piezo_beam_rig": (ss.presets.piezo_beam_rig, {"voltage": 20.0, "frequency": 32.7, "tilt_deg": 1.7, "beam": None,
+             "law": "coulomb"}),
+        "coulomb_robot": (ss.presets.PRESETS["coulomb_robot"], {"alpha_plus": 0.5, "alpha_minus": 0.9}),
+        "sobol": (ss.designs.sobol, {"count": 4, "seed": 0, "dim": "case", "amplitude": (0.0, 1.0)}),
+        "latin_hypercube": (ss.designs.latin_hypercube, {"count": 4, "seed": 0, "dim": "case", "amplitude": (0.0, 1.0)}),
+        "table": (ss.designs.table, {"rows": [{"amplitude": 1e-4}], "dim": "case"}),
+        "zipped": (ss.designs.zipped, {"amplitude": [1e-4, 2e-4], "tilt_deg": [1.0, 2.0]}),
+        "Robot": (ss.Robot, {"body_mass": 0.06, "inner_mass": 0.01, "drive": robot.drive, "friction": robot.friction, "gravity": 9.81,
+             "track": ss.Level()}),
+        "DimensionlessRobot": (ss.DimensionlessRobot, {"mu": 0.2, "friction": ss.Coulomb(0.5, 0.9), "drive": ss.Harmonic(1.0,
+             omega=1.0)}),
+        "Incline": (ss.Incline, {"tilt": 0.03}), "VaryingFriction": (ss.VaryingFriction, {"track": ss.Level(), "depth": 0.1,
+             "harmonic": 1, "phase": 0.0}),
+        "PiezoBeam": (ss.PiezoBeam, {"length": 0.1, "thickness": 1e-3, "tip_mass": 0.01, "damping": 0.01}),
+        "SwitchingFlow": (ss.SwitchingFlow, {"fields": {0: lambda t, y: y}, "switches": {}, "period": 1.0}),
+        "Switch": (ss.Switch, {"guard": lambda t, y: y[0], "to": 0, "reset": None}),
+        "fold": (tracks.fold, {"mu": 0.2, "tilt": 0.03}),
+        # methods
+        "run.at": (run.at, {"t": 0.01}), "run.save": (run.save, {"path": "y.nc"}), "run.to_mat": (run.to_mat, {"path": "y.mat"}),
+        "robot.replace": (robot.replace, {"body_mass": 0.07}), "robot.replace dotted": (robot.replace,
+             {"changes": {"drive.amplitude": 1e-4}}),
+        "Robot.from_toml": (ss.Robot.from_toml, {"text": robot.to_toml()}), "law + law": (lambda other: robot.friction + other,
+             {"other": ss.Viscous(0.1, 0.1)}),
+        "rec.between": (rec.between, {"start": 0.0, "end": 0.1}), "rec.motion": (rec.motion, {"frequency": None, "threshold": None}),
+        "rec.mean_velocity": (rec.mean_velocity, {"frequency": None}), "rec.period": (rec.period, {"frequency": None}),
+        "rec.modes": (rec.modes, {"channel": None, "count": 1}), "rec.spectrum": (rec.spectrum, {"channel": "velocity"}),
+        "rec.derived": (rec.derived, {"heading": "a [m/s]", "values": rec["velocity"].values, "like": "velocity", "role": None}),
+        "rec.drive_frequency": (rec.drive_frequency, {"about": None}), "rec.save": (rec.save, {"path": "z.csv"}),
+             "rec[]": (rec.__getitem__, {"key": "velocity"}),
+        "rec.stick_intervals": (rec.stick_intervals, {"frequency": None, "threshold": None}),
+        "Record.of": (ss.Record.of, {"t": np.arange(20) * 0.01, "columns": {"v [m/s]": np.arange(20.0)}}),
+        "fit.interval": (fit.interval, {"name": "mu0", "level": 0.9, "method": "covariance"}), "fit.model": (fit.model, {"record": 0}),
+        "fit.report": (fit.report, {"path": None}), "branch.at": (branch.at, {"value": 5.5e-4}), "bench[]": (bench.__getitem__,
+             {"key": "steady"}),
+        "beam.drive": (beam.drive, {"voltage": 20.0, "frequency": 32.7}), "beam.response": (beam.response, {"voltage": 20.0,
+             "frequency": 32.7}),
+        "beam.eigenvalues": (beam.eigenvalues, {"n": 2}), "beam.frequencies": (beam.frequencies, {"n": 2}), "beam.notes": (beam.notes,
+             {"voltage": 20.0, "frequency": 32.7}),
+        "beam.transient": (beam.transient, {"t": np.linspace(0, 0.01, 5), "voltage": 20.0, "frequency": 32.7}),
+             "beam.replace": (beam.replace, {"length": 0.1}),
+        # pictures
+        "plot.velocity": (ss.plot.velocity, {"run": run, "periods": 2, "ax": None, "labels": None, "duration": None}),
+        "plot.phase": (ss.plot.phase, {"run": run, "periods": 2, "ax": None, "labels": None}),
+        "plot.forces": (ss.plot.forces, {"run": run, "periods": 2, "ax": None, "duration": None}),
+        "plot.bench": (ss.plot.bench, {"found": bench, "figure": None}), "plot.bifurcation": (ss.plot.bifurcation, {"diagram": diagram,
+             "observable": "v", "ax": None}),
+        "plot.continuation": (ss.plot.continuation, {"branch": branch, "observable": None, "ax": None, "diagram": None, "labels": None}),
+        "plot.convergence": (ss.plot.convergence, {"exponents": exponents, "ax": None, "count": 1}), "plot.spectrum": (ss.plot.spectrum,
+             {"lines": lines, "ax": None}),
+        "plot.fitted": (ss.plot.fitted, {"fit": fit, "record": 0, "ax": None}), "plot.residuals": (ss.plot.residuals, {"fit": fit,
+             "record": 0, "ax": None}),
+        "plot.line_cut": (ss.plot.line_cut, {"grid": grid, "along": "amplitude", "at": None, "lines": None, "ax": None}),
+        "plot.motion_map": (ss.plot.motion_map, {"grid": grid, "x": None, "y": None, "borders": True, "ax": None}),
+        "plot.velocity_map": (ss.plot.velocity_map, {"grid": grid, "x": None, "y": None, "borders": True, "optimum": True, "ax": None}),
+        "plot.record_spectrum": (ss.plot.record_spectrum, {"record": rec, "channel": "velocity", "ax": None}),
+        "plot.basins": (ss.plot.basins, {"found": None, "ax": None}), "plot.attractors": (ss.plot.attractors, {"found": None,
+             "quantity": "mean_velocity"}),
+        "plot.chaos_map": (ss.plot.chaos_map, {"found": None, "quantity": "motion", "curves": ()}),
+             "plot.comparison": (ss.plot.comparison, {"found": None}),
+    }  # fmt: skip
+    body = {"mass": 1.0, "stiffness": 100.0, "friction": ss.Coulomb(0.1, 0.2), "load": 1.0, "damping": 0.1}
+    found |= {name: (kind, {**body, "speed": 0.1}) for name, kind in (("PulledMass", ss.PulledMass), ("BlockOnBelt", ss.BlockOnBelt))}
+    found["ForcedOscillator"] = ss.ForcedOscillator, {**body, "force": 1.0, "omega": 8.0, "bias": 0.0}
+    for kinds in (LAWS, DRIVES):
+        for name, kind in kinds.items():
+            one = kind.example() if hasattr(kind, "example") else None
+            if one is not None:
+                taken = [p for p in inspect.signature(kind).parameters if hasattr(one, p)]
+                found[name] = kind, {p: getattr(one, p) for p in taken if getattr(one, p) is not None}
+    return found
+
+
+#: Public names that are no door: results that only our functions make, errors, tables, modules.
+NO_DOORS = {
+    "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "InputError", "LAWS", "Level", "Lyapunov", "Motion",
+    "PeriodicOrbit",
+    "Progress", "Record", "SolveError", "StickslipError", "Sum", "Trajectory", "Verdict", "__version__", "designs", "paper", "plot",
+    "presets",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def doors(tmp_path_factory):
+    os.chdir(tmp_path_factory.mktemp("doors"))
+    warm()
+    return examples()
+
+
+def test_every_public_name_is_tried(doors):
+    called = {getattr(call, "__name__", "") for call, _ in doors.values()}
+    assert set(ss.__all__) - NO_DOORS <= called
+    assert {n for n in ss.plot.__all__ if n != "publication"} <= called
+
+
+def tried(doors, count, seed, seconds=2.0):
+    import matplotlib.pyplot as plt
+
+    rng, found = random.Random(seed), Outcome()
+    names = sorted(doors)
+    for k in range(count):
+        name = names[k % len(names)]
+        call, good = doors[name]
+        given = dict(good)
+        for _ in range(rng.choice([1, 1, 1, 2, 3])):
+            which = rng.choice([*good])
+            given[which] = strange(rng)
+        if rng.random() < 0.05:
+            given.pop(rng.choice([*given]))
+        if rng.random() < 0.03:
+            given["nonsense"] = strange(rng)
+        found.of(lambda call=call, given=given: call(**given), name, {n: v for n, v in given.items() if v is not good.get(n)}, seconds)
+        plt.close("all")
+    return found
+
+
+def test_a_strange_argument_is_told_in_words(doors):
+    with limits():
+        found = tried(doors, 200, 1)
+    assert not found.wrong, found.told()
+
+
+@pytest.mark.slow
+def test_strange_arguments_of_every_public_function_are_told_in_words(doors):
+    with limits():
+        found = tried(doors, 20_000, 2)
+    print(f"\n{found.tried} calls of {len(doors)} functions: {dict(found)}")
+    assert found.tried == 20_000 and not found.wrong, found.told()
+
+
+def test_the_functions_of_laws_take_any_number():
+    for name in set(maths.__all__) - {"pi", "where", "within", "maximum", "minimum", "hypot"}:
+        for value in (0, 1, -1, 10**300, 1e308, -1e308, float("nan"), np.float64("inf"), np.array([]), np.array([1e308, -1e308])):
+            getattr(maths, name)(value)
