@@ -10,7 +10,7 @@ import pytest
 
 import stickslip as ss
 from problems import paper_batch
-from stickslip.engine import cache, lanes, tableaux, trace
+from stickslip.engine import lanes, tableaux, trace
 from stickslip.maths import exp, sqrt, where
 
 

@@ -22,10 +22,23 @@ pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptio
 HEAD = (
     "[arguments]\n\"drive.amplitude\" = 4e-4\n[solve]\nperiods = 30\nsettle = 3\nrtol = 1e-6\nmethod = 'auto'\nstart = {x = 0.0, v = 0.1}\n"
 )
-IDENTIFY = (
-    "[identify]\nmake = 'piezo_rig'\nrecords = ['a.csv']\nnoise = 1e-4\nstarts = 3\ncolumns = ['t', 'v']\n[identify.free]\nmu0 = [0.05, 0.5]\n"
-    "v_s = [2e-4, 2e-2, 'log']\n[identify.tied]\nf0 = 'mu0'\n[identify.units]\nv = 'mm/s'\n[identify.roles]\nv = 'velocity'\n"
-)
+IDENTIFY = """\
+[identify]
+make = 'piezo_rig'
+records = ['a.csv']
+noise = 1e-4
+starts = 3
+columns = ['t', 'v']
+[identify.free]
+mu0 = [0.05, 0.5]
+v_s = [2e-4, 2e-2, 'log']
+[identify.tied]
+f0 = 'mu0'
+[identify.units]
+v = 'mm/s'
+[identify.roles]
+v = 'velocity'
+"""
 
 
 def example(kind):

@@ -169,17 +169,7 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(f.startswith("e") and f.endswith("_0") for f in offsets), "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
-    firsts = {
-        "F_B": "b0",
-        "F_ON": "on0",
-        "F_M": "m1",
-        "F_K": "k0_0",
-        "F_MODE": "mode0",
-        "F_CLK": "clk0",
-        "F_G": "g1_0",
-        "F_E": "e0_0",
-        "F_HELD": "held0",
-    }
+    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_E": "e0_0", "F_HELD": "held0"}
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
