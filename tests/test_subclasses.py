@@ -9,6 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stickslip as ss
+from stickslip import maths
+from stickslip.analysis.motion import coulomb_twin
 from stickslip.dynamics.mapping import strobe_map
 from stickslip.maths import cos, pi, sin, where
 from stickslip.position import knows_position
@@ -284,6 +286,78 @@ def test_equations_that_do_not_come_back_after_their_period_are_refused(solve):
     assert ss.solve(Detuned(**PARTS), periods=2, method="dop853").status
 
 
+@record
+class Softer(ss.LuGre):
+    """LuGre in name, with half the force."""
+
+    def force(self, v, z, zdot, load):
+        return 0.5 * super().force(v, z, zdot, load)
+
+
+class Skewed(ss.Harmonic):
+    def acceleration(self, t):
+        return super().acceleration(t) * (1 + 0.3 * cos(self.omega * t))
+
+
+@record
+class Faded:
+    """A law with the names of kinetic coefficients, that slides otherwise at speed."""
+
+    mu_plus: float
+    mu_minus: float
+
+    def sliding(self, v, load):
+        return where(v > 0, self.mu_plus, -self.mu_minus) * load * (1 + 0.5 * v * v / (1e-4 + v * v))
+
+    def breakaway(self, load):
+        return -self.mu_minus * load, self.mu_plus * load
+
+
+def test_the_dimensionless_form_is_refused_where_a_subclass_has_other_equations():
+    lugre = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
+    assert ss.dimensionless(lugre).mu == lugre.mass_ratio
+    parts = {f.name: getattr(lugre.friction, f.name) for f in dataclasses.fields(lugre.friction)}
+    for robot in (lugre.replace(friction=Softer(**parts)), lugre.replace(drive=Skewed(6e-4, omega=OMEGA))):
+        with pytest.raises(ss.InputError, match=r"are not those of Eq\. 5\.1"):
+            ss.dimensionless(robot)
+
+
+def test_a_mirror_image_that_is_none_is_refused():
+    turned = ss.mirrored(changed(ripple=0.0))
+    assert turned.acceleration(0.003, 0.0, -0.01, -0.05) == pytest.approx(-changed().acceleration(0.003, 0.0, 0.01, 0.05), rel=1e-12)
+    assert dataclasses.astuple(ss.mirrored(RIG.replace(friction=Faded(0.1, 0.2))).friction) == (0.2, 0.1)
+    for robot in (changed(wind=0.1), changed(sway=2.0)):
+        with pytest.raises(ss.InputError, match="the acceleration is another one"):
+            ss.mirrored(robot)
+
+
+def test_a_start_at_another_phase_is_refused_where_the_robot_keeps_the_time_itself():
+    with pytest.raises(ss.InputError, match="keeps the time in its own equations"):
+        ss.basins(changed(ripple=0.3), phase=[0.25], settle=2)
+
+
+def test_harmonics_are_not_put_on_a_drive_that_is_harmonic_in_name_only():
+    with pytest.raises(ss.InputError, match="the drive is Skewed"):
+        ss.virtual_rig(RIG.replace(drive=Skewed(6e-4, omega=OMEGA)), harmonics=(0.05, 0.0))
+
+
+def test_the_explorer_shows_no_robot_that_is_another_one():
+    from stickslip.explorer.opened import state_of
+
+    for robot in (Changed(**PARTS), RIG.replace(friction=Rubbing(0.15, 0.2))):
+        with pytest.raises(ss.InputError, match="the page has no control"):
+            state_of(robot)
+
+
+def test_alphas_are_those_of_kinetic_coefficients_and_not_of_fields_with_their_names():
+    assert coulomb_twin(RIG.replace(friction=Faded(0.1, 0.1))) is None
+    assert coulomb_twin(RIG.replace(friction=ss.Tabulated.example())) is None
+    twin = coulomb_twin(RIG.replace(friction=ss.Stribeck.example()))
+    assert (twin.friction.mu_plus, twin.friction.mu_minus) == (0.15, 0.21)
+    robot = changed(factor=1.5)
+    assert coulomb_twin(robot) is robot
+
+
 # kinds: structures instead of numbers -----------------------------------------------------------------------------
 
 LOADS = ["1.0", "(1 + 0.3*cos(w*t))", "(1 + 0.2*sin(2*w*t + 1.0))", "(1 + 0.3*sin(2e3*x))", "exp(0.2*sin(w*t))", "(1.3 - 0.3*cos(w*t)**2)"]
@@ -294,10 +368,7 @@ DRIVES = ["sin(w*t)", "-sin(w*t)", "sin(w*t) + 0.4*sin(2*w*t)", "cos(w*t - 1.570
 
 def written(load, push, slide, drive):
     """A robot of four expressions, with the classes' own names."""
-    space = dict(vars(ss.maths) if hasattr(ss, "maths") else {})
-    from stickslip import maths
-
-    space |= {name: getattr(maths, name) for name in maths.__all__} | {"ss": ss, "record": record}
+    space = {name: getattr(maths, name) for name in maths.__all__} | {"ss": ss, "record": record}
     exec(
         f"""
 @record

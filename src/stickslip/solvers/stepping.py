@@ -124,11 +124,11 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
 
 
 def _raw(r: lanes.Results, table: _Table, cases: slice) -> Raw:
-    offset, way = table.offset[cases], table.carried[cases] * r.window * table.span[cases]
+    offset, carried = table.offset[cases], table.carried[cases] * table.span[cases]
     return Raw(
-        displacement=r.displacement + way, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
+        displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
-        margin_force=np.full(len(r.status), np.inf), limit=r.limit, friction_power=r.friction_power,
+        margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried, friction_power=r.friction_power,
     )  # fmt: skip
 
 
