@@ -31,14 +31,19 @@ def drive(rng, name):
         case "twophase":
             return ss.TwoPhase(stroke=amplitude, u1=speed * rng.uniform(0.2, 0.5), u2=speed * rng.uniform(0.5, 2))
         case "threephase":
-            return ss.ThreePhase(u1=speed, w1=speed * omega * rng.uniform(0.2, 0.5), w2=speed * omega, w3=speed * omega * rng.uniform(0.3, 0.6))
+            return ss.ThreePhase(
+                u1=speed, w1=speed * omega * rng.uniform(0.2, 0.5), w2=speed * omega, w3=speed * omega * rng.uniform(0.3, 0.6)
+            )
         case "bangbang":
             return ss.BangBang(a1=speed * omega * rng.uniform(0.2, 0.5), a2=speed * omega, period=period)
         case "trapezoid":
             return ss.Trapezoid(u1=speed * rng.uniform(0.1, 0.4), u2=speed, ramp=period * rng.uniform(0.02, 0.08), period=period)
         case "verticalvibration":
             return ss.VerticalVibration(
-                drive=ss.Harmonic(amplitude, omega=omega), amplitude=0.3 * 9.81 / omega**2, phase=rng.uniform(0, 3), harmonic=int(rng.integers(1, 3))
+                drive=ss.Harmonic(amplitude, omega=omega),
+                amplitude=0.3 * 9.81 / omega**2,
+                phase=rng.uniform(0, 3),
+                harmonic=int(rng.integers(1, 3)),
             )
         case "reversed":
             return ss.Reversed(drive=drive(rng, "trapezoid"))

@@ -10,9 +10,9 @@ import stickslip as ss
 from coasting import Coasting
 from stickslip.analysis.closed_form import three_phase, two_phase
 from stickslip.engine.symbols import Graph
+from stickslip.engine.values import values_of
 from stickslip.fields import leaves, replace_leaf
 from stickslip.maths import within
-from stickslip.testing.symbol_values import values_of
 
 G = 9.81
 MU, PLUS, MINUS = 0.1315, 0.15, 0.25

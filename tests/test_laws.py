@@ -444,8 +444,8 @@ def test_stribeck_takes_any_exponent(exponent):
 
 def test_stribeck_is_exact_and_smooth_at_exponents_one_and_two():
     from stickslip.engine.symbols import Graph
+    from stickslip.engine.values import values_of
     from stickslip.friction.sides import power, signed_power
-    from stickslip.testing.symbol_values import values_of
 
     for x in (-0.3, 0.0, 1e-200, 0.7):
         assert power(x, 1.0) == abs(x)

@@ -15,9 +15,11 @@ __all__ = [
     "labels_of",
     "labels_together",
     "made_model",
+    "numbers_by_name",
     "point_by_point",
     "rows_of",
     "shape_of",
+    "some_of",
     "spread",
     "stacked",
 ]
@@ -104,6 +106,37 @@ def rows_of(model: Any, names: tuple[str, ...]) -> Any:
     for column, name in enumerate(names):
         table[:, column] = spread(values[name], labels)
     return table
+
+
+def numbers_by_name(model: Any) -> dict[str, Any]:
+    """Every number of a model by its name: for every case where it is an array, a single float elsewhere.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robots = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])
+    >>> found = numbers_by_name(robots)
+    >>> found["drive.amplitude"].tolist(), found["inner_mass"]
+    ([0.0005, 0.0006], 0.00948)
+    """
+    labels = labels_of(model)
+    return {name: spread(value, labels) if is_array(value) else value for name, value in leaves(model)}
+
+
+def some_of(model: Any, at: Any) -> Any:
+    """Some cases of a batch, by their numbers in C order, as a flat batch.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> some_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4, 7e-4]), [2, 0]).drive.amplitude.tolist()
+    [0.0007, 0.0005]
+    """
+    import numpy as np
+
+    names = tuple(name for name, _ in leaves(model))
+    table = rows_of(model, names)[at]
+    return replace_leaf(model, {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(names)})
 
 
 def spread(value: Any, labels: Labels) -> Any:

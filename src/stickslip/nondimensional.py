@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Frozen, at_least, positive
+from stickslip.fields import Frozen, at_least, everywhere, positive
 from stickslip.friction import LuGre
 from stickslip.friction.sides import by_side, static
 from stickslip.maths import exp
@@ -17,6 +17,8 @@ from stickslip.robot import Robot
 from stickslip.tracks import Level
 
 __all__ = ["DimensionlessLuGre", "DimensionlessRobot", "UnitDrive", "dimensionless", "ratios"]
+
+_SAME = 1e-9  # relative
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +127,6 @@ class DimensionlessRobot(Frozen):
     friction: Any
     drive: Any = field(default_factory=UnitDrive)
     _rules: ClassVar[dict[str, Any]] = {"mu": (lambda x: (x > 0) * (x < 1) > 0, "between 0 and 1")}
-    cyclic: ClassVar[bool] = True
     period: ClassVar[float] = 2 * math.pi
     velocity_scale: ClassVar[float] = 1.0
     total_mass: ClassVar[float] = 1.0
@@ -221,7 +222,28 @@ def dimensionless(robot: Model) -> DimensionlessRobot:
         k3=k3,
         v_s=law.v_s / (A * omega),
     )
-    return DimensionlessRobot(mu=robot.mass_ratio, friction=friction)
+    found = DimensionlessRobot(mu=robot.mass_ratio, friction=friction)
+    if not _same_motion(robot, found):
+        names = ", ".join(sorted({type(part).__name__ for part in (robot, law, robot.drive, robot.track)}))
+        raise InputError("dimensionless", [f"the equations of {names} are not those of Eq. 5.1; allowed are LuGre's and Eq. 2.3"])
+    return found
+
+
+def _same_motion(robot: Any, found: DimensionlessRobot) -> bool:
+    """Whether both give the same accelerations and rates of the bristle, asked at a few states (a subclass may have changed either)."""
+    A, omega, law, own = robot.drive.amplitude, robot.drive.omega, robot.friction, found.friction
+    for turn, speed, share in ((0.4, 0.3, 0.2), (2.1, -0.7, 0.9), (3.3, 40.0, -0.6), (5.2, -25.0, -0.3)):
+        t, v = turn / omega, speed * law.v_s
+        load = robot.load(t, 0.0)
+        z = share * robot.total_mass * robot.gravity * law.mu_plus / law.sigma0
+        rate, w, q = law.rate(v, z, load), v / (A * omega), z / A
+        own_rate = own.rate(w, q, 1.0)
+        one = robot.acceleration(t, 0.0, v, law.force(v, z, rate, load)) / (A * omega**2)
+        other = found.acceleration(turn, 0.0, w, own.force(w, q, own_rate, 1.0))
+        for a, b, size in ((rate / (A * omega), own_rate, abs(w)), (one, other, found.mu + abs(other))):
+            if not everywhere(abs(a - b) <= _SAME * (size + abs(a))):
+                return False
+    return True
 
 
 def _nonzero(amplitude: Any) -> bool:

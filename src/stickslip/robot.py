@@ -10,9 +10,9 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import check_shape, shape_of
 from stickslip.drives.drive import typical_velocity
 from stickslip.drives.turned import Reversed
-from stickslip.errors import Problems
+from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves, positive
-from stickslip.forces import check_law, static_limits
+from stickslip.forces import check_law, is_dynamic, is_set_valued, static_limits
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level
 
@@ -63,7 +63,6 @@ class Robot(Frozen):
         "inner_mass": (positive, "a positive mass [kg]"),
         "gravity": (positive, "a positive acceleration [m/s^2]"),
     }
-    cyclic: ClassVar[bool] = True  # x appears nowhere in the equations: it is a quadrature
 
     def _check(self, problems: Problems) -> None:
         for name, needs in (("drive", ("position", "velocity", "acceleration", "period")), ("track", ("across", "along"))):
@@ -248,7 +247,33 @@ def mirrored(robot: Model) -> Robot:
     (True, True)
     """
     drive = robot.drive.drive if isinstance(robot.drive, Reversed) else Reversed(robot.drive)
-    return dataclasses.replace(robot, drive=drive, friction=_swapped(robot.friction), track=_uphill(robot.track))
+    found = dataclasses.replace(robot, drive=drive, friction=_swapped(robot.friction), track=_uphill(robot.track))
+    wrong = _unmirrored(robot, found)
+    if wrong:
+        why = f"the mirror image of its parts is not its mirror image: {wrong} is another one"
+        raise InputError(
+            type(robot).__name__, [f"{why}; allowed are robots whose drive, friction and track say all; write the mirror image by hand"]
+        )
+    return found
+
+
+def _unmirrored(robot: Robot, found: Robot) -> str:
+    """What of a robot is not mirrored by its parts, asked at a few instants; "" where all is."""
+    law, other, T = robot.friction, found.friction, robot.period
+    for s, v in ((0.13, 0.02), (0.57, 3e-4), (0.81, -7e-3)):
+        N, back = robot.load(s * T, 0.0), found.load(s * T, 0.0)
+        a, b = robot.acceleration(s * T, 0.0, v, 0.1 * N), found.acceleration(s * T, 0.0, -v, -0.1 * N)
+        if not _opposite(N, -back):
+            return "the load"
+        if not _opposite(a, b, robot.gravity):
+            return "the acceleration"
+        if is_set_valued(law) and not is_dynamic(law) and not _opposite(law.sliding(v, N), other.sliding(-v, N), N):
+            return "the sliding friction"
+    return ""
+
+
+def _opposite(a: Any, b: Any, size: Any = 0.0) -> bool:
+    return not _any(abs(a + b) > 1e-9 * (abs(a) + size))
 
 
 def _swapped(law: Any) -> Any:

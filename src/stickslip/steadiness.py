@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip import recurrence
 from stickslip.forces import normal_load
+from stickslip.position import knows_position
 
 __all__ = [
     "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "free_velocity", "is_steady", "judged", "mean_tolerance",
@@ -122,7 +123,7 @@ def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, 
 
     `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
     """
-    shift = [] if getattr(model, "cyclic", False) else [strobe[:, 0]]
+    shift = [strobe[:, 0]] if knows_position(model) else []
     points = np.ascontiguousarray(np.column_stack([strobe, *shift]), float)[1:]
     tolerance = strobe_tolerance(method, rtol)
     last = len(points) - 1
@@ -142,7 +143,7 @@ def scales_of(model: Any, strobe: Any) -> Any:
     if scale is not None and len(inner):
         inner = np.broadcast_to(np.asarray(scale(normal_load(model, 0.0, 0.0)), float), len(inner))
     inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
-    shift = [] if getattr(model, "cyclic", False) else [speed * float(model.period) / (2 * np.pi)]
+    shift = [speed * float(model.period) / (2 * np.pi)] if knows_position(model) else []
     scales = np.concatenate([[speed], inner, shift])
     return np.where(scales > 0, scales, 1.0)
 

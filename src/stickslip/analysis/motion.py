@@ -13,6 +13,7 @@ from stickslip.analysis.segments import Segments, intervals_of, raw_segments, ty
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
+from stickslip.fields import everywhere
 from stickslip.forces import is_dynamic
 from stickslip.friction import Coulomb
 from stickslip.summary import Summary
@@ -23,6 +24,7 @@ __all__ = ["DWELL", "SLIP_RATIO", "Motion", "coulomb_twin", "motion", "threshold
 SLIP_RATIO = 0.75
 #: ... for at least this fraction of a drive period.
 DWELL = 0.03
+_FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near friction over load must be to the coefficient there
 
 
 @dataclass(frozen=True)
@@ -165,11 +167,29 @@ def _intervals(raw: Segments, dwell: float) -> tuple[tuple[float, float, int], .
 
 
 def coulomb_twin(model: Any) -> Any:
-    """The same robot with Coulomb friction at the kinetic coefficients of its law (Eq. 2.4); None if the law has none."""
+    """The same robot with Coulomb friction at the kinetic coefficients of its law (Eq. 2.4); None if the law has none.
+
+    A robot whose motion is made of closed arcs already, by its equations, is its own twin.
+    """
+    from stickslip.solvers.arcs import handles
+
     law = model.friction
-    if not (hasattr(law, "mu_plus") and hasattr(law, "mu_minus")):
+    if handles(model) is None:
+        return model
+    if not _has_kinetic(law):
         return None
     return model.replace(friction=Coulomb(mu_plus=law.mu_plus, mu_minus=law.mu_minus))
+
+
+def _has_kinetic(law: Any) -> bool:
+    """Whether a law names one kinetic coefficient for each direction; a set-valued one is asked whether it slides so at speed."""
+    named = [getattr(law, name, None) for name in ("mu_plus", "mu_minus")]
+    if any(mu is None or isinstance(mu, tuple) for mu in named):
+        return False
+    if is_dynamic(law):
+        return True
+    sides = ((_FAST, named[0]), (-_FAST, -named[1]))
+    return all(everywhere(abs(law.sliding(v, 2.0) - law.sliding(v, 1.0) - mu) <= _KINETIC) for v, mu in sides)
 
 
 def _twin_type(run: Any) -> str | None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.dynamics.duals import Dual, Truth, slopes_of, variables
 from stickslip.forces import held_velocity, is_dynamic, law_force, law_rate, normal_load, offered_force
+from stickslip.position import knows_position
 
 __all__ = ["memory_of", "offer_slopes", "rates"]
 
@@ -45,7 +46,7 @@ def rates(model: Any, mode: Array, t: Array, y: Array, memory: Array = ()) -> tu
     >>> J.shape, float(J[0, 1, 0])  # dz'/dv at z = 0
     ((1, 2, 2), 1.0)
     """
-    cyclic = bool(getattr(model, "cyclic", False))
+    cyclic = not knows_position(model)
     whole: list[Any] = [*([np.zeros_like(t)] if cyclic else []), *variables(*y)]
     x, v, z = whole[0], whole[1], whole[2:]
     law, load = model.friction, normal_load(model, t, x)
@@ -85,7 +86,7 @@ def _held(model: Any, v: Any, mode: Array) -> Any:
 def offer_slopes(model: Any, t: float, x: float, side: int) -> tuple[float, float]:
     """How the distance of the offered force to the break-away force of one side changes: by t and by x."""
     at, moved = variables(np.array([t]), np.array([x]))
-    where: Any = np.array([x]) if getattr(model, "cyclic", False) else moved
+    where: Any = moved if knows_position(model) else np.array([x])
     offered, limits = offered_force(model, at, where), model.friction.breakaway(normal_load(model, at, where))
     gap = offered - limits[1 if side > 0 else 0]
     by_t, by_x = (float(np.ravel(s)[0]) for s in slopes_of(gap, 2))

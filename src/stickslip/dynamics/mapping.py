@@ -15,6 +15,7 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic, memories_of, normal_load, rest_velocity
 from stickslip.forces import states_of as inner_states
+from stickslip.position import knows_position
 
 __all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
@@ -73,7 +74,7 @@ def coordinates(model: Any) -> Coordinates:
     count, memories = inner_states(law), memories_of(law)
     inner = (*_numbered("z", count), *_numbered("memory", memories))
     speed = _largest(getattr(model, "free_velocity", model.velocity_scale)) or _largest(model.velocity_scale) or 1.0
-    shift = () if getattr(model, "cyclic", False) else ("x",)
+    shift = ("x",) if knows_position(model) else ()
     time = _largest(model.time_scale if model.period is None else model.period)
     scales = [speed * time / (2 * np.pi)] * len(shift) + [speed]
     if count:
@@ -146,11 +147,13 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
     from stickslip.batch import rows_of
     from stickslip.engine import lanes, tableaux, trace
     from stickslip.solvers.exact import REPEAT
+    from stickslip.solvers.repeating import check_period
     from stickslip.solvers.rosenbrock import LOOSE, SAFETY
     from stickslip.solvers.stepping import BUDGET
 
-    cyclic, dynamic = bool(getattr(model, "cyclic", False)), is_dynamic(model.friction)
+    cyclic, dynamic = not knows_position(model), is_dynamic(model.friction)
     tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
+    check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=False)
     rows = rows_of(model, tuple(name for name in kernel.names if name != trace.SPAN))
     rows = np.array(np.broadcast_to(rows, (len(states), rows.shape[1])), order="C")
@@ -164,7 +167,8 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
     y = np.where(found.status[:, None] <= 1, found.end[:, 1:], np.nan)
     end = np.hstack([y[:, :1] + offset, y[:, 1:]] if cyclic else [y[:, -1:], y[:, :1] + offset, y[:, 1:-1]])
     end = np.hstack([end, found.memory])
-    return Ends(end, found.end[:, 0] - table[:, 0], found.status, found.v_max + offset[:, 0], found.v_min + offset[:, 0])
+    carried = offset[:, 0] * periods * model.period if cyclic and not dynamic and np.any(offset) else 0.0
+    return Ends(end, found.end[:, 0] - table[:, 0] + carried, found.status, found.v_max + offset[:, 0], found.v_min + offset[:, 0])
 
 
 def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> Ends:
@@ -221,7 +225,7 @@ def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any
 
 def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
-    columns = [] if getattr(run.model, "cyclic", False) else [run.strobe_x]
+    columns = [run.strobe_x] if knows_position(run.model) else []
     columns += [run.strobe_v] + ([] if run.strobe_z is None else [run.strobe_z])
     return np.column_stack(columns + ([] if run.strobe_memory is None else [run.strobe_memory]))
 

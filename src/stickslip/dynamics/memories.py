@@ -22,6 +22,7 @@ from stickslip.dynamics.duals import Dual, slopes_of, variables
 from stickslip.dynamics.flows import memory_of, rates
 from stickslip.errors import SolveError
 from stickslip.forces import held_velocity, normal_load
+from stickslip.position import knows_position
 
 __all__ = ["remembered"]
 
@@ -45,7 +46,7 @@ class _Instant:
 
     def __init__(self, model: Any, t: float):
         self.model, self.t = model, t
-        self.cyclic = bool(getattr(model, "cyclic", False))
+        self.cyclic = not knows_position(model)
 
     def rate(self, y: Array, side: int, memory: Array) -> Array:
         """Rates of the coordinates."""
@@ -94,7 +95,7 @@ def remembered(model: Any, t: float, old: Array, new: Array, sides: tuple[int, i
     memory : array (2, memories)
         What the law remembers before and after.
     """
-    at, v = _Instant(model, t), 0 if getattr(model, "cyclic", False) else 1
+    at, v = _Instant(model, t), int(knows_position(model))
     if abs(new[v] - old[v]) > 1e-9 * float(np.max(model.velocity_scale)):
         return _thrown(at, old, new, sides, np.asarray(memory[0], float))
     y, side, held, S = old, sides[0], np.asarray(memory[0], float), np.eye(len(old))

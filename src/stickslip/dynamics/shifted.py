@@ -12,6 +12,7 @@ from stickslip.drives.around import Around
 from stickslip.dynamics.duals import variables
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen
+from stickslip.forces import normal_load
 
 __all__ = ["ShiftedDrive", "ShiftedTrack", "shifted"]
 
@@ -118,7 +119,21 @@ def shifted(what: str, model: Any, phase: Any) -> Any:
             problems.add(f"phase is for smooth drives; {type(part).__name__} begins anew with every period; leave phase out")
     problems.check()
     found = model.replace(drive=ShiftedDrive(model.drive, phase))
-    return found.replace(track=ShiftedTrack(track, phase)) if hasattr(track, "grip") else found
+    found = found.replace(track=ShiftedTrack(track, phase)) if hasattr(track, "grip") else found
+    if not _is_later(found, model, phase):
+        kind = type(model).__name__
+        raise InputError(what, [f"phase is that of the drive, and {kind} keeps the time in its own equations as well; leave phase out"])
+    return found
+
+
+def _is_later(found: Any, model: Any, phase: Any) -> bool:
+    """Whether the equations of a shifted model are those of the model at the later time, and not only its drive and its track."""
+    T = model.period
+    for f in (normal_load, lambda m, t, x: m.acceleration(t, x, 0.0, 0.0)):
+        pairs = [(np.asarray(f(found, s * T, 0.0)), np.asarray(f(model, (s + phase) * T, 0.0))) for s in (0.13, 0.57, 0.81)]
+        if np.any(np.max([abs(a - b) for a, b in pairs], axis=0) > _SAME * np.max([abs(a) + abs(b) for a, b in pairs], axis=0)):
+            return False
+    return True
 
 
 def _of_time(part: Any, period: Any) -> list[Callable[[Any], Any]]:

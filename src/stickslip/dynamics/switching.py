@@ -21,6 +21,7 @@ import numpy as np
 from stickslip.dynamics.flows import offer_slopes
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic, normal_load, offered_force
+from stickslip.position import knows_position
 
 __all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]
 
@@ -56,7 +57,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     >>> found.pattern, times.round(6).tolist()
     ('0+-', [0.050631, 0.07294, 0.634425])
     """
-    if is_dynamic(orbit.model.friction) or not getattr(orbit.model, "cyclic", False):
+    if is_dynamic(orbit.model.friction) or knows_position(orbit.model):
         raise InputError("sequence_of", ["an orbit as a sequence of arcs needs a set-valued law, and equations in which x does not appear"])
     pieces, T = orbit.run.pieces, float(orbit.model.period)
     t, mode = np.asarray(pieces.t), np.asarray(pieces.mode)

@@ -23,6 +23,7 @@ import numpy as np
 from stickslip.dynamics.flows import offer_slopes, rates
 from stickslip.dynamics.memories import remembered
 from stickslip.forces import is_dynamic, memories_of
+from stickslip.position import knows_position
 
 __all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
 
@@ -91,13 +92,13 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
 
 
 def _place_of_v(model: Any) -> int:
-    return 0 if getattr(model, "cyclic", False) else 1
+    return int(knows_position(model))
 
 
 def _states(run: Any, t: Array, index: Array) -> Array:
     """The coordinates (d, n) at instants on given pieces."""
     x, v, z = run.pieces.evaluate(t, index)
-    return np.vstack([*([] if getattr(run.model, "cyclic", False) else [x]), v, *z.T])
+    return np.vstack([*([x] if knows_position(run.model) else []), v, *z.T])
 
 
 def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:

@@ -18,10 +18,9 @@ from stickslip.engine.checks import check_numbers
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
-from stickslip.engine.trace import Equations, label, numbers_of, trace
+from stickslip.engine.trace import Equations, kind_of, label, trace
 from stickslip.engine.unforeseen import misses
 from stickslip.engine.write import Writer
-from stickslip.fields import leaves
 from stickslip.recurrence import KEPT, LONGEST
 
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "plain_name", "prelude", "run"]
@@ -81,7 +80,6 @@ class Results:
     pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
 
 
-_NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 _kernels: dict[Any, Kernel] = {}
 
 
@@ -92,7 +90,7 @@ def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (_kind(model), tableau and tableau.name, record)
+    key = (kind_of(model), tableau and tableau.name, record)
     try:
         known = _kernels.get(key)
     except TypeError:  # a part of the kind that cannot be compared, such as a list
@@ -102,12 +100,6 @@ def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
         check_numbers(model)
         known = _kernels[key] = kernel(trace(model), tableau, label(model), record)
     return known
-
-
-def _kind(model: Any) -> tuple[Any, ...]:
-    """What the equations depend on: classes, names of the numbers, and the fields that are no numbers."""
-    numbers = set(numbers_of(model))
-    return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
 
 def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> Kernel:
@@ -169,7 +161,17 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(f.startswith("e") and f.endswith("_0") for f in offsets), "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
-    firsts = {"F_B": "b0", "F_ON": "on0", "F_M": "m1", "F_K": "k0_0", "F_MODE": "mode0", "F_CLK": "clk0", "F_G": "g1_0", "F_E": "e0_0", "F_HELD": "held0"}
+    firsts = {
+        "F_B": "b0",
+        "F_ON": "on0",
+        "F_M": "m1",
+        "F_K": "k0_0",
+        "F_MODE": "mode0",
+        "F_CLK": "clk0",
+        "F_G": "g1_0",
+        "F_E": "e0_0",
+        "F_HELD": "held0",
+    }
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)

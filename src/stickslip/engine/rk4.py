@@ -53,6 +53,8 @@ def slopes(model: Any) -> Slopes:
     lacking = [what for what, there in (("impulses", eq.impulses), ("a law that remembers", eq.dynamic and eq.modes)) if there]
     if not eq.cyclic:
         lacking.append("a mechanism with springs")
+    if eq.offset.level or eq.offset.value != 0:
+        lacking.append("a contact that moves")
     if lacking:
         raise InputError(
             "solve", [f'method = "rk4" knows robots without impulses or memory; here is {" and ".join(lacking)}; type method="auto"']

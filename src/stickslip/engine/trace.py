@@ -6,15 +6,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine.checks import as_tuple, explained, given
+from stickslip.engine.sums import terms_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
 from stickslip.maths import maximum
+from stickslip.position import knows_position
 
-__all__ = ["SPAN", "Equations", "Switch", "label", "numbers_of", "trace"]
+__all__ = ["SPAN", "Equations", "Switch", "kind_of", "label", "numbers_of", "trace"]
 
 #: Name of the column that holds the length of the run, for a model without a period.
 SPAN = "span"
+_NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 #: Status of a case whose load fell to zero.
 LOST = 6
 
@@ -51,6 +54,8 @@ class Equations:
     y: tuple[Sym, ...]
     f: tuple[Sym, ...]  # dy/dt
     offset: Sym  # velocity of the body less that at the contact
+    free: Sym  # acceleration without friction
+    inertia: Sym | None  # what the drive's mass does to the body [N], where there is one
     jacobian: tuple[tuple[Sym, ...], ...]
     by_time: tuple[Sym, ...]
     guards: tuple[Sym, ...]
@@ -103,6 +108,12 @@ def numbers_of(model: Any) -> tuple[str, ...]:
     )
 
 
+def kind_of(model: Any) -> tuple[Any, ...]:
+    """What the equations depend on: classes, names of the numbers, and the fields that are no numbers."""
+    numbers = set(numbers_of(model))
+    return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
+
+
 def trace(model: Any) -> Equations:
     """The equations of a model; `InputError` says what to change in a law that cannot be traced."""
     return explained(_trace, model)
@@ -113,7 +124,7 @@ class _Mechanics:
 
     def __init__(self, model: Any):
         self.graph = graph = Graph()
-        self.cyclic = bool(getattr(model, "cyclic", False))
+        self.cyclic = not knows_position(model)
         names = numbers_of(model)
         self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
         self.names = names if model.period is not None else (*names, SPAN)
@@ -153,6 +164,7 @@ class _Motion:
 
 
 def _trace(model: Any) -> Equations:
+    _check_contact(model)
     m = _Mechanics(model)
     graph = m.graph
     speed = getattr(m.law, "velocity_scale", None)
@@ -181,6 +193,7 @@ def _trace(model: Any) -> Equations:
         stribeck_velocity=None if speed is None else m.lift(speed()),
         cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
         balances=is_dynamic(m.model.friction) and wants_applied(m.model.friction),
+        free=m.acceleration(0.0), inertia=_inertia(m),
     )  # fmt: skip
 
 
@@ -252,6 +265,21 @@ def _offered(m: _Mechanics) -> Sym | None:
     """What all forces but friction add up to [N]: the drive's and gravity's share, for a robot."""
     total = m.lift(m.model.total_mass) * m.acceleration(0.0)
     return total if m.graph.varies(total) <= {"t"} else None
+
+
+def _check_contact(model: Any) -> None:
+    """Refuse a contact whose velocity is not that of the body less a number of the case: steps know the two by their difference."""
+    graph = Graph()
+    v = graph.variable("v")
+    found = replace_leaf(model, {name: graph.case(name) for name in numbers_of(model)}).contact_velocity(v)
+    terms = terms_of(found) if isinstance(found, Sym) else {}
+    if terms.get((v.number,)) is not graph.constant(1.0) or set(terms) - {(), (v.number,)}:
+        raise TraceError("contact_velocity(v) is not v less a number; allowed is for example return v - self.speed")
+
+
+def _inertia(m: _Mechanics) -> Sym | None:
+    """The drive force, -m d²xi/dt²."""
+    return -(m.model.inner_mass * m.lift(m.model.drive.acceleration(m.t))) if hasattr(m.model, "drive") else None
 
 
 def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:

@@ -132,7 +132,12 @@ def _differences(robot: Any, state: State) -> list[str]:
     except StickslipError as error:
         return [str(error)]
     given = leaves(robot, kinds=True)
-    return [f"{name} = {value!r}" for name, value in given if isinstance(value, (int, float, str)) and not _same(value, shown.get(name))]
+    return [
+        f"{name} = {value.__name__ if isinstance(value, type) else repr(value)}"
+        for name, value in given
+        if (isinstance(value, (int, float, str)) and not _same(value, shown.get(name)))
+        or (isinstance(value, type) and value is not shown.get(name))  # a subclass may have changed the equations
+    ]
 
 
 def _same(a: Any, b: Any) -> bool:

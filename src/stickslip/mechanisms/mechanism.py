@@ -28,7 +28,6 @@ class Mechanism(Frozen):
     """Base of the mechanisms: a mass with one contact. A subclass adds its fields, `acceleration` and where its energy goes."""
 
     kind: ClassVar[str] = ""  # its name in a study file
-    cyclic: ClassVar[bool] = False  # x appears in the equations
     period: Any = None  # nothing repeats by itself: a run is so many seconds long
     mass: Any
     friction: Any

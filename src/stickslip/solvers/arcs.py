@@ -1,8 +1,7 @@
-"""A model with constant sliding friction under a harmonic drive, in the numbers of its arcs.
+"""A model whose motion is made of closed arcs, in the numbers of its arcs.
 
-The equations are those of the model and of its law: they are asked for numbers (resistance while sliding, limits of
-rest), never typed again. The motion is v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwards, at rest
-while -s_minus <= a sin(omega t) <= s_plus.
+Whether a motion is so is asked of the traced equations (`engine/closed.py`), never of classes; so are the numbers. The motion is
+v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwards, at rest while -s_minus <= a sin(omega t) <= s_plus.
 """
 
 from __future__ import annotations
@@ -12,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import rows_of
-from stickslip.drives import Harmonic
-from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_set_valued
+from stickslip.batch import labels_of, numbers_by_name
+from stickslip.engine.closed import Rows, closed_of
+from stickslip.forces import is_dynamic, is_set_valued
+from stickslip.position import knows_position
 
 __all__ = ["Arcs", "handles", "reduced"]
 
 Array = Any
-_SPEEDS = (1e-9, 1e-3, 1.0, 1e3)  # of the velocity scale: sliding friction must be the same at all of them
+_ROUNDING = 1e-14  # of the friction: by how much less the limits of rest may be than what slides
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +51,7 @@ class Arcs:
 
 
 def reduced(model: Any) -> Arcs:
-    """The arcs' numbers of every case of a model, asked from its own equations.
+    """The arcs' numbers of every case of a model that `handles` accepts, from its own equations.
 
     Examples
     --------
@@ -61,38 +60,17 @@ def reduced(model: Any) -> Arcs:
     >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
     0.480458
     """
-    flat = _flat(model)
-    count = len(rows_of(model, ()))
-    tick, x = np.zeros(count), np.zeros(count)
-    load, law = flat.load(tick, x), flat.friction
-    backward, forward = law.breakaway(load)
-
-    def acceleration(t: Any, v: float, R: Any) -> Array:
-        return np.broadcast_to(np.asarray(flat.acceleration(t, x, v, R), float), (count,)) + 0.0
-
-    speed = float(np.max(flat.velocity_scale)) or 1.0
-    along = acceleration(tick, 0.0, 0.0)
-    return Arcs(
-        drive=abs(acceleration(flat.period / 4, 0.0, 0.0) - along),
-        omega=np.broadcast_to(flat.drive.omega, (count,)) + 0.0,
-        period=np.broadcast_to(flat.period, (count,)) + 0.0,
-        resist_plus=-acceleration(tick, speed, law.sliding(speed, load)),
-        resist_minus=acceleration(tick, -speed, law.sliding(-speed, load)),
-        hold_plus=-acceleration(tick, 0.0, forward),
-        hold_minus=acceleration(tick, 0.0, backward),
-        along=along,
-    )
+    count = int(np.prod(labels_of(model).shape, dtype=np.int64))
+    return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
 
 
-def _flat(model: Any) -> Any:
-    """The model with every number an array (cases,)."""
-    names = tuple(name for name, _ in leaves(model))
-    table = rows_of(model, names)
-    return replace_leaf(model, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
+def _rows(model: Any) -> Rows:
+    """The equations' numbers: columns where the model's are arrays, single floats elsewhere."""
+    return closed_of(model).rows_with(numbers_by_name(model))
 
 
 def handles(model: Any) -> str | None:
-    """None if this solver can solve the model, else the reason why it cannot.
+    """None if the motion of a model, or of all of a batch, is made of closed arcs; else why not.
 
     Examples
     --------
@@ -101,29 +79,35 @@ def handles(model: Any) -> str | None:
     >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
     'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
     """
-    law, name = model.friction, type(model.friction).__name__
-    if not is_set_valued(law):
-        return f"{name} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
-    if not isinstance(getattr(model, "drive", None), Harmonic):
-        drive = f"the drive is {type(model.drive).__name__}" if hasattr(model, "drive") else f"{type(model).__name__} has no drive"
-        return f"{drive}; exact arcs are closed formulas for Harmonic drives only"
-    if not getattr(model, "cyclic", False):
-        return f"position appears in the equations of {type(model).__name__}; exact arcs are for robots"
-    if hasattr(model.track, "grip"):
-        return f"the friction of {type(model.track).__name__} varies in time; exact arcs are closed formulas for a constant one only"
-    return _unfit(_flat(model), name)
+    law, kind = type(model.friction).__name__, type(model).__name__
+    if is_dynamic(model.friction) or not is_set_valued(model.friction):
+        return f"{law} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
+    if model.period is None:
+        return f"{kind} has no period; exact arcs are closed formulas for a harmonic drive"
+    if getattr(model.friction, "scalar_only", False):
+        return f"{law} is written for plain numbers only; exact arcs need its equations"
+    if knows_position(model):
+        return f"position appears in the equations of {kind}; exact arcs have no place for it"
+    try:
+        rows = _rows(model)
+    except Exception as error:  # equations that the engine cannot trace, which it says itself where it must
+        return f"the equations of {kind} cannot be looked through: {error}"
+    return _unfit(rows, law, kind)
 
 
-def _unfit(flat: Any, name: str) -> str | None:
-    """What the numbers of a law forbid, if anything."""
-    load, scale = flat.load(0.0, 0.0), float(np.max(flat.velocity_scale)) or 1.0
-    ahead, back = (np.array([np.asarray(flat.friction.sliding(sign * scale * s, load), float) for s in _SPEEDS]) for sign in (1.0, -1.0))
-    bound = 1e-14 * np.max(abs(np.stack([ahead, back])), axis=(0, 1))
-    if np.any(np.ptp(ahead, axis=0) > bound) or np.any(np.ptp(back, axis=0) > bound):
-        return f"the sliding friction of {name} depends on the speed; exact arcs are closed formulas for a constant one (Coulomb) only"
-    lowest, highest = (np.asarray(limit, float) for limit in flat.friction.breakaway(load))
-    if np.any(ahead[0] < back[0]):
-        return f"the sliding friction of {name} feeds the motion; exact arcs need sliding(+v) >= sliding(-v)"
-    if np.any(highest < ahead[0] - bound) or np.any(lowest > back[0] + bound):
-        return f"{name} breaks away below its sliding friction; exact arcs need breakaway() at or beyond sliding()"
+def _unfit(rows: Rows, law: str, kind: str) -> str | None:
+    """What the equations of some rows forbid, if anything."""
+    if rows.broken:
+        return (
+            f"the acceleration of {kind} under {law} depends on {', '.join(rows.broken)}; exact arcs are closed formulas for {_FORM} only"
+        )
+    ahead, back, up, down, along = (rows.numbers[name] for name in ("resist_plus", "resist_minus", "hold_plus", "hold_minus", "along"))
+    bound = _ROUNDING * np.maximum(np.max(abs(ahead + along)), np.max(abs(back - along)))
+    if np.any(ahead + back < 0):
+        return f"the sliding friction of {law} feeds the motion; exact arcs need sliding(+v) >= sliding(-v)"
+    if np.any(up < ahead - bound) or np.any(down < back - bound):
+        return f"{law} breaks away below its sliding friction; exact arcs need breakaway() at or beyond sliding()"
     return None
+
+
+_FORM = "one sine of the drive's period that begins at 0, and a constant in each direction (as Coulomb friction makes it)"

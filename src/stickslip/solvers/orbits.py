@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import rows_of
-from stickslip.fields import leaves, replace_leaf
+from stickslip.batch import some_of
 from stickslip.solvers import exact
 from stickslip.solvers.arcs import Arcs, handles, reduced
 from stickslip.solvers.gather import NEEDED
@@ -128,9 +127,7 @@ def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> 
 
 def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
     """Solve some cases by the mode machine, period after period, and look at the motion that it ends in."""
-    names = tuple(name for name, _ in leaves(todo.model))
-    table = rows_of(todo.model, names)[hard]
-    model = replace_leaf(todo.model, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
+    model = some_of(todo.model, hard)
     found, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
     found["seg_time"] = found["seg_time"] * arcs.period[:, None]
     found |= ways_from(found, arcs, todo.workers)

@@ -21,6 +21,7 @@ from stickslip.forces import is_dynamic
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
 from stickslip.steadiness import is_steady
 from stickslip.summary import STATUS, Summary
@@ -56,6 +57,7 @@ def solve(todo: Request) -> Trajectory | Summary:
     steps = todo.options.get("steps", STEPS)
     if not allows(steps):
         raise InputError("solve", [f"steps = {steps!r}; allowed is {ALLOWED}; type for example steps={STEPS}"])
+    check_period(todo.model)
     _check_load(todo.model)
     kernel = engine.kernel(todo.model)
     rows = rows_of(todo.model, kernel.names)

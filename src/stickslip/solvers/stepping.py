@@ -11,9 +11,11 @@ from stickslip.batch import rows_of, spread
 from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
-from stickslip.forces import rest_velocity, states_of
+from stickslip.forces import is_dynamic, rest_velocity, states_of
 from stickslip.pieces import PolynomialPieces
+from stickslip.position import knows_position
 from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
@@ -27,6 +29,7 @@ CHUNK = 4096
 
 def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
+    check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
     method, job, table = _method(tableau), _job(todo, rtol), _Table(todo, kernel)
     if todo.keep == "summary":
@@ -54,10 +57,11 @@ def _state(todo: Request, end: Any, table: _Table) -> str:
 
 def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
     """The summary of a batch, and of every case at its end x, v (cases,), the law's inner states (cases, states) and its memories."""
+    check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = _Table(todo, kernel)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
-    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table.offset))])
+    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table, slice(None)))])
     x, v, z, _ = np.split(results.end, [1, 2, 2 + states_of(todo.model.friction)], axis=1)
     return summary, x[:, 0], v[:, 0] + table.offset, z, results.memory
 
@@ -85,7 +89,9 @@ class _Table:
         self.offset = spread(rest_velocity(model), labels)  # velocity of the body less that at the contact
         x, v, z, memory = np.split(todo.start, [1, 2, 2 + states_of(model.friction)], axis=1)
         v = v - self.offset[:, None]
-        self.cyclic = bool(getattr(model, "cyclic", False))
+        self.cyclic = not knows_position(model)
+        steps = self.cyclic and not is_dynamic(model.friction)
+        self.carried = self.offset if steps else 0.0 * self.offset  # Taylor steps integrate the way over the contact
         self.start = np.ascontiguousarray(np.hstack([x, v, z, *(() if self.cyclic else (x,)), memory]))
 
 
@@ -102,7 +108,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, table: _Table, job: lanes.Job) -
             if todo.progress is not None:
                 todo.progress(sum(begun), todo.cases)
 
-        return _raw(lanes.run(kernel, table.rows[first:last], table.start[first:last], job, progress=tell), table.offset[first:last])
+        return _raw(lanes.run(kernel, table.rows[first:last], table.start[first:last], job, progress=tell), table, slice(first, last))
 
     if todo.workers == 1 or len(bounds) == 1:
         yield from zip(bounds, map(work, range(len(bounds))), strict=True)
@@ -117,11 +123,12 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, offset: Any) -> Raw:
+def _raw(r: lanes.Results, table: _Table, cases: slice) -> Raw:
+    offset, carried = table.offset[cases], table.carried[cases] * table.span[cases]
     return Raw(
-        displacement=r.displacement, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
+        displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
-        margin_force=np.full(len(r.status), np.inf), limit=r.limit, friction_power=r.friction_power,
+        margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried, friction_power=r.friction_power,
     )  # fmt: skip
 
 
@@ -137,4 +144,5 @@ def _pieces(pieces: Any, kernel: lanes.Kernel, table: _Table, periods: int) -> P
     coefficients = pieces[:, first:].reshape(len(pieces), kernel.states, kernel.degree + 1).copy()
     coefficients[:, 0, 0] += table.offset[0]
     memory = pieces[:, 5:first].astype(np.int32)
-    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), pieces[:, 3], coefficients, memory, holds_x=not table.cyclic)
+    x = pieces[:, 3] + table.carried[0] * t[:-1]
+    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), x, coefficients, memory, holds_x=not table.cyclic)

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic
+from stickslip.position import knows_position
 from stickslip.solvers import exact, orbits, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
 from stickslip.solvers.request import Request, request
@@ -57,7 +58,7 @@ def _stepped(todo: Request, tableau: Any, rtol: float) -> tuple[Summary, dict[st
 
 def _position(todo: Request, x: Array) -> dict[str, Array]:
     """Where the next case is on its spring: time begins anew there, and with it the way of the spring's far end."""
-    if getattr(todo.model, "cyclic", False):
+    if not knows_position(todo.model):
         return {}
     return {"x": x - spread(getattr(todo.model, "far_end_velocity", 0.0), todo.labels) * todo.span}
 

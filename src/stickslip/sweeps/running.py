@@ -168,11 +168,10 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
 
 def _tile_in_memory(plan: Plan, workers: int) -> int:
     """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
-    from stickslip.friction import Coulomb
     from stickslip.solvers.arcs import handles
 
     robot = None if plan.sample is None else plan.sample[0]
-    if plan.options["method"] in ("auto", "exact") and isinstance(getattr(robot, "friction", None), Coulomb) and handles(robot) is None:
+    if plan.options["method"] in ("auto", "exact") and robot is not None and handles(robot) is None:
         return 32768 if plan.cases >= 8 * 32768 else 16384
     return 16384 if workers == 1 else max(min(plan.tile, -(-plan.cases // (4 * workers))), 64)
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
-from stickslip.batch import rows_of, shape_of
-from stickslip.drives import Harmonic
+from stickslip.batch import numbers_by_name, shape_of, some_of
+from stickslip.engine.closed import steady_force
 from stickslip.errors import InputError, StickslipError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.solvers import orbits
@@ -127,11 +127,7 @@ def _halves(group: Group) -> list[Group]:
 
 def _part(group: Group, at: Array) -> Group:
     """Some cases of a group."""
-    robot = group.robot
-    if shape_of(robot):
-        names = tuple(name for name, _ in leaves(robot))
-        table = rows_of(robot, names)[at]
-        robot = replace_leaf(robot, {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(names)})
+    robot = some_of(group.robot, at) if shape_of(group.robot) else group.robot
     start = {name: value if np.ndim(value) == 0 else value[at] for name, value in group.start.items()}
     return Group(group.at[at], robot, start)
 
@@ -168,9 +164,12 @@ def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dic
     """Mean power of the actuator: what friction takes along both ways, less what gravity gives. Known where the ways are."""
     if not hasattr(robot, "track") or not ("forward_way" in more or "friction_power" in columns):
         return {}
+    beside = steady_force(robot, numbers_by_name(robot))  # gravity along the track
+    if beside is None:
+        return {}
     with np.errstate(invalid="ignore", divide="ignore"):
         lost = _along_the_ways(robot, columns, more) if "forward_way" in more else columns["friction_power"]
-        fall = robot.total_mass * robot.track.along(robot.gravity) * columns["mean_velocity"]
+        fall = np.reshape(beside, np.shape(beside) and np.shape(lost)) * columns["mean_velocity"]
         power = np.where(columns["period"] > 0, lost - fall, np.nan)
         cost = power / (robot.total_mass * robot.gravity * abs(columns["mean_velocity"]))
     return {"drive_power": power, "cost_of_transport": np.where(columns["direction"] != 0, cost, np.nan)}
@@ -185,8 +184,8 @@ def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array
 
 
 def _alphas(robot: Any) -> dict[str, Array]:
-    """alpha_plus and alpha_minus of the robot with Coulomb friction at the kinetic coefficients, where it has them."""
-    twin = coulomb_twin(robot) if isinstance(getattr(robot, "drive", None), Harmonic) else None
+    """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, where it has them."""
+    twin = coulomb_twin(robot)
     if twin is None or handles(twin) is not None:
         return {}
     arcs = reduced(twin)

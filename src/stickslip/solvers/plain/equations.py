@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.forces import is_dynamic, law_force, law_rate, memories_of, normal_load, rest_velocity, states_of
+from stickslip.position import knows_position
 
 __all__ = ["LEAST", "LOAD", "SLIP", "Equations"]
 
@@ -25,6 +26,7 @@ class Equations:
         law = model.friction
         self.model, self.law, self.dynamic = model, law, is_dynamic(law)
         self.inner, self.memories = states_of(law), memories_of(law)
+        self.cyclic = not knows_position(model)
         self.rest = float(rest_velocity(model))
         self.scale_of_time = time_scale(model)
         held = self.dynamic and not self.inner and not self.memories

@@ -38,7 +38,7 @@ def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[
         run.go(last[0])
         if run.lost:
             break
-    return joined(run.parts, run.t, model.cyclic), run.counts, _LOST if run.lost else 0
+    return joined(run.parts, run.t, equations.cyclic), run.counts, _LOST if run.lost else 0
 
 
 def _known(model: Any, end: float) -> list[tuple[float, float]]:
@@ -157,7 +157,7 @@ class _Run:
         """Stuck until the forces break it away, or the contact is lost."""
         e, start, x = self.equations, self.t, float(self.y[0])
         self.t, self.mode, self.lost = _break_away(e, start, x, end)
-        self.parts.append(resting(start, self.t, self.y, e.rest, e.model.cyclic))
+        self.parts.append(resting(start, self.t, self.y, e.rest, e.cyclic))
         self.y[0] = x + e.rest * (self.t - start)
 
 

@@ -48,7 +48,7 @@ class _Step:
     def part(self, end: float | None = None) -> Part:
         """The step as dense output, or its beginning up to a time."""
         end, after = (self.end, self.after) if end is None else (end, self.dense(end))
-        return part_of(self.dense, self.start, end, self.before, after, self.side, self.memory, self.equations.model.cyclic)
+        return part_of(self.dense, self.start, end, self.before, after, self.side, self.memory, self.equations.cyclic)
 
     def guards(self, t: float) -> list[float]:
         return self.equations.guards(t, self.dense(t), self.side, self.memory)

@@ -1,0 +1,152 @@
+"""Which traced motions have closed arcs: the acceleration is a sin(omega t) + a constant, another one in each mode; and other constants.
+
+The equations of a kind are looked through once, and what comes out is conditions and numbers as expressions of a case. Their values for
+all rows of a batch are a few products of columns (`rows_with`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.engine.sums import Terms, difference, rate_of, terms_of
+from stickslip.engine.symbols import Sym
+from stickslip.engine.trace import Equations, kind_of, trace
+from stickslip.engine.values import values_of
+from stickslip.maths import pi
+
+__all__ = ["Closed", "Rows", "closed_of", "steady_force"]
+
+Array = Any
+_ROUNDING = 1e-14  # relative: how near an angular frequency must come to 2 pi over the period
+_SUMS = 1e-12  # relative: how near two products of the same numbers are
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """The closed arcs of a kind of model: what must vanish for them to hold, and their numbers; all are expressions of a case.
+
+    Parameters
+    ----------
+    vanishing : dict
+        Coefficients that must be zero, by what they stand in front of, in words.
+    sines : tuple of (rate, amplitude)
+        The terms sin(rate t) of the acceleration.
+    numbers : dict
+        resist_plus, resist_minus, hold_plus, hold_minus, along and period.
+    """
+
+    vanishing: tuple[tuple[str, Sym], ...]
+    sines: tuple[tuple[Sym, Sym], ...]
+    numbers: dict[str, Sym]
+
+    @np.errstate(all="ignore")  # what is not a number is the status of its row
+    def rows_with(self, known: dict[str, Array]) -> Rows:
+        """Values for all rows of a batch, whose numbers are columns or single floats."""
+        roots = [*(c for _, c in self.vanishing), *(s for pair in self.sines for s in pair), *self.numbers.values()]
+        graph = self.numbers["period"].graph
+        found = values_of(graph, known, roots)
+        numbers = {name: found[node.number] for name, node in self.numbers.items()}
+        broken = [why for why, c in self.vanishing if np.any(abs(found[c.number]) > 0)]  # not a number breaks nothing: it is a status
+        drive, omega = 0.0, 2 * pi / numbers["period"]
+        for rate, amplitude in self.sines:
+            a, r = found[amplitude.number], found[rate.number]
+            fits = abs(r * numbers["period"] - 2 * pi) <= 2 * pi * _ROUNDING
+            if np.any(~fits & (abs(a) > 0)):
+                broken.append("sines of another period")
+            drive, omega = drive + np.where(fits, a, 0.0), np.where(fits, r, omega)
+        if np.any(drive < 0):
+            broken.append("a sine of another phase")
+        return Rows(tuple(dict.fromkeys(broken)), {"drive": drive, "omega": omega, **numbers})
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """The numbers of closed arcs row by row, and what keeps some of them from being the motion, in words."""
+
+    broken: tuple[str, ...]
+    numbers: dict[str, Array]
+
+
+_known: dict[Any, Any] = {}
+
+
+def _once(what: str, model: Any, find: Callable[[Any], Any]) -> Any:
+    """What is found out about the kind of a model; a kind that was seen before costs nothing."""
+    key = (what, kind_of(model))
+    try:
+        if key not in _known:
+            _known[key] = find(model)
+        return _known[key]
+    except TypeError:  # a part of the kind that cannot be compared, such as a list
+        return find(model)
+
+
+def closed_of(model: Any) -> Closed:
+    """The closed arcs of the kind of a driven model with a set-valued law."""
+    found: Closed = _once("arcs", model, lambda model: _closed(trace(model)))
+    return found
+
+
+def _closed(eq: Equations) -> Closed:
+    """Look through the equations: forwards, backwards and at the limits of rest they may differ by constants alone."""
+    assert eq.contact is not None
+    graph, contact = eq.graph, eq.contact
+    forwards, backwards, push, pull = map(terms_of, (contact.forwards, contact.backwards, contact.push, -contact.pull))
+    vanishing = [(_words(eq, key), c) for other in (backwards, push, pull) for key, c in difference(graph, other, forwards).items() if key]
+    vanishing += [("jumps of the velocity", jump) for _, jump in eq.impulses] + [("a contact that moves", eq.offset)]
+    sines = []
+    for key, c in forwards.items():
+        wave = rate_of(graph, key, eq.t)
+        if wave is not None and wave[0] == "sin":
+            sines.append((wave[1], c))
+        elif key:
+            vanishing.append(("a sine of another phase" if wave else _words(eq, key), c))
+    free = terms_of(eq.free)
+    zero = graph.constant(0.0)
+
+    def constant(terms: Terms, sign: float) -> Sym:
+        return graph.multiply(graph.constant(sign), terms.get((), zero))
+
+    numbers = {
+        "resist_plus": constant(forwards, -1.0), "resist_minus": constant(backwards, 1.0), "hold_plus": constant(push, -1.0),
+        "hold_minus": constant(pull, 1.0), "along": constant(free, 1.0), "period": eq.period,
+    }  # fmt: skip
+    kept = tuple((why, c) for why, c in vanishing if not (c.op == "constant" and c.value == 0))
+    return Closed(kept, tuple(sines), numbers)
+
+
+def _words(eq: Equations, key: tuple[int, ...]) -> str:
+    """What a product of nodes depends on, in words."""
+    graph = eq.graph
+    names = frozenset().union(*(graph.varies(graph.nodes[number]) for number in key))
+    if "v" in names:
+        return "the speed"
+    return "time in another way than one sine" if "t" in names else "a condition"
+
+
+def steady_force(model: Any, known: dict[str, Array]) -> Array | None:
+    """What acts on the body beside friction and the drive's inertia [N], row by row; None where that is no constant."""
+    parts = _once("steady force", model, lambda model: _beside(trace(model)))
+    if parts is None:
+        return None
+    pairs, whole = parts
+    found = values_of(whole.graph, known, [*(s for pair in pairs for s in pair), whole])
+    for a, b in ((found[offered.number], found[driven.number]) for offered, driven in pairs):
+        if np.any(abs(a - b) > _SUMS * (abs(a) + abs(b))):
+            return None
+    return found[whole.number]
+
+
+def _beside(eq: Equations) -> tuple[list[tuple[Sym, Sym]], Sym] | None:
+    """Coefficients that all forces and the drive's inertia must have alike, and the difference of their constants."""
+    if eq.inertia is None:
+        return None
+    graph, zero = eq.graph, eq.graph.constant(0.0)
+    offered, driven = terms_of(graph.multiply(eq.mass, eq.free)), terms_of(eq.inertia)
+    pairs = [(offered.get(key, zero), driven.get(key, zero)) for key in {**offered, **driven} if key]
+    pairs.append((eq.offset, zero))  # what moves the contact does work too
+    return pairs, graph.subtract(offered.get((), zero), driven.get((), zero))

@@ -1,0 +1,78 @@
+"""The value of traced expressions for given numbers: one case, or arrays of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from stickslip.engine.symbols import Graph, Sym
+
+__all__ = ["needed_by", "values_of"]
+
+
+def values_of(graph: Graph, known: dict[str, Any], roots: Iterable[Sym] | None = None) -> dict[int, Any]:
+    """The values of the nodes that some roots need (of all nodes if none are named), by their numbers; flags are set by their guards.
+
+    Parameters
+    ----------
+    known : dict
+        Numbers, or arrays that broadcast, by the names of the case's numbers and of the variables.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> product = graph.case("a") * graph.case("b")
+    >>> values_of(graph, {"a": 2.0, "b": np.array([3.0, 4.0])})[product.number].tolist()
+    [6.0, 8.0]
+    """
+    values: dict[int, Any] = {}
+    with np.errstate(all="ignore"):  # in a branch that is not taken
+        for node in graph.nodes if roots is None else needed_by(roots):
+            values[node.number] = _value(node, values, known)
+    return values
+
+
+def needed_by(roots: Iterable[Sym]) -> list[Sym]:
+    """The nodes that some roots are made of, arguments before what is made of them."""
+    found: dict[int, Sym] = {}
+    waiting = list(roots)
+    while waiting:
+        node = waiting.pop()
+        if node.number not in found:
+            found[node.number] = node
+            waiting += [*node.args, *([] if node.op != "flag" else _held(node))]
+    return [found[number] for number in sorted(found)]
+
+
+def _held(flag: Sym) -> list[Sym]:
+    """What a flag holds the sign of: a condition on time alone, or a guard; nothing for a mode."""
+    graph, name = flag.graph, flag.name
+    if name.startswith("clk"):
+        return [graph.clocks[int(name[3:])]]
+    return [] if name.startswith("mode") else [graph.guards[int(name[1:])]]
+
+
+def _value(node: Sym, values: dict[int, Any], known: dict[str, Any]) -> Any:
+    a = [values[arg.number] for arg in node.args]
+    match node.op:
+        case "constant":
+            return node.value
+        case "case" | "variable":
+            return known[node.name]
+        case "flag":
+            held = _held(node)
+            return np.where(values[held[0].number] > 0, 1.0, -1.0) if held else known[node.name]
+        case "add":
+            return a[0] + a[1]
+        case "subtract":
+            return a[0] - a[1]
+        case "multiply":
+            below = next((k for k in (1, 0) if node.args[k].op == "reciprocal"), None)  # a quotient is rounded once
+            return a[0] * a[1] if below is None else a[1 - below] / values[node.args[below].args[0].number]
+        case "select":
+            return np.where(a[0] > 0, a[1], a[2])
+        case "reciprocal":
+            return np.float64(1.0) / a[0]
+    return getattr(np, node.op)(a[0])

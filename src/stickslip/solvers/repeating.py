@@ -1,0 +1,50 @@
+"""Whether the equations of a model come back after its period: the compiled methods begin their time anew with each one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.forces import normal_load
+
+__all__ = ["check_period"]
+
+_INSTANTS = (0.5 * (3 - 5**0.5), 0.7236067977499789)  # of a period, at which no drive is likely to jump
+_SAME = 1e-9  # of the largest value
+
+
+def check_period(model: Any) -> None:
+    """Raise `InputError` where the load or the acceleration of a model is another one a period later.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> check_period(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    """
+    if model.period is None:
+        return
+    try:
+        found = {name: _missed(model, f) for name, f in (("load", normal_load), ("acceleration", _free))}
+    except Exception:  # what is not written for these numbers is told where it is traced
+        return
+    for name, (missed, largest) in found.items():
+        if np.any(missed > _SAME * largest):
+            kind = type(model).__name__
+            raise InputError(
+                kind,
+                [f"its {name} is another one a period later, by up to {np.max(missed):.4g}; allowed is a period after which all parts of "
+                 f"the equations come back; write the property period of {kind} so, or, if there is none, take a method whose time goes "
+                 'on: method="dop853" or method="radau"'],
+            )  # fmt: skip
+
+
+def _free(model: Any, t: Any, x: Any) -> Any:
+    return model.acceleration(t, x, 0.0, 0.0)
+
+
+def _missed(model: Any, f: Any) -> tuple[Any, Any]:
+    """How far a function of the model and of time is from itself a period later, and its largest value, for each case."""
+    now, later = (np.array([f(model, (s + k) * model.period, 0.0) for s in _INSTANTS], float) for k in (0, 1))
+    return np.max(abs(later - now), axis=0), np.max(np.maximum(abs(now), abs(later)), axis=0)
