@@ -571,7 +571,7 @@ def test_doublings_that_are_not_followed_are_said_with_what_follows_them():
     from stickslip.cli.bifurcation import _left_out
 
     def branch(period, *flips):
-        return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", value=value) for value in flips])
+        return SimpleNamespace(period=period, special=[SimpleNamespace(kind="flip", told=f"{value:g}") for value in flips])
 
     (note,) = _left_out("mu0", [branch(1, 0.0378), branch(2, 0.0382)])
     assert "period 4 and more are not followed; they begin at mu0 = 0.0382" in note and "ss.continuation(...).doubled().doubled()" in note

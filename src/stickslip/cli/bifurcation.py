@@ -69,7 +69,7 @@ def _record(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> di
         {
             "period": b.period, "ended": b.ended, "values": b.values, "stable": [o.stable for o in b.orbits],
             "states": [o.state for o in b.orbits], "mean_velocity": [o.mean_velocity for o in b.orbits],
-            "special": [{"kind": s.kind, "value": s.value, "notes": s.orbit.notes} for s in b.special],
+            "special": [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": s.orbit.notes} for s in b.special],
         }
         for b in branches
     ]  # fmt: skip
@@ -93,17 +93,17 @@ def _told(study: Any, parameter: str, diagram: Any, branches: list[Any]) -> str:
         lines.append(f"{direction}: {_stretches(diagram[parameter].values, period)}")
     for b in branches:
         lines.append(f"branch of period {b.period}, {parameter} from {b.values[0]:.6g} to {b.values[-1]:.6g}: {b.ended}")
-        lines += [f"  {s.kind:<12} {parameter} = {s.value:.10g}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
+        lines += [f"  {s.kind:<12} {parameter} = {s.told}  {'; '.join(s.orbit.notes)}".rstrip() for s in b.special]
     return "\n".join([*lines, *(f"note: {note}" for note in _left_out(parameter, branches))])
 
 
 def _left_out(parameter: str, branches: list[Any]) -> list[str]:
     """The doublings behind the last branch, which are not followed, and how to follow them."""
-    flips = [s.value for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
+    flips = [s.told for s in branches[-1].special if s.kind == "flip"] if len(branches) > 1 else []
     if not flips:
         return []
     count = branches[-1].period
-    where = " and ".join(f"{value:.6g}" for value in flips)
+    where = " and ".join(flips)
     again = ".doubled()" * len(branches)
     return [
         f"motions of period {2 * count} and more are not followed; they begin at {parameter} = {where}; in Python "

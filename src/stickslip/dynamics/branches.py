@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from stickslip.dynamics.cycle_paths import CyclePath, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.mapping import coordinates
+from stickslip.dynamics.marked import Special, certain
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
 from stickslip.dynamics.special import located
@@ -23,14 +24,6 @@ __all__ = ["Branch", "Special", "continuation"]
 
 Array = Any
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
-
-
-class Special(NamedTuple):
-    """A special point of a branch: "fold", "flip", "neimark-sacker", "grazing" or "type-border", the parameter's value, and the orbit."""
-
-    kind: str
-    value: float
-    orbit: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +41,8 @@ class Branch:
     values : array
         The parameter at each.
     special : list of Special
-        Folds, flips, Neimark-Sacker points, grazings and borders of motion types, in order; ``orbit.notes`` says more.
+        Folds, flips, Neimark-Sacker points, grazings and borders of motion types, in order, each with its accuracy; ``orbit.notes``
+        says more.
     ended : str
         Why it ends where it ends.
 
@@ -85,7 +79,7 @@ class Branch:
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, {"units": "1"})
         columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, {"units": "1"})
-        told = [{"kind": s.kind, "value": s.value, "notes": list(s.orbit.notes)} for s in self.special]
+        told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
         attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
         return xr.Dataset(columns, {self.parameter: ("point", self.values, self.family.describe(self.parameter))}, attrs)
 
@@ -120,7 +114,7 @@ class Branch:
         return _doubled(self, flip, low, high, step, points)
 
     def __repr__(self) -> str:
-        told = "; ".join(f"{s.kind} at {s.value:.9g}" for s in self.special) or "no special point"
+        told = "; ".join(f"{s.kind} at {s.told}" for s in self.special) or "no special point"
         return (
             f"<Branch: period {self.period}, {len(self.orbits)} points, "
             f"{self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}; {told}; {self.ended}>"
@@ -229,15 +223,15 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             break
         if not low <= item.value <= high:
             item = _clipped(path, last, item, low if item.value < low else high)
-        special += [Special(kind, p.value, replace(p.orbit, notes=notes)) for kind, p, notes in located(path, last, item)]
+        special += [Special(s.kind, s.point.value, replace(s.point.orbit, notes=s.notes), s.accuracy) for s in located(path, last, item)]
         found.append(item)
     orbits = tuple(p.orbit for p in found)
-    critical = vanishing(np.array([p.value for p in found]), orbits) if ended.startswith("no step") else None
+    critical = vanishing(path, found) if ended.startswith("no step") else None
     if critical is not None:
         name = path.family.parameters[0]
-        ended = f"the rest of the cycle vanishes at {name} = {critical:.9g}, and no such cycle exists beyond"
+        ended = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"
         note = f"{ended}; the cycle shown is at {name} = {found[-1].value:.9g}"
-        special.append(Special("type-border", critical, replace(orbits[-1], notes=(note,))))
+        special.append(Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1]))
     return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
 
 
@@ -286,6 +280,4 @@ def _doubled(branch: Branch, flip: Special, low: float, high: float, step: float
         if found.good and np.linalg.norm(found.at - origin) < 4 * distance:
             first = path.point(found, direction)
             return _followed(path, first, low, high, min(step, distance), points)
-    raise SolveError(
-        f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.value:.9g}: {found.why}"
-    )
+    raise SolveError(f"no motion of period {2 * branch.period} was found beside the flip at {branch.parameter} = {flip.told}: {found.why}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from stickslip.dynamics.branches import Branch, Special
 from stickslip.dynamics.cycles import LimitCycle
 from stickslip.dynamics.family import Family
 from stickslip.dynamics.mapping import coordinates, strobe_map
+from stickslip.dynamics.marked import Meeting, Special
 from stickslip.dynamics.newton import Found, newton
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import tangent_of
@@ -23,15 +24,8 @@ from stickslip.forces import is_dynamic
 __all__ = ["Curve", "Meeting", "special_curve"]
 
 Array = Any
+_FLOOR = 1e-14  # of residuals: their own rounding
 _SLOPE = 1e-5  # half the distance of the differences that give multipliers along a curve, in scales
-
-
-class Meeting(NamedTuple):
-    """Where two borders meet: "triple-point" (or another pair), the two parameters, and the orbit there."""
-
-    kind: str
-    values: tuple[float, float]
-    orbit: PeriodicOrbit
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +40,8 @@ class Curve:
         Their names.
     values : array (points, 2)
         The parameters along the curve.
+    accuracy : array (points, 2)
+        By how much the parameters may be wrong, across the curve: from the residuals, and from differences of twice the step.
     orbits : tuple of PeriodicOrbit
         The motions.
     special : list of Meeting
@@ -67,6 +63,7 @@ class Curve:
     parameters: tuple[str, str]
     family: Family
     values: Array
+    accuracy: Array
     orbits: tuple[PeriodicOrbit, ...]
     special: list[Meeting]
     ended: str
@@ -77,11 +74,12 @@ class Curve:
         import xarray as xr
 
         columns: dict[str, Any] = {name: ("point", self.values[:, i], self.family.describe(name)) for i, name in enumerate(self.parameters)}
+        columns |= {f"{name}_accuracy": ("point", self.accuracy[:, i]) for i, name in enumerate(self.parameters)}
         columns |= {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
         return xr.Dataset(columns, attrs={"kind": self.kind, "ended": self.ended})
 
     def __repr__(self) -> str:
-        told = "".join(f"; {m.kind} at ({m.values[0]:.12g}, {m.values[1]:.12g})" for m in self.special)
+        told = "".join(f"; {m.kind} at {m.told}" for m in self.special)
         return f"<Curve: {self.kind} in ({', '.join(self.parameters)}), {len(self.values)} points{told}; {self.ended}>"
 
 
@@ -96,11 +94,20 @@ class _Problem:
     orbit: Callable[[Array], PeriodicOrbit]
     watched: Callable[[Array], dict[Any, float]]
     tolerance: float
-    meeting: Callable[[Array, Any], Array] | None
+    meeting: Callable[[Array, Any], Found] | None
+    again: Callable[[Array], Array] | None = None  # the residuals by a worse method
 
     def values(self, u: Array) -> Array:
         """The two parameters."""
         return self.origin + self.span * u[..., -2:]
+
+    def accuracy(self, found: Found) -> Array:
+        """By how much the two parameters of a point may be wrong."""
+        unsure = np.full(len(found.at), max(found.residual, _FLOOR))
+        if self.again is not None:
+            unsure[:-1] += abs(self.again(found.at[None, :])[0] - self.residuals(found.at[None, :])[0])
+        moved = abs(np.linalg.pinv(found.jacobian)) @ unsure
+        return self.span * moved[-2:] + 2 * np.spacing(abs(self.values(found.at)))
 
 
 @explains_arguments
@@ -180,9 +187,9 @@ def _multiplier_problem(both: Family, special: Special, origin: Array, span: Arr
     orbit = special.orbit
     at, period, rtol, sign = coordinates(orbit.model), orbit.period, orbit.rtol, 1.0 if special.kind == "flip" else -1.0
     d, scales, memory = at.smooth, at.scales[: at.smooth], orbit.state[at.smooth :]
-    shifts = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)]) * _SLOPE
 
-    def residuals(U: Array) -> Array:
+    def residuals(U: Array, step: float = _SLOPE) -> Array:
+        shifts = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)]) * step
         y, values = U[:, :d], origin + span * U[:, d:]
         tried = (y[:, None, :] + shifts).reshape(-1, d)
         model = both.robots(*np.repeat(values, 2 * d + 1, axis=0).T)
@@ -190,13 +197,15 @@ def _multiplier_problem(both: Family, special: Special, origin: Array, span: Arr
         after = strobe_map(model, states, period, rtol).state
         same = np.all(after[:, d:] == memory, axis=1)  # a curve ends where what the law remembers on the strobe changes
         ends = np.where(same[:, None], after[:, :d] / scales, np.nan).reshape(len(U), 2 * d + 1, d)
-        J = np.swapaxes(ends[:, 1 : d + 1] - ends[:, d + 1 :], 1, 2) / (2 * _SLOPE)
+        J = np.swapaxes(ends[:, 1 : d + 1] - ends[:, d + 1 :], 1, 2) / (2 * step)
         return np.column_stack([ends[:, 0] - y, np.linalg.det(J + sign * np.eye(d))])
 
     def made(u: Array) -> PeriodicOrbit:
         return PeriodicOrbit(both.robot(*(origin + span * u[d:])), period, np.append(u[:d] * scales, memory), 0.0, rtol)
 
-    return _Problem(both, origin, span, residuals, made, lambda u: {}, 3e-8, None), np.append(orbit.state[:d] / scales, [0.0, 0.0])
+    again = lambda U: residuals(U, 2 * _SLOPE)  # noqa: E731
+    problem = _Problem(both, origin, span, residuals, made, lambda u: {}, 3e-8, None, again)
+    return problem, np.append(orbit.state[:d] / scales, [0.0, 0.0])
 
 
 # ---- borders of motion types: arcs whose switch times are unknown ----
@@ -230,11 +239,11 @@ def _border_problem(both: Family, branch: Branch, special: Special, origin: Arra
         found = {name: value for name, value in margins(parts(u)[0], sequence, u[:k]).items() if name != key and np.isfinite(value)}
         return found | {_TURN: facing * turn(u)}
 
-    def meeting(u: Array, other: Any) -> Array:
+    def meeting(u: Array, other: Any) -> Found:
         found = newton(lambda U: np.array([one(v, True) for v in U]), u, 1e-14, most=20, reach=0.1)
         if not found.good:
             raise SolveError(f"the point where two borders meet was not found: {found.why}")
-        return found.at
+        return found
 
     u = np.append(times, [0.0, 0.0])
     facing = float(np.sign(turn(u)))
@@ -285,7 +294,7 @@ def _followed(problem: _Problem, guess: Array, kind: str, sign: float, step: flo
     if not first.good:
         raise SolveError(f"the special point could not be found again in two parameters: {first.why} (residual {first.residual:.1e})")
     here, tangent = first.at, tangent_of(first.jacobian[:-1], sign * np.eye(n)[-1])
-    found, special, ended = [here], [], f"it was followed for {points} points"
+    found, special, ended = [first], [], f"it was followed for {points} points"
     seen = problem.watched(here)
     while len(found) < points:
         try:
@@ -302,13 +311,12 @@ def _followed(problem: _Problem, guess: Array, kind: str, sign: float, step: flo
         now = problem.watched(ahead.at)
         lost = [name for name, value in now.items() if value < 0 <= seen.get(name, -1.0)]
         if lost and problem.meeting is not None:
-            u = problem.meeting(0.5 * (here + ahead.at), lost[0])
-            found.append(u)
-            special.append(_met(problem, u))
+            found.append(problem.meeting(0.5 * (here + ahead.at), lost[0]))
+            special.append(_met(problem, found[-1]))
             ended = "it met another border, beyond which its motion does not exist"
             break
         here, tangent, seen = ahead.at, tangent_of(ahead.jacobian[:-1], tangent), now
-        found.append(here)
+        found.append(ahead)
         first_name, name = problem.family.parameters
         if sign * here[-1] >= 1.0 or sign * here[-1] < -1e-9:
             ended = f"it came back to where {name} began" if sign * here[-1] < 0 else "it reached the end of the range"
@@ -317,9 +325,10 @@ def _followed(problem: _Problem, guess: Array, kind: str, sign: float, step: flo
             ended = f"{first_name} has moved by five times the branch's range"
             break
         step = min(0.1, 1.3 * step) if ahead.iterations <= 4 else step
-    orbits, missing = _orbits(problem, found)
-    values = np.array([problem.values(u) for u in found[: len(orbits)]])
-    return Curve(kind, problem.family.parameters, problem.family, values, orbits, special, ended + missing)  # type: ignore[arg-type]
+    orbits, missing = _orbits(problem, [f.at for f in found])
+    values = np.array([problem.values(f.at) for f in found[: len(orbits)]])
+    accuracy = np.array([problem.accuracy(f) for f in found[: len(orbits)]])
+    return Curve(kind, problem.family.parameters, problem.family, values, accuracy, orbits, special, ended + missing)  # type: ignore[arg-type]
 
 
 def _orbits(problem: _Problem, found: list[Array]) -> tuple[tuple[PeriodicOrbit, ...], str]:
@@ -335,10 +344,11 @@ def _orbits(problem: _Problem, found: list[Array]) -> tuple[tuple[PeriodicOrbit,
     return tuple(orbits), ""
 
 
-def _met(problem: _Problem, u: Array) -> Meeting:
-    orbit = problem.orbit(u)
-    p, q = problem.values(u)
-    return Meeting("triple-point", (float(p), float(q)), replace(orbit, notes=("two borders of motion types meet here",)))
+def _met(problem: _Problem, found: Found) -> Meeting:
+    orbit, accuracy = problem.orbit(found.at), problem.accuracy(found)
+    p, q = problem.values(found.at)
+    note = "two borders of motion types meet here"
+    return Meeting("triple-point", (float(p), float(q)), replace(orbit, notes=(note,)), (float(accuracy[0]), float(accuracy[1])))
 
 
 def _corrected(problem: _Problem, guess: Array, across: Array) -> Found:

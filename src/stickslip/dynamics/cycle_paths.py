@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,13 +9,14 @@ import numpy as np
 
 from stickslip.dynamics.cycles import LimitCycle, ends_of, misses_of, states_on, unknowns
 from stickslip.dynamics.newton import Found
-from stickslip.dynamics.paths import Path
+from stickslip.dynamics.paths import Path, Point
 from stickslip.forces import is_dynamic
 
 __all__ = ["CyclePath", "vanishing"]
 
 Array = Any
 _WELL = 1e-11  # residual of the cycles that are used
+_NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
 _SHORT = 0.01  # part of the cycle below which a rest is about to vanish
 
 
@@ -51,22 +51,50 @@ class CyclePath(Path):
         return LimitCycle(model, self.period, state, float(u[-1] * self.unit), found.residual, self.rtol)
 
 
-def vanishing(values: Array, cycles: Sequence[Any]) -> float | None:
-    """Where the rest of stick-slip cycles vanishes, if their branch ends because of that; None if not.
+def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
+    """Where the rest of stick-slip cycles vanishes, if their branch ends because of that, and how sure that is; None if not.
 
-    The slide then touches the speed at which the contact rests: the square of the time at rest is smooth in the parameter, and is
-    continued to zero from the last points.
+    The slide then touches the speed at which the contact rests: the square of the time at rest is smooth in the parameter. It is
+    continued to zero, from the last points, and then from more cycles among them, whose scatter says how sure that is.
     """
-    if not isinstance(cycles[-1], LimitCycle) or is_dynamic(cycles[-1].model.friction):
+    last = points[-1]
+    if not isinstance(path, CyclePath) or is_dynamic(last.orbit.model.friction):
         return None
-    kept = [(float(value), _rest(o) ** 2) for value, o in zip(values, cycles, strict=True) if o.residual < _WELL][-3:]
-    if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * cycles[-1].duration) ** 2:
+    kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
+    if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:
         return None
+    critical, spread = _zero(kept), abs(kept[-1][0] - kept[0][0])
+    near = _near(path, last, critical - np.sign(critical - last.value) * spread * np.linspace(0.1, 1.0, _NEAR))
+    return (critical, spread) if near is None else _fitted(*near)
+
+
+def _zero(kept: list[tuple[float, float]]) -> float:
+    """Where a quantity vanishes whose inverse function is a parabola through three points."""
     (a, p), (b, q), (c, r) = kept
     return a * q * r / ((p - q) * (p - r)) + b * p * r / ((q - p) * (q - r)) + c * p * q / ((r - p) * (r - q))
 
 
-def _rest(cycle: LimitCycle) -> float:
-    """How long the contact rests in a cycle [s]."""
-    pieces = cycle.run.pieces
-    return float(np.diff(pieces.t)[np.asarray(pieces.mode) == 0].sum())
+def _near(path: CyclePath, last: Point, values: Array) -> tuple[Array, Array] | None:
+    """Values, and squares of the time at rest of the cycles there; None unless all are found."""
+    found = [path.at_value(last.u, float(value), path.remembered(last.orbit)) for value in values]
+    if not all(there.good for there in found):
+        return None
+    rests = np.array([_rest(path.orbit(there), 1) ** 2 for there in found])
+    return (np.array([float(path.value(there.at)) for there in found]), rests) if np.all(rests > 0.0) else None
+
+
+def _fitted(values: Array, rests: Array) -> tuple[float, float]:
+    """Where the parabola through all points vanishes, and how sure that is: by their scatter, and by what a cubic says."""
+    scaled, middle = rests / rests.max(), float(values.mean())
+    (fitted, cov), cubic = np.polyfit(scaled, values - middle, 2, cov=True), np.polyfit(scaled, values - middle, 3)
+    unsure = _ERRORS * np.sqrt(cov[2, 2]) + abs(cubic[3] - fitted[2]) + 8 * np.spacing(abs(middle))
+    return middle + float(fitted[2]), float(unsure)
+
+
+def _rest(cycle: LimitCycle, turn: int = 0) -> float:
+    """How long the contact rests in a cycle [s], the first time around or later: a rest wipes out what is missing of the cycle's state."""
+    from stickslip.solvers import solve
+
+    run = cycle.run if turn == 0 else solve(cycle.model, duration=(turn + 1) * cycle.duration, start=cycle.start, keep="trajectory")
+    t = np.asarray(run.pieces.t)
+    return float(np.diff(t)[(np.asarray(run.pieces.mode) == 0) & (t[:-1] >= turn * cycle.duration)].sum())

@@ -33,7 +33,7 @@ __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 
 Array = Any
 RTOL = 1e-12
-_RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
+RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for
 _CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
 _SAME = 1e-7  # strobe states closer than this are one
@@ -74,7 +74,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def run(self) -> Any:
         """One motion period, with its dense output."""
-        return replace(flight(self.model, self.state, self.period, max(self.rtol, _RUNS)), known_period=self.period)
+        return replace(flight(self.model, self.state, self.period, max(self.rtol, RUNS)), known_period=self.period)
 
     @cached_property
     def multipliers(self) -> Array:

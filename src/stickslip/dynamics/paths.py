@@ -7,7 +7,7 @@ unknown like any other.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from typing import Any
@@ -17,7 +17,7 @@ import numpy as np
 from stickslip.dynamics.family import Family
 from stickslip.dynamics.mapping import Coordinates, strobe_map
 from stickslip.dynamics.newton import Found, newton_within
-from stickslip.dynamics.orbits import PeriodicOrbit
+from stickslip.dynamics.orbits import RUNS, PeriodicOrbit
 
 __all__ = ["Path", "Point", "tangent_of"]
 
@@ -34,6 +34,7 @@ class Point:
     tangent: Array
     value: float
     orbit: Any
+    blur: float = 0.0  # how far its residual may have moved it, in the scaled space
 
     @cached_property
     def flip(self) -> float:
@@ -125,7 +126,8 @@ class Path:
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""
         tangent = tangent_of(found.jacobian[:-1], towards)
-        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found))
+        blur = found.residual / max(float(np.linalg.svd(found.jacobian, compute_uv=False)[-1]), 1e-300)
+        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur)
 
     def beyond(self, here: Point) -> tuple[Found, Point, float] | None:
         """The next point where the branch has a corner, such as where a new switch begins: found at a fixed parameter beyond it."""
@@ -135,6 +137,10 @@ class Path:
             if found.good and np.linalg.norm(found.at - here.u) < _CORNER * step:
                 return found, self.point(found, found.at - here.u), step
         return None
+
+    def loosened(self) -> Path:
+        """The same with tenfold tolerances, of the map and of the runs."""
+        return replace(self, rtol=10 * max(self.rtol, RUNS))
 
     def between(self, a: Point, s: float) -> Point | None:
         """The point that lies s ahead of `a`, along the tangent there."""

@@ -3,45 +3,91 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.dynamics.marked import certain
 from stickslip.dynamics.paths import Path, Point
 from stickslip.forces import is_dynamic
 
-__all__ = ["located", "root"]
+__all__ = ["Located", "located", "root"]
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
 _HALVINGS = 60  # at most; until the two sides are the same number
 _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, and for laws whose words have thresholds
 
 
-def located(path: Path, a: Point, b: Point) -> list[tuple[str, Point, tuple[str, ...]]]:
-    """Every special point between a and b, in order: its kind, the point, and what else is to be said."""
-    found: list[tuple[str, Point, tuple[str, ...]]] = []
+_ASIDE = 1e-4  # how far away the slope of a test function is taken
+_MULTIPLIERS = 1e-10  # how well they are known: the steps of the variational equation are halved until they change by ten times that
+_RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
+_UNSEEN = 1e-12  # an arc shorter than 1e-13 of a period is not seen; borders known in closed form are moved by up to 6e-13 of their value
+
+
+class Located(NamedTuple):
+    """A special point, what else is to be said, and how far its parameter may be wrong."""
+
+    kind: str
+    point: Point
+    notes: tuple[str, ...]
+    accuracy: float
+
+
+def located(path: Path, a: Point, b: Point) -> list[Located]:
+    """Every special point between a and b, in order."""
+    found: list[Located] = []
     if a.fold * b.fold < 0:
-        there = root(path, a, b, _unity if a.unity * b.unity < 0 else _fold)
+        test = _unity if a.unity * b.unity < 0 else _fold
+        there = root(path, a, b, test)
         if abs(np.asarray(there.orbit.multipliers) - 1.0).min(initial=np.inf) < _AT_A_FOLD:
-            found.append(("fold", there, ()))
+            found.append(Located("fold", there, (), _accuracy(path, there, test, b)))
     if a.flip * b.flip < 0:
-        found.append(("flip", root(path, a, b, lambda p: p.flip), ()))
+        there = root(path, a, b, _flip)
+        found.append(Located("flip", there, (), _accuracy(path, there, _flip, b)))
     if a.turning * b.turning < 0:
         found += _turning(path, a, b)
     found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if is_dynamic(a.orbit.model.friction) else []
     found += _changes(path, a, b, _word, _kind_of_change, _said_of_words)
-    return sorted(found, key=lambda item: (item[1].u - a.u) @ a.tangent)
+    return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
 
 
-def _turning(path: Path, a: Point, b: Point) -> list[tuple[str, Point, tuple[str, ...]]]:
+def _accuracy(path: Path, p: Point, test: Callable[[Point], float], b: Point) -> float:
+    """How far the parameter may be wrong where a test function vanishes.
+
+    What is left of the function, what its multipliers do not know, and by how much it and the branch move with tenfold tolerances.
+    """
+    aside = path.between(p, _ASIDE) or path.between(p, -_ASIDE)
+    other = path.loosened().between(p, 0.0)
+    if aside is None or other is None:
+        return abs(b.value - p.value)
+    h = float((aside.u - p.u) @ p.tangent)
+    slope, bend = abs(test(aside) - test(p)) / abs(h), abs(aside.fold - p.fold) / abs(h)
+    unsure = abs(test(p)) + abs(test(other) - test(p)) + _MULTIPLIERS * float(np.prod(1.0 + abs(np.asarray(p.orbit.multipliers))))
+    along = unsure / max(slope, 1e-300)
+    moved = path.span * (abs(p.fold) * along + 0.5 * bend * along**2 + _RESIDUALS * p.blur)
+    return float(min(moved + abs(other.value - p.value) + 2 * np.spacing(abs(p.value)), path.span))
+
+
+def _turning(path: Path, a: Point, b: Point) -> list[Located]:
     """Where a complex pair of multipliers passes the unit circle; two real ones whose product is 1 are nothing special."""
-    there = root(path, a, b, lambda p: p.turning)
+    there = root(path, a, b, _circle)
     found = np.asarray(there.orbit.multipliers, complex)
     pair = found[int(np.argmin(abs(abs(found) - 1.0) + (abs(found.imag) < 1e-9)))]
     if abs(pair.imag) < 1e-9:
         return []
     turn = abs(float(np.angle(pair))) / (2 * np.pi)
-    return [("neimark-sacker", there, (f"a pair of multipliers passes the unit circle; it turns by {turn:.9g} of a turn in each period",))]
+    accuracy = _accuracy(path, there, _circle, b)
+    told = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
+    note = f"a pair of multipliers passes the unit circle; it turns by {told} of a turn in each period"
+    return [Located("neimark-sacker", there, (note,), accuracy)]
+
+
+def _flip(p: Point) -> float:
+    return p.flip
+
+
+def _circle(p: Point) -> float:
+    return p.turning
 
 
 def _unity(p: Point) -> float:
@@ -74,26 +120,28 @@ def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Poin
     return kept.get(s) or min(kept.values(), key=lambda p: abs(test(p)))
 
 
-def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Any]:
+def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Located]:
     """Where a word for the motion changes, however often: bisection for each change."""
-    found, low, end, near = [], 0.0, _length(a, b), _NEAR[is_dynamic(a.orbit.model.friction)]
+    found: list[Located] = []
+    low, end, near, first = 0.0, _length(a, b), _NEAR[is_dynamic(a.orbit.model.friction)], a
     last = word(a.orbit)
     while last != word(b.orbit):
-        inner, outer, here = low, end, b
+        inner, outer, here, before = low, end, b, a
         for _ in range(_HALVINGS):
             middle = 0.5 * (inner + outer)
             if not inner < middle < outer or outer - inner < near:
                 break
-            point = path.between(a, middle)
+            point = path.between(first, middle)
             if point is None:
                 break
             if word(point.orbit) == last:
-                inner = middle
+                inner, before = middle, point
             else:
                 outer, here = middle, point
         after = word(here.orbit)
-        found.append((kind(last, after), here, (said(last, after, here.orbit),)))
-        low, last = outer, after
+        moved = _RESIDUALS * path.span * max(here.blur, before.blur) + _UNSEEN * max(abs(here.value), path.span)
+        found.append(Located(kind(last, after), here, (said(last, after, here.orbit),), float(abs(here.value - before.value) + moved)))
+        low, last, a = outer, after, here
         if len(found) > 8:
             break
     return found

@@ -37,11 +37,21 @@ class Around:
         Values of mu0 at which the motion of period one doubles its period at 0.6 mm.
     curves : tuple of Curve
         The curve of these flips in (mu0, amplitude).
+    accuracies : tuple of float
+        By how much each of the flips may be wrong.
     """
 
     grid: Any
     flips: tuple[float, ...]
     curves: tuple[Any, ...]
+    accuracies: tuple[float, ...]
+
+    @property
+    def flips_told(self) -> list[str]:
+        """The flips, to their certain digits."""
+        from stickslip.dynamics.marked import certain
+
+        return [certain(value, accuracy) for value, accuracy in zip(self.flips, self.accuracies, strict=True)]
 
     @cached_property
     def shares(self) -> dict[str, float]:
@@ -75,7 +85,7 @@ class Around:
         names = ("period", "exponent", "error", "mean_velocity")
         return {
             "mu0": self.grid.mu0.values, "amplitude": self.grid.amplitude.values, **{n: self.grid[n].values for n in names},
-            "shares": self.shares, "largest": self.largest, "flips_at_0.6_mm": self.flips,
+            "shares": self.shares, "largest": self.largest, "flips_at_0.6_mm": self.flips, "flip_accuracies": self.accuracies,
             "flip_curves": [{p: c.values[:, i] for i, p in enumerate(c.parameters)} for c in self.curves],
             "settle": self.grid.attrs["settle"], "periods": self.grid.attrs["periods"], "full_resolution": FULL,
         }  # fmt: skip
@@ -98,8 +108,8 @@ def around(fast: bool, tell: Tell) -> Around:
         return Around(grid, *followed.result())
 
 
-def _flips() -> tuple[tuple[float, ...], tuple[Any, ...]]:
-    """The flips at the paper's amplitude, and their curve upwards and downwards in it."""
+def _flips() -> tuple[tuple[float, ...], tuple[Any, ...], tuple[float, ...]]:
+    """The flips at the paper's amplitude, their curve upwards and downwards in it, and their accuracy."""
     from stickslip.dynamics.branches import continuation
     from stickslip.dynamics.curves import special_curve
     from stickslip.presets import piezo_rig
@@ -107,4 +117,4 @@ def _flips() -> tuple[tuple[float, ...], tuple[Any, ...]]:
     branch = continuation(piezo_rig, parameter="mu0", start=0.05, stop=0.0345, step=0.1, rtol=1e-8, tilt_deg=1.7, amplitude=AMPLITUDE_5)
     flips = [s for s in branch.special if s.kind == "flip"]
     curves = tuple(special_curve(branch, flips[0], "amplitude", stop, step=0.1) for stop in (9.5e-4, 2.5e-4)) if flips else ()
-    return tuple(s.value for s in flips), curves
+    return tuple(s.value for s in flips), curves, tuple(s.accuracy for s in flips)

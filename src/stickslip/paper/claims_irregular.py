@@ -123,7 +123,7 @@ def period_two(study: Study) -> Claim:
             f"Period two holds for amplitudes from {millimetres(found[0], 3)} to {millimetres(found[1], 3)}."
             if found
             else "It holds for no amplitude around 0.6 mm.",
-            f"{_judged(study.motions[23])} Along μ₀ the period doubles at {listed(f'{mu0:.7f}' for mu0 in near.flips)}.",
+            f"{_judged(study.motions[23])} Along μ₀ the period doubles at {listed(near.flips_told)}.",
             f"On the map of {near.grid.period.size} pairs of μ₀ (0.03 to 0.21) and A (0.25 to 0.95 mm) "
             f"{percent(near.shares['period 2'])} have period two, {percent(near.shares['higher periods'])} a higher one, and "
             f"{percent(near.shares['chaotic'])} are chaotic: small kinetic friction does give more than the four types.",

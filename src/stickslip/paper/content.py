@@ -86,7 +86,7 @@ def _around(found: Any) -> dict[str, Any]:
     return {
         "points": found.grid.period.size,
         "shares": [(name, percent(share)) for name, share in found.shares.items()],
-        "flips": listed(f"{mu0:.7f}" for mu0 in found.flips),
+        "flips": listed(found.flips_told),
         "largest": f"{plain(top['exponent'], 2)} ± {plain(top['error'], 1)}",
         "where": f"A = {millimetres(top['amplitude'], 3)}, μ₀ = {plain(top['mu0'], 3)}",
         "full": FULL,
