@@ -25,6 +25,23 @@ stickslip paper
 
 *This page is written by `examples/paper_page.py` from what that command found; a test compares the two.*
 
+The report has the paper's equations too, read off the code that solves them, the beam of section 3, and every figure. What stands in
+`numbers.json` (`"format": "stickslip-paper-3"`; SI units):
+
+| key | what |
+|---|---|
+| `table` | section 4: printed and computed mean velocities, types; `intervals`: begin, length and sign of each slide and rest, in periods |
+| `cases` | Figures 11 to 30: velocities, types, and the verdict with multipliers and exponents |
+| `claims`, `errata` | verdicts with their evidence and numbers |
+| `equations` | number, title, LaTeX, and whether it was read off the code (`traced`) |
+| `amplitudes` | the inferred ones; `section5.period_two` has `low` and `high`, each with `value`, `kind` and `accuracy` |
+| `around` | the map around Figure 23 and its flip curves |
+| `coexistence` | section 5.4 from several starts: where two motions exist, and from where to where (`ranges`) |
+| `figures`, `provenance`, `seconds`, `fast`, `report` | files, versions and tolerances, duration, extent |
+
+Format 3 differs from format 2 by `equations`, `coexistence` and `intervals`; `period_two` and the rows of `round_values` were intervals and
+period numbers of runs on a grid, and are orbits now.
+
 **Amplitudes are inferred.** The paper prints none for section 4 and for sections 5.2 to 5.4. They were found by scanning the amplitude
 and keeping what gives the printed numbers. Where a verdict rests on them, it says so.
 
@@ -57,6 +74,7 @@ END = """
 - *Folding* an incline into the coefficients is exact for Coulomb friction and another model for LuGre friction; `incline="gravity"` is the
   incline. See [equations of motion](theory/equations-of-motion.md).
 - A motion that looks quasi-periodic may be the step size. See [why not my RK4 script?](why-not-rk4.md)
+- At large static friction it matters how a LuGre robot is started: it slides from one start and stays near rest from another.
 - What lies around Figure 23 is in [period doubling and chaos](tutorials/doubling-and-chaos.md).
 """
 

@@ -19,7 +19,7 @@ from stickslip.errors import InputError, StickslipError, is_whole
 from stickslip.fields import check_arguments, number
 
 __all__ = [
-    "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "Maker", "Measured", "Model", "Numbers", "Page",
+    "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model", "Numbers", "Page",
     "Run",     "Ways", "explains_arguments", "wrong_kinds",
 ]  # fmt: skip
 
@@ -63,6 +63,9 @@ Maker = Annotated[
     Any, Kind(lambda v: callable(v) or _has("friction")(v), "a robot or a function that makes one; type ss.presets.piezo_rig")
 ]
 Law = Annotated[Any, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
+LawOrModel = Annotated[
+    Any, Kind(lambda v: _is_law(v) or _has("friction", "acceleration")(v), f"a friction law, a Robot or a mechanism; {_ROBOT}")
+]
 Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
 Grid = Annotated[Any, Kind(_has("data_vars", "dims"), "a dataset, such as ss.sweep, ss.map and ss.bifurcation return")]
 Fitted = Annotated[Any, Kind(_has("values", "problem"), "a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")]

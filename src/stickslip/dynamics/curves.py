@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
-from stickslip.dynamics.branches import Branch, Special
+from stickslip.dynamics.branches import Branch
 from stickslip.dynamics.cycles import LimitCycle
 from stickslip.dynamics.family import Family
 from stickslip.dynamics.mapping import coordinates, strobe_map

@@ -1,18 +1,25 @@
-"""A law's own equation as LaTeX: its plain Python called with SymPy symbols, once for each direction."""
+"""The equations of a law or of a robot as LaTeX: their plain Python called with SymPy symbols, a law once for each direction."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from stickslip.arguments import Law, explains_arguments
+from stickslip.arguments import LawOrModel, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, states_of, wants_applied
+from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
 
-__all__ = ["latex"]
+__all__ = ["latex", "written"]
 
 _NAMES = {"plus": "+", "minus": "-", "load": "N"}
-_GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa")
+_GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "theta")
+#: The letters of the numbers of robots, mechanisms, drives and tracks whose names are words.
+_LETTERS = {
+    "body_mass": "M", "inner_mass": "m", "gravity": "g", "amplitude": "A", "tilt": r"\theta", "load": "N",
+    "mass": "m", "stiffness": "k", "damping": "c", "speed": "u", "force": "P",
+    "amplitudes": "A", "phase": r"\varphi", "phases": r"\varphi", "period": "T", "stroke": "L", "cosines": "a", "sines": "b",
+}  # fmt: skip
 
 
 class _Tex:
@@ -87,6 +94,8 @@ for _name in ("gt", "ge", "lt", "le"):
 
 def symbol_text(name: str) -> str:
     r"""A field's name as LaTeX: ``mu_plus`` is \mu_{+}."""
+    if name in _LETTERS:
+        return _LETTERS[name]
     head, _, tail = name.replace(".", "_").partition("_")
     letters = head.rstrip("0123456789")
     index = head[len(letters) :] + _NAMES.get(tail, tail)
@@ -95,18 +104,25 @@ def symbol_text(name: str) -> str:
 
 
 @explains_arguments
-def latex(law: Law) -> str:
-    r"""The equations of a friction law as LaTeX, derived from the law's own code.
+def latex(model: LawOrModel) -> str:
+    r"""The equations of a friction law, or of a whole robot, as LaTeX, derived from their own code.
 
     Parameters
     ----------
-    law : Coulomb, LuGre or any law
+    model : Coulomb, LuGre or any law; Robot or mechanism
+        Of a robot or a mechanism: the equation of motion with the jumps of the velocity, the load where it is no number of its own,
+        and the law. Where the contact moves, the law's v is the velocity v_c at the contact.
 
     Returns
     -------
     str
         An ``aligned`` block: the friction force R and the rates of the inner states for v > 0 and v < 0; for a set-valued law
         the sliding forces and the interval of forces at rest. Memories of a law stand as m, what would hold the body as R_0.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or if what drives it is no formula, such as a record.
 
     Examples
     --------
@@ -117,24 +133,88 @@ def latex(law: Law) -> str:
     R &= - N \mu_{-}, && v < 0 \\
     - N \mu_{-} \le R &\le N \mu_{+}, && v = 0
     \end{aligned}
+    >>> print(ss.latex(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")))
+    \begin{aligned}
+    \ddot x &= \frac{A \omega^{2} m \sin{\left(\omega t \right)}}{M + m} - \frac{R}{M + m} \\
+    N &= g \left(M + m\right) \\
+    R &= N \mu_{+}, && v > 0 \\
+    R &= - N \mu_{-}, && v < 0 \\
+    - N \mu_{-} \le R &\le N \mu_{+}, && v = 0
+    \end{aligned}
+    """
+    moves = hasattr(model, "friction") and hasattr(model, "acceleration")
+    law = model.friction if moves else model
+    if not (is_dynamic(law) or hasattr(law, "sliding")):
+        given = f"{type(model).__name__} given; allowed is a friction law or a robot"
+        raise InputError("latex", [f"{given}; type for example ss.latex(robot.friction)"])
+    lines, load, slip = _of_motion(model) if moves else ([], _symbol("N"), "v")
+    return "\\begin{aligned}\n" + " \\\\\n".join(lines + _of_law(law, load, slip)) + "\n\\end{aligned}"
+
+
+def written(function: Callable[..., Any], **names: str) -> list[str]:
+    r"""What a function of plain Python computes, as LaTeX, one text for each number that it returns; `names`: its arguments' symbols.
+
+    Examples
+    --------
+    >>> from stickslip.tracks import fold
+    >>> print(*written(fold, coefficient=r"\mu_{0}", tilt=r"\theta"), sep="\n")
+    \mu_{0} \cos{\left(\theta \right)} - \sin{\left(\theta \right)}
+    \mu_{0} \cos{\left(\theta \right)} + \sin{\left(\theta \right)}
     """
     import sympy
 
-    if not (is_dynamic(law) or hasattr(law, "sliding")):
-        raise InputError("latex", [f"{type(law).__name__} given; allowed is a friction law; type for example ss.latex(robot.friction)"])
-    symbols = {name: _Tex(sympy.Symbol(symbol_text(name), positive=True)) for name, _ in leaves(law)}
-    traced, load = replace_leaf(law, symbols), _Tex(sympy.Symbol("N", positive=True))
-    sides = [_equations(traced, _Tex(sympy.Symbol("v", **{sign: True})), load) for sign in ("positive", "negative")]
+    symbols = {name: _symbol(text) for name, text in names.items()}
+    slopes = {sympy.sin(s.expression) / sympy.cos(s.expression): sympy.tan(s.expression) for s in symbols.values()}
+    found = function(**symbols)
+    return [_text(_bare(value).subs(slopes)) for value in (found if isinstance(found, tuple) else (found,))]
+
+
+def _symbol(text: str, **assumptions: bool) -> _Tex:
+    import sympy
+
+    return _Tex(sympy.Symbol(text, **(assumptions or {"positive": True})))
+
+
+def _of_motion(model: Any) -> tuple[list[str], _Tex, str]:
+    """The equation of motion and what else its law needs, as lines; the load as the law sees it; and the letter of its velocity."""
+    traced = replace_leaf(model, _letters_of([name for name, _ in leaves(model) if not name.startswith("friction.")]))
+    t, x, v, R, N = (*(_symbol(letter, real=True) for letter in ("t", "x", "v", "R")), _symbol("N"))
+    try:
+        lines = [rf"\ddot x &= {_text(traced.acceleration(t, x, v, R))}"]
+        lines += [rf"\Delta v &= {_text(jump)}, && t = {_text(instant)}" for instant, jump in getattr(traced, "impulses", ())]
+    except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
+        why = f"what drives this {type(model).__name__} cannot be written as a formula"
+        raise InputError("latex", [f"{why}; for its law alone type ss.latex(robot.friction)"]) from None
+    load, slip = _bare(normal_load(traced, t, x)), _bare(traced.contact_velocity(v))
+    if load not in (1, N.expression):
+        lines.append(f"N &= {_text(load)}")
+    if slip != v.expression:
+        lines.append(f"v_{{c}} &= {_text(slip)}")
+    return lines, _Tex(load) if load == 1 else N, "v" if slip == v.expression else "v_{c}"
+
+
+def _letters_of(names: list[str]) -> dict[str, _Tex]:
+    """A symbol for each number of a robot, by its dotted name; those that would share a letter have their place as its index."""
+    places = [name.split(".") for name in names]
+    short = [f"{symbol_text(p[-2])}_{{{p[-1]}}}" if p[-1].isdigit() else symbol_text(p[-1]) for p in places]
+    long = [rf"{{{text}}}_{{\mathrm{{{'.'.join(p[:-1])}}}}}" for text, p in zip(short, places, strict=True)]
+    return {n: _symbol(s if short.count(s) == 1 else own) for n, s, own in zip(names, short, long, strict=True)}
+
+
+def _of_law(law: Any, load: _Tex, slip: str) -> list[str]:
+    """The lines of a law."""
+    traced = replace_leaf(law, {name: _symbol(symbol_text(name)) for name, _ in leaves(law)})
+    sides = [_equations(traced, _symbol(slip, **{sign: True}), load) for sign in ("positive", "negative")]
     lines = []
     for (left, plus), (_, minus) in zip(*sides, strict=True):
         if _text(plus) == _text(minus):
             lines.append(f"{left} &= {_text(plus)}")
         else:
-            lines += [f"{left} &= {_text(plus)}, && v > 0", f"{left} &= {_text(minus)}, && v < 0"]
+            lines += [f"{left} &= {_text(plus)}, && {slip} > 0", f"{left} &= {_text(minus)}, && {slip} < 0"]
     if not is_dynamic(law):
         low, high = traced.breakaway(load)
-        lines.append(rf"{_text(low)} \le R &\le {_text(high)}, && v = 0")
-    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+        lines.append(rf"{_text(low)} \le R &\le {_text(high)}, && {slip} = 0")
+    return lines
 
 
 def _text(expression: Any) -> str:

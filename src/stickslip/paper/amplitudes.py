@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.paper.borders import exact_types, longest, stretches
 from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, Experiment, rig
+from stickslip.paper.following import Followed, followed
 from stickslip.paper.runs import Tell, batch
 
 __all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer"]
@@ -16,6 +18,9 @@ __all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer
 ROUNDING = 5e-5
 #: What the five frequencies of Figures 17 to 21 should give, in order.
 WANTED = ("rest", "II", "I", "III", "IV")
+OMEGAS = np.array([c.changes["omega"] for c in CASES if c.section == "5.2"])
+#: Kinetic coefficients at which only types III and IV should appear, and amplitudes among which that is looked for [m].
+KINETIC, RANGE = np.array([0.05, 0.10, 0.21]), (5e-4, 9e-4)
 
 Interval = tuple[float, float] | None
 
@@ -63,18 +68,19 @@ class Candidates:
     Parameters
     ----------
     round_values : tuple of dict
-        For each multiple of 0.1 mm: amplitude [m], exact types at the five frequencies, LuGre period number at mu0 = 0.04.
+        For each multiple of 0.1 mm: amplitude [m], exact types at the five frequencies; LuGre motion at mu0 = 0.04: its kind, its period
+        number (0 if it has none) and its largest multiplier (None if it has none).
     frequencies : tuple or None
-        Amplitudes [m] at which the five frequencies give rest, II, I, III, IV.
-    period_two : tuple or None
-        Amplitudes [m] around the chosen one at which mu0 = 0.04 gives period two.
+        Amplitudes [m] at which the five frequencies give rest, II, I, III, IV: by the exact borders.
+    period_two : Followed
+        The stable motion of period two at mu0 = 0.04, from amplitude to amplitude, by continuation of its orbit.
     only_three_and_four : tuple or None
-        Amplitudes [m] at which mu0 = 0.05, 0.10 and 0.21 all give type III or IV.
+        Amplitudes [m] from 0.5 to 0.9 mm at which mu0 = 0.05, 0.10 and 0.21 all give type III or IV: by the exact borders.
     """
 
     round_values: tuple[dict[str, Any], ...]
     frequencies: Interval
-    period_two: Interval
+    period_two: Followed
     only_three_and_four: Interval
 
     @property
@@ -105,7 +111,7 @@ def infer(fast: bool, tell: Tell) -> Amplitudes:
     step = 4e-6 if fast else 5e-7
     section4 = tuple(_bracket(e, step) for e in EXPERIMENTS)
     tell("inferring amplitudes", 1, 2)
-    section5 = _candidates(5e-6 if fast else 1e-6)
+    section5 = _candidates()
     tell("inferring amplitudes", 2, 2)
     return Amplitudes(section4, section5)
 
@@ -130,39 +136,51 @@ def _velocity(e: Experiment, A: Any, law: str) -> Any:
     return batch(rig(e, amplitude=A, law=law), settle="auto").mean_velocity
 
 
-def _candidates(step: float) -> Candidates:
+def _candidates() -> Candidates:
     round_values = 1e-4 * np.arange(3, 11)
-    types, periods = _types_by_frequency(round_values), _periods(round_values)
+    types = _types(round_values, omega=OMEGAS)
     rows = tuple(
-        {"amplitude": float(A), "types": t.tolist(), "period": int(p)} for A, t, p in zip(round_values, types, periods, strict=True)
+        {"amplitude": float(A), "types": t.tolist(), **m} for A, t, m in zip(round_values, types, _motions(round_values), strict=True)
     )
-    A = step * np.arange(round(5e-4 / step), round(9e-4 / step) + 1)
-    by_frequency = (_types_by_frequency(A) == np.array(WANTED)).all(axis=1)
-    larger = np.array([0.05, 0.10, 0.21])
-    by_kinetic = batch(rig(CASES[-1], amplitude=A[:, None], mu0=larger, f0=0.21, law="coulomb"), settle="auto").motion_type
-    return Candidates(
-        rows,
-        _interval(A, by_frequency),
-        _interval(A, _periods(A) == 2, around=AMPLITUDE_5),
-        _interval(A, np.isin(by_kinetic, ("III", "IV")).all(axis=1)),
-    )
+    by_frequency = stretches(lambda A: (_types(A, omega=OMEGAS) == np.array(WANTED)).all(axis=1), *RANGE)
+    by_kinetic = stretches(lambda A: np.isin(_types(A, mu0=KINETIC), ("III", "IV")).all(axis=1), *RANGE)
+    two = followed("amplitude", AMPLITUDE_5, *RANGE, period=2, mu0=0.04)
+    return Candidates(rows, longest(by_frequency), two, longest(by_kinetic))
 
 
-def _types_by_frequency(A: Any) -> Any:
-    omegas = np.array([c.changes["omega"] for c in CASES if c.section == "5.2"])
-    return batch(rig(CASES[-1], amplitude=A[:, None], omega=omegas, f0=0.21, law="coulomb"), settle="auto").motion_type
+def _types(A: Any, **changes: Any) -> Any:
+    """Exact types over amplitude and another number of the rig, by the closed borders."""
+    return exact_types(rig(CASES[-1], amplitude=A[:, None], f0=0.21, law="coulomb", **changes))
 
 
-def _periods(A: Any) -> Any:
-    return batch(rig(CASES[-1], amplitude=A, mu0=0.04, f0=0.21), periods=200).period
+def _motions(A: Any) -> list[dict[str, Any]]:
+    """The LuGre motions at mu0 = 0.04: periodic where Newton's method finds a stable orbit, else by the largest exponent."""
+    from stickslip.dynamics.maps import chaos_map
+    from stickslip.presets import piezo_rig
+
+    seen = chaos_map(piezo_rig, amplitude=A, mu0=0.04, f0=0.21, tilt_deg=1.7, settle=300, periods=300, rtol=1e-7)
+    return [_judged(float(a), *map(float, row)) for a, *row in zip(A, seen.period, seen.exponent, seen.error, strict=True)]
 
 
-def _interval(A: Any, good: Any, around: float | None = None) -> Interval:
-    """First and last amplitude of the longest run of good ones, or of the run that holds `around`."""
+def _judged(A: float, period: float, exponent: float, error: float) -> dict[str, Any]:
+    from stickslip.dynamics.orbits import periodic_orbit
+    from stickslip.errors import SolveError
+
+    kind, multiplier = "chaotic" if period == 0 and exponent > 3 * error else "undecided", None
+    try:
+        orbit = periodic_orbit(rig(CASES[-1], amplitude=A, mu0=0.04, f0=0.21), int(period)) if period else None
+        if orbit is not None and orbit.stable:
+            kind, multiplier = "periodic", float(abs(orbit.multipliers[0]))
+    except SolveError:
+        pass
+    period = int(period) if kind == "periodic" else 0
+    return {"kind": kind, "period": period, "multiplier": multiplier, "exponent": exponent, "error": error}
+
+
+def _interval(A: Any, good: Any) -> Interval:
+    """First and last amplitude of the longest run of good ones."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     runs = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-    if around is not None:
-        runs = [r for r in runs if A[r[0]] - 1e-12 <= around <= A[r[1]] + 1e-12]
     if not runs:
         return None
     first, last = max(runs, key=lambda r: r[1] - r[0])

@@ -6,8 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.drives import PiezoBeam
 from stickslip.paper.amplitudes import Amplitudes
 from stickslip.paper.around import Around, around
+from stickslip.paper.beam import Beam
+from stickslip.paper.coexistence import Coexistence, coexistence
 from stickslip.paper.motions import Motion, motions
 from stickslip.paper.runs import Runs, Tell
 from stickslip.paper.table import Row
@@ -75,16 +78,20 @@ class Study:
     motions: dict[int, Motion]
     around: Around
     static_map: dict[str, Any]
+    coexistence: Coexistence
+    beam: Beam
     tell: Tell
 
 
 def study_of(fast: bool, runs: Runs, table: tuple[Row, ...], amplitudes: Amplitudes, tell: Tell) -> Study:
     """Do the scans that claims and figures share."""
-    from stickslip.paper.claims_friction import static_map
+    from stickslip.paper.claims_static import static_map
 
     judged, near = motions(runs, tell), around(fast, tell)
-    tell("scanning static friction", 1, 2)
-    return Study(fast, runs, table, amplitudes, judged, near, static_map(fast), tell)
+    tell("scanning static friction", 0, 2)
+    scanned = static_map(fast)
+    tell("scanning static friction from several starts", 1, 2)
+    return Study(fast, runs, table, amplitudes, judged, near, scanned, coexistence(fast), Beam(PiezoBeam()), tell)
 
 
 def verdict(holds: Any) -> str:
@@ -103,16 +110,20 @@ def claims(study: Study) -> tuple[Claim, ...]:
 
 
 def _judges() -> tuple[Callable[[Study], Claim], ...]:
+    from stickslip.paper import claims_beam as beam
     from stickslip.paper import claims_comparison as comparison
     from stickslip.paper import claims_excitation as excitation
     from stickslip.paper import claims_friction as friction
     from stickslip.paper import claims_irregular as irregular
     from stickslip.paper import claims_laws as laws
+    from stickslip.paper import claims_static as static
 
     return (
         laws.bristle_is_slow,
         laws.dahl_without_stick_slip,
         comparison.anisotropy,
+        beam.sum_of_modes,
+        beam.sinusoidal_tip,
         comparison.folding_coulomb,
         comparison.folding_lugre,
         comparison.four_types,
@@ -129,5 +140,6 @@ def _judges() -> tuple[Callable[[Study], Claim], ...]:
         irregular.quasi_periodic,
         irregular.period_two,
         friction.only_three_and_four,
-        friction.all_types_by_static,
+        static.all_types_by_static,
+        friction.all_types_by_kinetic,
     )

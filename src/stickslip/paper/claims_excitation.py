@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.paper.borders import exact_types, stretches, told
 from stickslip.paper.cases import AMPLITUDE_5, CASES, OMEGA, rig
 from stickslip.paper.claims import CONFIRMED, Claim, Part, Study, verdict
+from stickslip.paper.following import followed
 from stickslip.paper.runs import batch
 from stickslip.paper.words import listed, millimetres, percent, plain
 
@@ -72,28 +74,30 @@ def all_types_by_amplitude(study: Study) -> Claim:
 
 def _borders() -> str:
     """The amplitudes at which the exact type changes at 1.7 degrees."""
-    A = np.arange(2e-4, 8e-4, 1e-7)
-    types = batch(rig(CASES[1], amplitude=A, law="coulomb"), settle="auto").motion_type
-    at = np.flatnonzero(types[1:] != types[:-1])
-    changes = [f"{types[i]} to {types[i + 1]} at {millimetres(0.5 * (A[i] + A[i + 1]))}" for i in at]
-    return f"Along the amplitude the exact type changes from {listed(changes)}."
+    found = stretches(lambda A: exact_types(rig(CASES[1], amplitude=A, law="coulomb")), 2e-4, 8e-4)
+    return f"Along the amplitude, by the exact borders: {told(found, millimetres)}."
 
 
 def always_periodic(study: Study) -> Claim:
     """Always periodic along the amplitude."""
-    A = np.linspace(1e-6, 8e-4, 81 if study.fast else 800)
-    many = batch(rig(CASES[0], amplitude=A), periods=200)
-    periods = np.unique(many.period)
+    low, high = CASES[0].amplitude, 8e-4
+    found = followed("amplitude", high, low, high, step=0.1, rtol=1e-6)
+    holds = found.low.kind == "range"
     return Claim(
         "always_periodic",
         "5.1",
         "Along the amplitude the motion is always periodic.",
         "the phase portrait of the system is always periodic",
-        verdict((periods == 1).all()),
-        (f"Of {len(A)} amplitudes from 10⁻⁶ m to 0.8 mm {int((many.period == 1).sum())} repeat after one drive period.",),
-        "high: strobe points repeat within 30 times the tolerance of 10⁻⁶",
-        {"amplitudes": len(A), "period_numbers": periods.tolist()},
-    )
+        verdict(holds),
+        (
+            f"The periodic motion at 0.8 mm was followed down to {'10⁻⁶ m' if holds else f'{found.low.text()} mm'} by continuation of its "
+            f"orbit, in {found.orbits} steps: "
+            + (f"it repeats after one drive period, and no multiplier is larger than {plain(found.multiplier, 3)}." if holds else
+               f"there it {found.low.why}."),
+        ),
+        "high: an orbit with its multipliers, not a run that may not have settled; between two steps it is continuous",
+        {"low": found.low.value, "high": high, "ends": found.low.kind, "largest_multiplier": found.multiplier, "orbits": found.orbits},
+    )  # fmt: skip
 
 
 def omega_as_amplitude(study: Study) -> Claim:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
-
-import numpy as np
 
 from stickslip.paper.cases import CASES, rig
 from stickslip.paper.claims import Claim, Part, Study, verdict
+from stickslip.paper.following import Followed, followed
 from stickslip.paper.motions import Motion
 from stickslip.paper.runs import batch
 from stickslip.paper.words import grouped, listed, millimetres, percent, plain, speed
@@ -64,15 +64,14 @@ def _judged(motion: Motion) -> str:
 
 def quasi_periodic(study: Study) -> Claim:
     """Quasi-periodic at mu0 = 0.03."""
-    A = np.linspace(3e-4, 1.25e-3, 39 if study.fast else 381)
-    scan = batch(rig(FIG22, amplitude=A), periods=200)
-    once = int((scan.period == 1).sum())
+    wide = followed("amplitude", 1.25e-3, 3e-4, 1.25e-3, step=0.1, rtol=1e-6, mu0=0.03)
+    once = wide.low.kind == "range"
     ours, judge, ladder = _converged(FIG22), [] if study.fast else _converged(FIG22, "rodas4"), rk4_ladder(study)
     best = ours[-1][1]
     spread = max(abs(v / best - 1) for _, v, _ in [*ours, *judge])
     wrong = [r for r in ladder if r["velocity"] is not None and abs(r["velocity"] / best - 1) > 0.1]
     right = [r for r in ladder if r not in wrong and r["velocity"] is not None]
-    quasi = once < len(A) and all(p == 0 for _, _, p in ours)
+    quasi = not once and all(p == 0 for _, _, p in ours)
     return Claim(
         "quasi_periodic",
         "5.3",
@@ -85,7 +84,8 @@ def quasi_periodic(study: Study) -> Claim:
             f"({'one method' if study.fast else 'two methods'}, tolerances from 10⁻⁶ to 10⁻¹⁰, largest relative difference "
             f"{plain(spread, 2)}).",
             _judged(study.motions[22]),
-            f"At {once} of {len(A)} amplitudes from {millimetres(A[0], 2)} to {millimetres(A[-1], 2)} it has period one.",
+            f"By continuation of its orbit it has period one at every amplitude from {wide.low.text()} to 1.25 mm, with no multiplier "
+            f"larger than {plain(wide.multiplier, 2)}" + ("." if once else f"; there it {wide.low.why}."),
             f"Here k₁ = {plain(rig(FIG22).friction.f_plus / rig(FIG22).friction.mu_plus, 3)} and μ₊ = "
             f"{plain(rig(FIG22).friction.mu_plus, 2)}: extremely stiff. Fixed-step Runge-Kutta "
             + (f"is wrong up to {grouped(wrong[-1]['steps'])} steps per period, " if wrong else "")
@@ -99,18 +99,22 @@ def quasi_periodic(study: Study) -> Claim:
             "rounding of the machine, so no single row proves anything.",
         ),
         "high: independent methods agree, and the failure of the paper's method can be shown",
-        {"converged": ours, "second_method": judge, "rk4": list(ladder), "amplitudes": len(A), "period_one": once},
+        {
+            "converged": ours,
+            "second_method": judge,
+            "rk4": list(ladder),
+            "period_one_from": wide.low.value,
+            "period_one_to": wide.high.value,
+            "largest_multiplier": wide.multiplier,
+        },
     )
 
 
 def period_two(study: Study) -> Claim:
     """Period two at mu0 = 0.04."""
     ours, found, near = _converged(FIG23), study.amplitudes.section5.period_two, study.around
-    round_values = [(r["amplitude"], r["period"]) for r in study.amplitudes.section5.round_values]
-    parts = tuple(
-        Part(f"A = {millimetres(A, 1)}", verdict(p == 2), f"period {p}" if p else "no period up to 16 found: irregular")
-        for A, p in round_values
-    )
+    rows = study.amplitudes.section5.round_values
+    parts = tuple(Part(f"A = {millimetres(r['amplitude'], 1)}", verdict(r["period"] == 2), _at(r)) for r in rows)
     return Claim(
         "period_two",
         "5.3",
@@ -120,15 +124,29 @@ def period_two(study: Study) -> Claim:
         (
             f"At A = 0.6 mm (inferred) the motion repeats after {listed(sorted({p for _, _, p in ours}))} drive periods at tolerances "
             f"from 10⁻⁶ to 10⁻¹⁰; mean velocity {speed(ours[-1][1], 8)}.",
-            f"Period two holds for amplitudes from {millimetres(found[0], 3)} to {millimetres(found[1], 3)}."
-            if found
-            else "It holds for no amplitude around 0.6 mm.",
+            f"By continuation of its orbit the motion of period two is stable from {found.low.text()} mm, where it {found.low.why}, to "
+            f"{found.high.text()} mm, where it {found.high.why} ({_sure(found)}).",
             f"{_judged(study.motions[23])} Along μ₀ the period doubles at {listed(near.flips_told)}.",
             f"On the map of {near.grid.period.size} pairs of μ₀ (0.03 to 0.21) and A (0.25 to 0.95 mm) "
             f"{percent(near.shares['period 2'])} have period two, {percent(near.shares['higher periods'])} a higher one, and "
             f"{percent(near.shares['chaotic'])} are chaotic: small kinetic friction does give more than the four types.",
         ),
         "high for the motion; that Figure 23 was drawn with 0.6 mm is inferred",
-        {"converged": ours, "interval": found, "round_values": round_values, "flips": near.flips, "shares": near.shares},
+        {"converged": ours, "interval": dataclasses.asdict(found), "round_values": rows, "flips": near.flips, "shares": near.shares},
         parts,
     )
+
+
+def _sure(found: Followed) -> str:
+    """How accurate the ends of a motion are, in words."""
+    known = [1e3 * end.accuracy for end in (found.low, found.high) if end.accuracy]
+    if len(known) < 2:
+        return "to the last digit printed"
+    return f"both to {plain(max(known), 1)} mm: so much they move when the tolerance is a hundredth"
+
+
+def _at(row: dict[str, Any]) -> str:
+    """The motion at one of the round amplitudes."""
+    if row["period"]:
+        return f"periodic, period {row['period']}, largest multiplier |λ| = {plain(row['multiplier'], 2)}"
+    return f"{row['kind']}, largest exponent {plain(row['exponent'], 2)} ± {plain(row['error'], 1)} per drive period"

@@ -16,12 +16,14 @@ __all__ = ["content"]
 TITLE = "Friction in a vibration-driven system: the paper, computed again"
 #: The evidence figure that belongs to a claim.
 EVIDENCE = {"quasi_periodic": "evidence-step-size", "all_types_by_static": "evidence-static-friction"}
-CONTENTS = (
-    ("table", "Table of section 4"),
+SECTIONS = (
+    ("equations", "Equations"),
+    ("beam", "Section 3: the beam"),
+    ("table", "Section 4: four angles, two laws, one experiment"),
     ("claims", "Claims"),
     ("motions", "Section 5 by multipliers and exponents"),
     ("figures", "Figures"),
-    ("amplitudes", "Amplitudes"),
+    ("amplitudes", "Amplitudes that the paper leaves out"),
     ("errata", "Errata"),
     ("provenance", "Provenance"),
 )
@@ -33,7 +35,8 @@ def content(result: Any, notes: list[str]) -> dict[str, Any]:
     return {
         "title": TITLE,
         "lead": _lead(result),
-        "contents": CONTENTS,
+        "contents": _contents(result),
+        "equations": result.equations,
         "table": result.table,
         "rules": sum(result.table[0].lugre_words.values()),
         "claims": result.claims,
@@ -46,11 +49,21 @@ def content(result: Any, notes: list[str]) -> dict[str, Any]:
         "common": f"{_span(result.amplitudes.common)} mm" if result.amplitudes.common else "no amplitude serves",
         "round_values": section5.round_values,
         "chosen": section5.chosen,
-        "intervals": {n: f"{_span(getattr(section5, n), 3)} mm" for n in ("frequencies", "period_two", "only_three_and_four")},
+        "intervals": {n: f"{_span(getattr(section5, n))} mm" for n in ("frequencies", "only_three_and_four")}
+        | {"period_two": f"{section5.period_two.low.text()} to {section5.period_two.high.text()} mm"},
         "errata": result.errata,
         "provenance": result.provenance,
         "notes": notes,
     }
+
+
+def _contents(result: Any) -> list[tuple[str, str, list[tuple[str, str]]]]:
+    """Anchor and name of every section, with those of the claims and figures in it."""
+    below = {
+        "claims": [(f"claim-{c.key}", f"{c.section}: {c.claim}") for c in result.claims],
+        "figures": [(p.key, p.title) for p in result.figures if p.section not in ("evidence", "around", "3")],
+    }
+    return [(name, text, below.get(name, [])) for name, text in SECTIONS]
 
 
 def _lead(result: Any) -> str:

@@ -64,6 +64,7 @@ def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2,
         files = tuple(folder / f"{key}.{kind}" for kind in ("png", "svg"))
         for file in files:
             whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
+            whole.set_layout_engine("none")  # the second file is laid out as the first: half of the work
         return Picture(key=key, files=files, panels=tuple(_alone(draw, height, f"{key}-{i}") for i, draw in enumerate(panels)), **texts)
 
 

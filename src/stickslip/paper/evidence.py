@@ -8,30 +8,35 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.paper import beam_figure
 from stickslip.paper.amplitudes import ROUNDING, Amplitudes, Bracket
 from stickslip.paper.around import Around
 from stickslip.paper.cases import AMPLITUDE_5, CASES
 from stickslip.paper.claims import Claim, Study
+from stickslip.paper.coexistence import STARTS, Coexistence
 from stickslip.paper.drawing import COULOMB, LUGRE, Picture, render
 from stickslip.paper.words import listed, millimetres, percent, plain, speed
 from stickslip.plot.style import INK
 
 __all__ = ["draw"]
 
-#: Colours of motion types and of period numbers (Okabe and Ito 2008), light for what does not slide.
-TYPES = {"rest": "#E4E7EB", "presliding": "#E4E7EB", "II": "#56B4E9", "I": "#0072B2", "III": "#E69F00", "IV": "#D55E00", "other": "#333333"}
+#: Colours of motion types (after Okabe and Ito 2008), light for what does not slide; told apart with any colour vision.
+TYPES = {"rest": "#E4E7EB", "presliding": "#E4E7EB", "II": "#56B4E9", "I": "#0072B2", "III": "#F0C000", "IV": "#D55E00", "other": "#333333"}
+#: Where two motions coexist.
+BOTH = "#009E73"
 
 
 def draw(study: Study, claims: tuple[Claim, ...], folder: Path) -> tuple[Picture, ...]:
     """Draw all of them."""
-    study.tell("drawing the evidence", 0, 4)
+    study.tell("drawing the evidence", 0, 5)
     pictures = (
+        beam_figure.draw(study.beam, folder),
         _amplitudes(study.amplitudes, folder),
         _ladder(next(c for c in claims if c.key == "quasi_periodic").numbers, folder),
         _around(study.around, folder),
-        _static(study.static_map, folder),
+        _static(study.static_map, study.coexistence, folder),
     )
-    study.tell("drawing the evidence", 4, 4)
+    study.tell("drawing the evidence", 5, 5)
     return pictures
 
 
@@ -118,7 +123,7 @@ def _key(ax: Any, entries: list[tuple[str, str]]) -> None:
     ax.legend(
         handles=patches,
         loc="lower left",
-        bbox_to_anchor=(-0.12, 1.0),
+        bbox_to_anchor=(-0.02, 1.0),
         ncols=len(patches),
         handlelength=1.0,
         columnspacing=0.9,
@@ -161,26 +166,31 @@ def _around_panel(found: Around, quantity: str, ax: Any) -> None:
         if case.section in ("5.1", "5.3") and x[0] <= A <= x[-1] and y[0] - 1e-9 <= mu0 <= y[-1] + 1e-9:
             ax.plot(A, mu0, "D", color="white", markeredgecolor="black", markeredgewidth=0.8, markersize=3.6, clip_on=False, zorder=6)
             ax.annotate(
-                str(case.figure), (A, mu0), (5, 0), textcoords="offset points", va="center", fontsize=6.5, zorder=7, annotation_clip=False,
+                str(case.figure), (A, mu0), (5, 0), textcoords="offset points", va="center", fontsize=7, zorder=7, annotation_clip=False,
                 bbox={"boxstyle": "round,pad=0.08", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
             )  # fmt: skip
 
 
-def _static(found: dict[str, Any], folder: Path) -> Picture:
+def _static(found: dict[str, Any], both: Coexistence, folder: Path) -> Picture:
     words = next(iter(found["words"].values()))
     return render(
         folder,
         "evidence-static-friction",
         [
-            partial(_type_panel, found, found["exact"], "exact, break-away at $f_0$"),
-            partial(_type_panel, found, words, "LuGre words, default thresholds"),
+            partial(_type_panel, found, found["exact"], "Exact motion, break-away at $f_0$"),
+            partial(_type_panel, found, words, "LuGre words, from rest"),
+            partial(_both_panel, both),
         ],
         height=2.9,
+        columns=3,
         title="Motion types by the static coefficient",
-        caption="Dotted: the four coefficients of Figures 27 to 30; line: the inferred 0.6 mm. No horizontal line meets the four types "
-        "at the four dotted ones.",
-        alt="Two maps of motion types over static coefficient and amplitude. With growing static coefficient the motion passes from "
-        "type IV or III through I and II to rest.",
+        caption="Left and middle: from rest, by type (LuGre words at the default thresholds). Right: LuGre motion from "
+        f"{len(STARTS)} starts, v = {listed(plain(v, 2) for v in STARTS)} times Aμω: where all lead to one motion, and where one "
+        "start slides while another stays near rest. Dotted: the coefficients of Figures 27 to 30, with their numbers; line: the inferred "
+        "0.6 mm. No horizontal line meets the four types at the four dotted ones.",
+        alt="Three maps over static coefficient and amplitude. With growing static coefficient the motion passes from type IV or III "
+        f"through I and II to rest. At {int(both.two.sum())} of {both.two.size} pairs two LuGre motions coexist, in a wedge that widens "
+        "with the static coefficient.",
         section="evidence",
     )
 
@@ -189,10 +199,31 @@ def _type_panel(found: dict[str, Any], types: Any, title: str, ax: Any) -> None:
     order = ["rest", "II", "I", "III", "IV", "other"]
     index = np.select([types == name for name in order[1:-1]] + [np.isin(types, ("rest", "presliding"))], [1, 2, 3, 4, 0], 5)
     _mesh(ax, found["f0"], 1e3 * found["amplitude"], index, [TYPES[name] for name in order])
-    for place in found["printed"]:
-        ax.axvline(found["f0"][place], color="white", linewidth=1.8, clip_on=False)
-        ax.axvline(found["f0"][place], color="black", linestyle=(0, (1, 1)), linewidth=1.2, clip_on=False)
+    _key(ax, [(_called(name, types), TYPES[name]) for i, name in enumerate(order) if (index == i).any()])
+    _frame(ax, found["f0"][found["printed"]], title)
+
+
+def _called(name: str, types: Any) -> str:
+    """What a map calls a type: a LuGre body does not rest, it stretches its bristles."""
+    return "presliding" if name == "rest" and (types == "presliding").any() else name
+
+
+def _both_panel(both: Coexistence, ax: Any) -> None:
+    _mesh(ax, both.f0, 1e3 * both.amplitude, both.two.astype(int), [TYPES["rest"], BOTH])
+    _key(ax, [("one motion", TYPES["rest"]), ("two motions", BOTH)])
+    _frame(ax, both.printed, "LuGre, from several starts")
+
+
+def _frame(ax: Any, printed: Any, title: str) -> None:
+    """The lines that the three maps share: the printed coefficients with their figures' numbers, and the inferred amplitude."""
+    for number, f0 in zip((c.figure for c in CASES if c.section == "5.4"), printed, strict=True):
+        ax.axvline(f0, color="white", linewidth=1.6)
+        ax.axvline(f0, color="black", linestyle=(0, (1, 1.4)), linewidth=1.0)
+        ax.text(
+            f0, 0.97, f"{number}", transform=ax.get_xaxis_transform(), ha="center", va="top", fontsize=7, zorder=6,
+            bbox={"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none"},
+        )  # fmt: skip
     ax.axhline(1e3 * AMPLITUDE_5, color="white", linewidth=2.0)
     ax.axhline(1e3 * AMPLITUDE_5, color="black", linewidth=0.9)
-    ax.set(xlabel=f"static coefficient $f_0$ ({title})", ylabel="amplitude $A$ (mm)")
-    _key(ax, [(name if name != "rest" else "rest, presliding", TYPES[name]) for name in order])
+    ax.set(xlabel="static coefficient $f_0$", ylabel="amplitude $A$ (mm)", xlim=(0.16, 1.02))
+    ax.text(0.0, 1.13, title, transform=ax.transAxes, fontsize=8, ha="left", va="bottom")

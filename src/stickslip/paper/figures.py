@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.paper.amplitudes import ROUNDING
 from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, PRINTED, Case, Experiment
 from stickslip.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
 from stickslip.paper.motions import Motion
 from stickslip.paper.runs import Runs, Tell
 from stickslip.paper.table import Row
-from stickslip.paper.words import millimetres, plain, speed
-from stickslip.plot.style import INK
+from stickslip.paper.words import listed, millimetres, percent, plain, speed
+from stickslip.plot.style import INK, SHADE, legend_above
 
 __all__ = ["draw"]
 
@@ -84,12 +85,18 @@ def _experiment(runs: Runs, row: Row, folder: Path) -> Picture:
         section=e.section,
         caption=f"A = {millimetres(e.amplitude)} (inferred). Left: velocity of the body with Coulomb friction (dotted; shaded where it "
         "rests) and LuGre friction "
-        "(dashed). The measured record is not available: only its printed mean is drawn, as a level. Right: mean velocities, lines as "
-        "printed, circles as computed here.",
+        f"(dashed). {_rested(row)}The measured record is not available: only its printed mean is drawn, as a level. Right: mean "
+        "velocities, squares as printed, with half of the last digit to either side, circles as computed here.",
         alt=f"Velocity over three drive periods at {e.tilt_deg} degrees; both laws' curves nearly coincide. Mean velocities: measured "
         f"{speed(e.measured)}; Coulomb "
         f"printed {speed(e.coulomb)}, computed {speed(row.coulomb)}; LuGre printed {speed(e.lugre)}, computed {speed(row.lugre)}.",
     )
+
+
+def _rested(row: Row) -> str:
+    """How long the Coulomb body rests, each time; the shortest rests are too short to be seen."""
+    lengths = [b for _, b, sign in row.intervals if sign == 0]
+    return f"It rests for {listed(percent(b) for b in lengths)} of the period. " if lengths else "It never rests. "
 
 
 def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
@@ -102,54 +109,41 @@ def _velocities(runs: Runs, e: Experiment, ax: Any) -> None:
     _time_axis(ax, "velocity $v$ (mm/s)")
     handles, labels = ax.get_legend_handles_labels()
     order = [labels.index(n) for n in ("Coulomb", "LuGre", "measured mean, printed")]
-    ax.legend(
-        [handles[i] for i in order],
-        [labels[i] for i in order],
-        loc="lower left",
-        bbox_to_anchor=(-0.14, 1.0),
-        ncols=3,
-        borderaxespad=0.2,
-        columnspacing=0.8,
-        handlelength=1.7,
-        handletextpad=0.5,
+    legend_above(
+        ax, [handles[i] for i in order], [labels[i] for i in order], ncols=3, columnspacing=0.8, handlelength=1.7, handletextpad=0.5
     )
 
 
 def _levels(row: Row, ax: Any) -> None:
+    """Mean velocities, a row for each: squares as printed, with half a digit to either side, circles as computed here."""
+    from matplotlib.lines import Line2D
+
     e = row.experiment
-    levels = (
-        ("measured, printed", e.measured, MEASURED, None),
-        ("Coulomb, printed", e.coulomb, COULOMB, None),
-        ("LuGre, printed", e.lugre, LUGRE, None),
+    rows = (
+        ("LuGre", e.lugre, row.lugre, LUGRE["color"]),
+        ("Coulomb", e.coulomb, row.coulomb, COULOMB["color"]),
+        ("measured", e.measured, None, MEASURED["color"]),
     )
-    points = (("Coulomb, computed", row.coulomb, COULOMB, 0.35), ("LuGre, computed", row.lugre, LUGRE, 0.65))
-    everything = sorted((*levels, *points), key=lambda item: item[1])
-    values = np.array([1e3 * item[1] for item in everything])
-    span = max(values.max() - values.min(), 0.05 * values.max())
-    low, high = values.min() - 0.35 * span, values.max() + 0.35 * span
-    for (name, _, style, place), value, height in zip(everything, values, _apart(values, 0.13 * (high - low)), strict=True):
-        if place is None:
-            ax.plot([0, 1], [value, value], **style)
-        else:
-            ax.plot([place], [value], "o", color=style["color"], markersize=5, markeredgecolor="white", markeredgewidth=0.6, zorder=5)
-        end = 1.0 if place is None else place
-        ax.plot([end, 1.06, 1.14], [value, height, height], color=INK, linewidth=0.4, zorder=1)
-        digits = 1 if place is None else 3
-        ax.text(1.17, height, f"{name}: {value:.{digits}f}", color=style["color"], va="center", ha="left", fontsize=7)
-    ax.set(xlim=(0, 2.75), ylim=(low, high), xticks=[], ylabel="mean velocity (mm/s)")
-    ax.spines["bottom"].set_visible(False)
-
-
-def _apart(values: Any, gap: float) -> Any:
-    """Heights for labels of sorted values, at least `gap` apart, as near to the values as that allows."""
-    heights = values.astype(float).copy()
-    for _ in range(200):
-        for i in range(len(heights) - 1):
-            lack = gap - (heights[i + 1] - heights[i])
-            if lack > 1e-12:
-                heights[i] -= 0.5 * lack
-                heights[i + 1] += 0.5 * lack
-    return heights
+    for height, (_, printed, computed, colour) in enumerate(rows):
+        ax.axhline(height, color=SHADE, linewidth=0.6, zorder=0)
+        ax.errorbar(
+            1e3 * printed, height, xerr=1e3 * ROUNDING, fmt="s", color=colour, markerfacecolor="white", markersize=5, capsize=2.5,
+            linewidth=1,
+        )  # fmt: skip
+        ax.text(1e3 * printed, height + 0.22, f"{1e3 * printed:.1f}", color=colour, ha="center", va="bottom", fontsize=7)
+        if computed is not None:
+            ax.plot(1e3 * computed, height, "o", color=colour, markersize=4.5, zorder=5)
+            ax.text(1e3 * computed, height - 0.22, f"{1e3 * computed:.3f}", color=colour, ha="center", va="top", fontsize=7)
+    ax.set_yticks(range(len(rows)), [name for name, *_ in rows])
+    ax.tick_params(axis="y", length=0)
+    ax.set(xlabel="mean velocity (mm/s)", ylim=(-0.65, len(rows) - 0.35))
+    ax.margins(x=0.14)
+    ax.spines["left"].set_visible(False)
+    marks = [
+        Line2D([], [], marker="s", color=INK, markerfacecolor="white", markersize=5, linewidth=1, label="printed, ± half a digit"),
+        Line2D([], [], marker="o", color=INK, markersize=4.5, linewidth=0, label="computed here"),
+    ]
+    legend_above(ax, handles=marks, ncols=2, columnspacing=0.9, handlelength=1.7, handletextpad=0.5)
 
 
 # ---- Figures 11 to 30 ----
@@ -212,9 +206,10 @@ def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(found["phase"], found["v"] / _scale(run)[1], color=LUGRE["color"], linewidth=1.1)
     _time_axis(ax, "velocity $v/(A\\omega)$", periods)
-    if limits is not None:
+    if limits is None:  # own scale, may be very small
+        ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+    else:
         ax.set_ylim(limits[0], limits[1])
-    ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
 
 
 def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
@@ -233,7 +228,8 @@ def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
     )
     ax.set_xlabel("displacement without drift $(x - Vt)/A$")
     ax.set_ylabel("velocity $v/(A\\omega)$")
-    if limits is not None:
-        ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])
     ax.locator_params(axis="x", nbins=5)
-    ax.ticklabel_format(axis="both", scilimits=(-3, 3), useMathText=True)
+    if limits is None:
+        ax.ticklabel_format(axis="both", scilimits=(-3, 3), useMathText=True)
+    else:
+        ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])

@@ -17,14 +17,19 @@ from stickslip.paper.amplitudes import Amplitudes, infer
 from stickslip.paper.around import Around
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 from stickslip.paper.claims import VERDICTS, Claim, Study, claims, study_of
+from stickslip.paper.coexistence import Coexistence
 from stickslip.paper.drawing import Picture
+from stickslip.paper.equations import Equation, equations
 from stickslip.paper.errata import Erratum, errata
 from stickslip.paper.motions import Motion
 from stickslip.paper.runs import Runs, Tell, solve_all
 from stickslip.paper.table import Row, rows
 from stickslip.paper.words import speed
 
-__all__ = ["Reproduction", "reproduce"]
+__all__ = ["FORMAT", "Reproduction", "reproduce"]
+
+#: Of ``numbers.json``; docs/paper-revisited.md says what stands in it.
+FORMAT = "stickslip-paper-3"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,6 +50,10 @@ class Reproduction:
         Period number and largest exponent over amplitude and kinetic coefficient.
     claims : tuple of Claim
     errata : tuple of Erratum
+    equations : tuple of Equation
+        What is solved, as LaTeX.
+    coexistence : Coexistence
+        Where two motions exist over static coefficient and amplitude.
     amplitudes : Amplitudes
         The inferred ones, with the intervals that would do.
     figures : tuple of Picture
@@ -66,6 +75,8 @@ class Reproduction:
     around: Around
     claims: tuple[Claim, ...]
     errata: tuple[Erratum, ...]
+    equations: tuple[Equation, ...]
+    coexistence: Coexistence
     amplitudes: Amplitudes
     figures: tuple[Picture, ...]
     provenance: dict[str, Any]
@@ -159,6 +170,8 @@ def _gathered(folder: Path, study: Study, judged: tuple[Claim, ...], found: tupl
         around=study.around,
         claims=judged,
         errata=found,
+        equations=equations(),
+        coexistence=study.coexistence,
         amplitudes=study.amplitudes,
         figures=drawn,
         provenance=_provenance(study.runs, study.fast),
@@ -232,13 +245,15 @@ def as_dict(result: Reproduction) -> dict[str, Any]:
     a = result.amplitudes
     brackets = [{f.name: getattr(b, f.name) for f in dataclasses.fields(b) if f.name not in ("scan", "experiment")} for b in a.section4]
     data = {
-        "format": "stickslip-paper-2",
+        "format": FORMAT,
         "fast": result.fast,
         "table": [{**dataclasses.asdict(r), "closer": r.closer, "closer_printed": r.closer_printed} for r in result.table],
         "cases": result.cases,
         "around": result.around.as_data(),
         "claims": [dataclasses.asdict(c) for c in result.claims],
         "errata": [dataclasses.asdict(e) for e in result.errata],
+        "equations": [dataclasses.asdict(e) for e in result.equations],
+        "coexistence": result.coexistence.as_data(),
         "amplitudes": {
             "section4": [
                 {"tilt_deg": b.experiment.tilt_deg, "taken": b.experiment.amplitude, **rest}

@@ -30,6 +30,8 @@ class Row:
         Its signs over one period.
     fractions : dict
         Parts of the period forwards, backwards and at rest.
+    intervals : tuple
+        Of the exact Coulomb run, in drive periods: begin, length and sign of each slide and rest.
     lugre_word : str
         The word for the LuGre run at the default thresholds.
     lugre_words : dict
@@ -44,6 +46,7 @@ class Row:
     margin: float
     pattern: str
     fractions: dict[str, float]
+    intervals: tuple[tuple[float, float, int], ...]
     lugre_word: str
     lugre_words: dict[str, int]
 
@@ -80,6 +83,7 @@ def _row(e: Experiment, runs: Runs) -> Row:
         margin=exact.margin,
         pattern=exact.pattern,
         fractions={"forward": exact.forward_fraction, "backward": exact.backward_fraction, "stick": exact.stick_fraction},
+        intervals=tuple((float(a), float(b), int(sign)) for a, b, sign in exact.intervals),
         lugre_word=bristles.type,
         lugre_words=dict(words.most_common()),
     )

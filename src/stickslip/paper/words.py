@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["grouped", "listed", "millimetres", "percent", "plain", "power", "speed"]
+__all__ = ["digits_within", "grouped", "listed", "millimetres", "percent", "plain", "power", "speed"]
 
 
 def speed(v: Any, digits: int = 4) -> str:
@@ -40,6 +40,18 @@ def plain(x: Any, digits: int = 4) -> str:
         return f"{x:.{max(digits - 1 - exponent, 0)}f}".replace("-", "−")
     mantissa = f"{x / 10.0**exponent:.{digits - 1}f}".replace("-", "−")
     return f"{mantissa}·{power(exponent)}"
+
+
+def digits_within(x: float, accuracy: float, most: int = 7) -> str:
+    """A number with no digit that its accuracy does not bear: the error is at most one unit of the last.
+
+    Examples
+    --------
+    >>> digits_within(0.84415080, 6e-9), digits_within(0.84415080, 2e-4), digits_within(0.5, 0.0)
+    ('0.8441508', '0.844', '0.5000000')
+    """
+    decimals = most if accuracy <= 0 else min(most, max(0, math.floor(-math.log10(accuracy))))
+    return f"{x:.{decimals}f}".replace("-", "−")
 
 
 def power(exponent: int) -> str:

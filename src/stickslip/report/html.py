@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError, as_path
+from stickslip.report.mathml import mathml
 from stickslip.storage import moved_into_place, unwritable
 
 __all__ = ["outside_addresses", "page", "svg_address", "write"]
@@ -34,6 +35,13 @@ def fixed(number: float, digits: int) -> str:
     return f"{number:.{digits}f}".replace("-", "−")
 
 
+def _formula(tex: str) -> Any:
+    """A displayed formula in a page."""
+    from markupsafe import Markup
+
+    return Markup(mathml(tex, as_block=True))
+
+
 def page(template: str, **content: Any) -> str:
     """The text of a page; what stands in `content` is escaped where the template writes it.
 
@@ -54,7 +62,7 @@ def page(template: str, **content: Any) -> str:
     environment = Environment(
         loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"svg_address": svg_address, "grouped": grouped, "fixed": fixed}
+    environment.filters |= {"svg_address": svg_address, "grouped": grouped, "fixed": fixed, "formula": _formula}
     text = environment.get_template(template).render(**content)
     outside = outside_addresses(text)
     if outside:

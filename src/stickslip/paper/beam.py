@@ -1,0 +1,114 @@
+"""The beam of section 3: what its modes, its tip and the body that it sits on do, on the beam of ours (the paper prints none)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.drives import PiezoBeam
+from stickslip.drives.cantilever import modal_mass, mode_shape
+from stickslip.drives.couple import modal_amplitudes, tip_by_modes, tip_in_closed_form
+from stickslip.paper.cases import EXPERIMENTS, OMEGA
+from stickslip.paper.runs import Runs
+
+__all__ = ["VOLTAGE", "Beam"]
+
+#: Voltage of the pictures and of the numbers [V]: linear theory, so all else is in proportion.
+VOLTAGE = 60.0
+#: Gauss points along the beam; enough for the products of the first modes to rounding.
+_GAUSS = 64
+
+
+@dataclass(frozen=True)
+class Beam:
+    """What is computed of it."""
+
+    beam: PiezoBeam
+
+    @cached_property
+    def b(self) -> Any:
+        """Eigenvalues."""
+        return self.beam.eigenvalues()
+
+    @property
+    def unit(self) -> float:
+        """Angular frequency of the unit beam [rad/s]."""
+        return float(self.beam.angular_unit)
+
+    @property
+    def end(self) -> float:
+        """Length of the patches over that of the beam."""
+        return float(self.beam.patch_length / self.beam.length)
+
+    @property
+    def frequency(self) -> float:
+        """First natural frequency [Hz]."""
+        return float(self.beam.frequencies(1)[0])
+
+    def products(self, modes: int = 5) -> Any:
+        """The modes' products over the beam with its tip mass, over the modal masses: the unit matrix if (3.3) separates (3.1)."""
+        b, s, weight = self.b[:modes], *_gauss()
+        shapes = mode_shape(b[:, None], s)
+        tip, mass = mode_shape(b, 1.0), modal_mass(b, self.beam.tip_mass_ratio)
+        whole = (shapes * weight) @ shapes.T + self.beam.tip_mass_ratio * np.outer(tip, tip)
+        return whole / np.sqrt(np.outer(mass, mass))
+
+    def misses(self, modes: int, frequency: Any) -> float:
+        """Largest relative miss of the tip's undamped amplitude by so many modes, against the closed solution without modes."""
+        omega = 2 * np.pi * np.asarray(frequency) / self.unit
+        exact = tip_in_closed_form(np.sqrt(omega), self.beam.tip_mass_ratio, self.end)
+        return float(abs(tip_by_modes(omega, self.beam.tip_mass_ratio, self.end, modes) / exact - 1).max())
+
+    def curvature(self, s: Any) -> Any:
+        """Y''/Y of the first mode: the printed (3.1), with u_xx for u_tt, would need it to be one number."""
+        return mode_shape(self.b[0], s, derivative=2) / mode_shape(self.b[0], s)
+
+    def amplitude(self, omega: Any) -> Any:
+        """Amplitude of the tip at `VOLTAGE` [m]."""
+        return self.beam.response(VOLTAGE, np.asarray(omega) / (2 * np.pi)).amplitude
+
+    def undamped(self, frequency: Any) -> Any:
+        """Amplitude of the tip for one volt by the closed solution, without modes and without damping [m]."""
+        b, beam = np.sqrt(2 * np.pi * np.asarray(frequency) / self.unit), self.beam
+        answer = abs(tip_in_closed_form(b, beam.tip_mass_ratio, self.end))
+        return answer * beam.moment_per_volt * beam.length**2 / beam.bending_stiffness
+
+    def settled(self, periods: int = 100, samples: int = 512) -> Any:
+        """The tip over the last of some periods from rest [m], from samples of the voltage: no sine is assumed of the tip."""
+        t = np.linspace(0.0, periods * 2 * np.pi / OMEGA, periods * samples + 1)
+        return self.beam.transient(t, VOLTAGE * np.sin(OMEGA * t))[-samples - 1 : -1]
+
+    def slope(self, amplitude: float) -> float:
+        """Slope of the beam's tip at the drive's frequency, for a tip amplitude [rad]."""
+        q = modal_amplitudes(OMEGA / self.unit, self.beam.tip_mass_ratio, self.end, self.beam.modes, self.beam.damping)
+        tip, slope = ((q * mode_shape(self.b, 1.0, derivative=d)).sum() for d in (0, 1))
+        return float(abs(slope / tip) * amplitude / self.beam.length)
+
+    def shaken(self, runs: Runs) -> dict[float, Any]:
+        """By tilt: the harmonics of the drive, from the second on, that the body's own motion adds to the tip, over the amplitude."""
+        return {e.tilt_deg: abs(self._answer(runs.lugre[e.name])[1:]) / e.amplitude for e in EXPERIMENTS}
+
+    def recoil(self, runs: Runs) -> float:
+        """The largest first harmonic of that answer over the amplitude."""
+        return max(float(abs(self._answer(runs.lugre[e.name])[0])) / e.amplitude for e in EXPERIMENTS)
+
+    def _answer(self, run: Any, count: int = 8) -> Any:
+        """Complex amplitudes of the tip's harmonics 1 to `count` under the clamp's acceleration [m]: one way, no feedback."""
+        n = 2048
+        t = np.linspace(run.strobe_times[-2], run.strobe_times[-1], n + 1)[:-1]
+        k = np.arange(1, count + 1)
+        push = 1j * k * OMEGA * np.fft.rfft(run.at(t)["v"])[1 : count + 1] * 2 / n  # amplitudes of its harmonics
+        s, weight = _gauss()
+        held = (mode_shape(self.b[:, None], s) * weight).sum(axis=1) + self.beam.tip_mass_ratio * mode_shape(self.b, 1.0)
+        part = held * mode_shape(self.b, 1.0) / modal_mass(self.b, self.beam.tip_mass_ratio)
+        free, omega = self.unit * self.b**2, (k * OMEGA)[:, None]
+        return -(part / (free**2 - omega**2 + 2j * self.beam.damping * free * omega)).sum(axis=1) * push
+
+
+def _gauss() -> tuple[Any, Any]:
+    """Points and weights on 0 to 1."""
+    at, weight = np.polynomial.legendre.leggauss(_GAUSS)
+    return 0.5 * (at + 1), 0.5 * weight

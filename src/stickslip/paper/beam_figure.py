@@ -1,0 +1,71 @@
+"""The figure of section 3's beam: its modes, how its tip answers to the frequency, and how it begins."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.drives.cantilever import mode_shape
+from stickslip.paper.beam import VOLTAGE, Beam
+from stickslip.paper.cases import OMEGA
+from stickslip.paper.drawing import Picture, render
+from stickslip.paper.words import listed, plain
+from stickslip.plot.style import COLOURS, DASHES, INK, SHADE
+
+__all__ = ["draw"]
+
+MODES, HERTZ = 3, (8.0, 2000.0)
+PERIODS = 20
+
+
+def draw(beam: Beam, folder: Path) -> Picture:
+    """Draw it."""
+    resonances = beam.beam.frequencies(MODES)
+    return render(
+        folder,
+        "section3-beam",
+        [partial(_shapes, beam), partial(_response, beam), partial(_beginning, beam)],
+        height=2.4,
+        columns=3,
+        title="The beam of section 3 (Eqs 3.1 to 3.7, set right)",
+        caption="Our beam, since the paper prints none: spring steel of 100 × 10 × 1 mm, patches of 30 mm, tip mass 9.48 g, 2 % of "
+        "damping. Left: its first modes, shaded where the patches are. Middle: amplitude of the tip against frequency at "
+        f"{plain(VOLTAGE, 2)} V (line: the sum of eight modes; dots: the closed solution, without damping); dashed: the drive's 32.7 Hz. "
+        "Right: the tip from rest at 32.7 Hz, and the band of its steady sine.",
+        alt="Three panels: mode shapes, with 0, 1 and 2 nodes; a frequency response with resonances at "
+        f"{listed(plain(f, 4) for f in resonances)} Hz; and an oscillation that grows to its steady amplitude.",
+        section="3",
+    )
+
+
+def _shapes(beam: Beam, ax: Any) -> None:
+    s = np.linspace(0.0, 1.0, 201)
+    ax.axvspan(0.0, 1e3 * beam.beam.patch_length, color=SHADE, linewidth=0, zorder=0)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    for i, b in enumerate(beam.b[:MODES]):
+        shape = mode_shape(b, s)
+        ax.plot(1e3 * beam.beam.length * s, shape / abs(shape).max(), color=COLOURS[i], linestyle=DASHES[i], label=f"mode {i + 1}")
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.1, 1.0), ncols=MODES, borderaxespad=0.2, columnspacing=0.9, handlelength=1.8)
+    ax.set(xlabel="place along the beam $x$ (mm)", ylabel="deflection $Y_i$ (largest = 1)", xlim=(0, 1e3 * beam.beam.length))
+
+
+def _response(beam: Beam, ax: Any) -> None:
+    f = np.geomspace(*HERTZ, 900)
+    ax.axvline(OMEGA / (2 * np.pi), color=INK, linewidth=0.7, linestyle=(0, (4, 2)))
+    ax.plot(f, 1e3 * beam.amplitude(2 * np.pi * f), color=COLOURS[0])
+    some = np.geomspace(*HERTZ, 28)
+    ax.plot(some, 1e3 * VOLTAGE * beam.undamped(some), "o", color=COLOURS[1], markersize=2.6, markeredgewidth=0)
+    ax.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="tip amplitude (mm)", xlim=HERTZ)
+    ax.set_xticks([10, 100, 1000], ["10", "100", "1000"])
+    ax.set_yticks([1e-4, 1e-2, 1], ["0.0001", "0.01", "1"])
+
+
+def _beginning(beam: Beam, ax: Any) -> None:
+    t = np.linspace(0.0, PERIODS * 2 * np.pi / OMEGA, 60 * PERIODS)
+    size = 1e3 * float(beam.amplitude(OMEGA))
+    ax.axhspan(-size, size, color=SHADE, linewidth=0, zorder=0)
+    ax.plot(OMEGA * t / (2 * np.pi), 1e3 * beam.beam.transient(t, VOLTAGE, OMEGA / (2 * np.pi)), color=COLOURS[0], linewidth=0.8)
+    ax.set(xlabel="time $t/T$ (drive periods)", ylabel="tip $u(L,t)$ (mm)", xlim=(0, PERIODS))

@@ -1,0 +1,37 @@
+"""Equations as MathML, which browsers draw themselves: no script, no font, no network (decision 2026-11-21)."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["mathml"]
+
+_OPERATOR = r"\\(?:arcsin|arctan|sinh|cosh|sin|cos|tanh|tan|cot|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
+
+
+def _spaced(tex: str) -> str:
+    """Put the thin spaces around sin, cos, ... that TeX would put there and MathML does not."""
+    tex = re.sub(rf"(?<=[\w}})])\s*({_OPERATOR})", r"\\,\1", tex)
+    return re.sub(rf"({_OPERATOR})\s*(?=[A-Za-z\\|])", r"\1\\,", tex)
+
+
+def mathml(tex: str, as_block: bool = False) -> str:
+    r"""One formula as MathML, for an HTML page. The bars of an absolute value are told apart: browsers take both for a binary operator.
+
+    Parameters
+    ----------
+    tex : str
+        LaTeX, as of `stickslip.latex`; ``aligned`` and ``cases`` may stand in it.
+    as_block : bool
+        Whether it stands in lines of its own.
+
+    Examples
+    --------
+    >>> "<msub>" in mathml(r"\mu_{+}"), "://" in mathml("x")
+    (True, False)
+    """
+    from docutils.utils.math.latex2mathml import tex2mathml
+
+    markup = tex2mathml(_spaced(tex).replace(r"\dots", r"\ldots"), as_block=as_block)
+    markup = markup.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
+    return markup.replace('<mo class="mathopen">|', '<mo form="prefix">|').replace("<mo>|", '<mo form="postfix">|')
