@@ -10,6 +10,7 @@ import numpy as np
 from stickslip import forces
 from stickslip.analysis.steady import needs_run
 from stickslip.pieces import HarmonicArcs
+from stickslip.sealing import sealed
 
 __all__ = ["Energy", "energy"]
 
@@ -19,6 +20,7 @@ Array = Any
 NODES_ARC, NODES_STEP = 24, 10
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Energy:
     r"""Energy balance in each period, :math:`W_d + W_g - W_f - W_c = \Delta E + \Delta U` with :math:`E = (M+m)\dot x^2/2`.

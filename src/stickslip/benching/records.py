@@ -10,6 +10,7 @@ from typing import Any
 
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
+from stickslip.sealing import sealed
 
 __all__ = ["Bench", "Benches", "Curve", "Experiment", "Quantity"]
 
@@ -53,6 +54,7 @@ class Quantity:
         return "unbounded" if math.isinf(self.value) else f"{self.value:.{digits}g} {self.unit}".rstrip()
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Curve:
     """One line of a figure: a name and two arrays of one length, in the units of its experiment."""
@@ -62,6 +64,7 @@ class Curve:
     y: Any
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Experiment:
     """One experiment on one law.
@@ -104,6 +107,7 @@ class Experiment:
         }
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Bench:
     """What one law does, alone; `print` shows the table, `stickslip.plot.bench` the figure.
@@ -192,6 +196,7 @@ class Bench:
         return html_table(self.rows(), f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg") + below
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Benches:
     """Several laws on the same bench, side by side; `print` shows one row for each law.

@@ -14,6 +14,7 @@ from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.sealing import sealed
 
 __all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
 
@@ -22,6 +23,7 @@ _SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scal
 _POINTS = 64
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Attractor:
     """A motion that attracts starts.
@@ -55,6 +57,7 @@ class Attractor:
         return f"<Attractor: {kind}, V = {self.mean_velocity:.7g} m/s, share {self.share:.3f} ({low:.3f} to {high:.3f})>"
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Basins:
     """Which start goes to which attractor.

@@ -17,6 +17,7 @@ from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
 from stickslip.dynamics.special import located
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.sealing import sealed
 
 __all__ = ["Branch", "Special", "continuation"]
 
@@ -32,6 +33,7 @@ class Special(NamedTuple):
     orbit: Any
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Branch:
     """A branch of periodic orbits along a parameter.

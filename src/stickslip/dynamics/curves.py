@@ -18,6 +18,7 @@ from stickslip.dynamics.paths import tangent_of
 from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.errors import InputError, SolveError
 from stickslip.forces import is_dynamic
+from stickslip.sealing import sealed
 
 __all__ = ["Curve", "Meeting", "special_curve"]
 
@@ -33,6 +34,7 @@ class Meeting(NamedTuple):
     orbit: PeriodicOrbit
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Curve:
     """A curve of special points in two parameters.

@@ -25,6 +25,7 @@ from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.forces import is_dynamic
+from stickslip.sealing import sealed
 
 __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 
@@ -36,6 +37,7 @@ _CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: f
 _SAME = 1e-7  # strobe states closer than this are one
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class PeriodicOrbit(ClosedMotion):
     """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import Problems, did_you_mean
+from stickslip.sealing import sealed
 
 __all__ = ["Fit", "Quality"]
 
@@ -58,6 +59,7 @@ class Quality:
         return bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) or too_large))
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """The result of `identify`.

@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.uncertainty import effective
+from stickslip.sealing import sealed
 
 __all__ = ["Ranked", "Ranking", "rank"]
 
@@ -47,6 +48,7 @@ class Ranked:
     held_out: float
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranking:
     """Laws in the order in which the data support them, and the verdict.

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.overview import noise
 from stickslip.records.tones import _finite
+from stickslip.sealing import sealed
 
 __all__ = ["Cycle", "Value", "cycle", "loop_friction", "mean_velocity", "period_number"]
 
@@ -25,6 +26,7 @@ class Value:
     error: float
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Cycle:
     """The mean cycle of a record.
