@@ -17,6 +17,7 @@ from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.forces import is_dynamic
+from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
 from stickslip.solvers.arcs import handles
 
@@ -66,6 +67,7 @@ class Judge:
     remark: str = ""
 
 
+@sealed
 @dataclass(frozen=True)
 class Check:
     """What the judges found; `print` shows it as a table.
@@ -200,7 +202,7 @@ def check(
     uncertainty = math.nan if alone else max([*(abs(judge.difference) for judge in counted), 2e-16 * abs(answer)])
     digits = certain_digits(answer, uncertainty)
     verdict = sentence(answer, uncertainty, digits, period, counted, robot) + naive(answer, judges, robot)
-    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(robot.notes), verdict)
+    return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(run.notes), verdict)
 
 
 def _check_arguments(robot: Any, rk4_steps: Any) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves
 from stickslip.jsontext import plain
+from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES
 
 __all__ = ["COLUMNS", "attributes", "summary_dataset", "trajectory_columns", "trajectory_dataset", "write_csv"]
@@ -82,6 +83,8 @@ def summary_dataset(many: Any) -> Any:
         coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
     told = {name: _described(name) if name in VARIABLES else {} for name in many.columns}
     data = {name: (dims, np.reshape(column, labels.shape), told[name]) for name, column in many.columns.items()}
+    if "steadiness" in data:
+        told["steadiness"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in STEADINESS.items())
     if "status" in data:
         told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items())
     return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(plain(many.provenance))})

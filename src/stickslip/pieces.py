@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from stickslip.sealing import sealed
+
 __all__ = [
     "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "events_of", "inner_rates", "nodes_at",
     "pieces_from_arrays",
@@ -102,6 +104,7 @@ class _Arrays:
         return cls(**{name: arrays[name] if np.ndim(arrays[name]) else float(arrays[name]) for name in kept})
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class PolynomialPieces(_Arrays):
     r"""Polynomials on each step, what an integrator gives.
@@ -190,6 +193,7 @@ def _horner(c: Array, theta: Array) -> Array:
     return value
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class HarmonicArcs(_Arrays):
     r"""Closed arcs of a body with Coulomb friction under a harmonic drive: exact, no interpolation.

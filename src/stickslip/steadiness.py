@@ -13,7 +13,7 @@ from stickslip.position import knows_position
 
 __all__ = [
     "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "free_velocity", "is_steady", "judged", "mean_tolerance",
-    "of_run", "outcome_of", "scales_of", "strobe_tolerance", "window_count",
+    "of_run", "outcome_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
 ]  # fmt: skip
 
 STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
@@ -146,6 +146,26 @@ def scales_of(model: Any, strobe: Any) -> Any:
     shift = [speed * float(model.period) / (2 * np.pi)] if knows_position(model) else []
     scales = np.concatenate([[speed], inner, shift])
     return np.where(scales > 0, scales, 1.0)
+
+
+def unsettled_note(codes: Any, errors: Any) -> list[str]:
+    """A sentence on the cases of a batch or a sweep that have not settled, and what to type; none where there are none.
+
+    Examples
+    --------
+    >>> unsettled_note([0, 1, 1], [1e-9, 2e-3, np.inf])[0][:64]
+    '2 cases have not settled: their mean velocity is up to 0.002 m/s'
+    """
+    late = np.asarray(codes) == UNSETTLED
+    number = int(late.sum())
+    if not number:
+        return []
+    far = np.asarray(errors, float)[late]
+    known = far[np.isfinite(far)]
+    by = f"up to {known.max():.2g} m/s from its steady value" if len(known) else "not near a steady value"
+    who = "1 case has not settled: its" if number == 1 else f"{number} cases have not settled: their"
+    endless = f" ({number - len(known)} of them without an end in sight)" if 0 < len(known) < number else ""
+    return [f"{who} mean velocity is {by}{endless}, see steadiness and settling_error; type more periods"]
 
 
 def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bool:

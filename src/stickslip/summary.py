@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import did_you_mean
+from stickslip.sealing import sealed
+from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
 
 __all__ = ["LOST", "STATUS", "Summary"]
 
@@ -23,8 +25,10 @@ STATUS: dict[int, str] = {
     5: "bad input for this case",
     6: "contact lost: the load fell to zero",
 }
+_RESTLESS = (STEADINESS[UNSETTLED], STEADINESS[IRREGULAR])
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Summary:
     """Results of a batch; each column is an attribute with the shape of the batch.
@@ -37,7 +41,9 @@ class Summary:
         Its shape, and the names of its dimensions.
     columns : dict of arrays
         mean_velocity [m/s], motion_type, pattern, direction, period, margin, stick_fraction, forward_fraction,
-        backward_fraction, velocity_max [m/s], velocity_min [m/s], status, displacement [m], periods_run.
+        backward_fraction, velocity_max [m/s], velocity_min [m/s] (over the last motion period; over the window of the mean velocity
+        where that is not steady), steadiness (a code: `STEADINESS` has its words), settling_error [m/s], status, displacement [m],
+        periods_run.
     statuses : dict
         The sentence of each status code.
     provenance : dict
@@ -77,6 +83,17 @@ class Summary:
         codes, counts = np.unique(np.asarray(self.columns["status"]), return_counts=True)
         return {self.statuses.get(int(c), f"status {c}"): int(n) for c, n in zip(codes, counts, strict=True)}
 
+    @property
+    def steadiness_counts(self) -> dict[str, int]:
+        """How many cases are steady, have not settled, or do not repeat."""
+        codes, counts = np.unique(np.asarray(self.columns.get("steadiness", [])), return_counts=True)
+        return {STEADINESS[int(c)]: int(n) for c, n in zip(codes, counts, strict=True)}
+
+    @property
+    def notes(self) -> list[str]:
+        """A sentence on the cases whose mean velocity is not that of a steady motion, and what to type; none where all are."""
+        return unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", []))
+
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""
         from stickslip.datasets import summary_dataset
@@ -85,7 +102,8 @@ class Summary:
 
     def __repr__(self) -> str:
         ends = "; ".join(f"{n} {sentence}" for sentence, n in self.status_counts.items()) if "status" in self.columns else ""
-        return f"<Summary of shape {self.shape}: {ends}>"
+        restless = "".join(f"; {n} {word}" for word, n in self.steadiness_counts.items() if word in _RESTLESS)
+        return f"<Summary of shape {self.shape}: {ends}{restless}>"
 
     def _repr_html_(self) -> str:
         return self.to_xarray()._repr_html_()

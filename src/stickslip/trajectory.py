@@ -14,6 +14,7 @@ from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
 from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
+from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, of_run
 from stickslip.summary import STATUS, Summary
 from stickslip.variables import VARIABLES
@@ -39,6 +40,7 @@ def _force_column(name: str) -> property:
     return property(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """One run of one robot or mechanism. It is computed once by `solve`; everything here only reads it.

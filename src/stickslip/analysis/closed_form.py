@@ -16,6 +16,7 @@ import numpy as np
 
 from stickslip.analysis.phases import three_phase, two_phase
 from stickslip.errors import InputError
+from stickslip.sealing import sealed
 
 __all__ = [
     "Periodic",
@@ -198,6 +199,7 @@ def _never_rests(plus: Array, minus: Array, hold_plus: Array, hold_minus: Array)
 
 
 # ---- the periodic motion ----
+@sealed
 @dataclass(frozen=True, eq=False)
 class Periodic:
     """The periodic motion of many Coulomb robots; every field has their common shape.

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.analysis.closed_form import border_ii_i, border_ii_iii, border_iii_iv, first_slide, long_slide
 from stickslip.arguments import Grid, explains_arguments
 from stickslip.errors import InputError
+from stickslip.sealing import sealed
 
 __all__ = ["BORDERS", "Border", "border_functions", "coulomb_borders"]
 
@@ -25,6 +26,7 @@ BORDERS: dict[tuple[str, str], str] = {
 _FINE = 601  # points of each axis of the field on which curves are traced
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Border:
     """A piece of a border on a plane.

@@ -11,6 +11,7 @@ from stickslip import forces
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
 from stickslip.pieces import HarmonicArcs
+from stickslip.sealing import sealed
 
 __all__ = ["Energy", "energy"]
 
@@ -20,6 +21,7 @@ Array = Any
 NODES_ARC, NODES_STEP = 24, 10
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Energy:
     r"""Energy balance in each period, :math:`W_d + W_g - W_f - W_c = \Delta E + \Delta U` with :math:`E = (M+m)\dot x^2/2`.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load, offered_force, states_of
+from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
 
 __all__ = ["Intervals", "Segments", "intervals_of", "raw_segments", "shares", "slip_ratio_at", "type_of"]
@@ -17,6 +18,7 @@ _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisect
 _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Segments:
     """The segments of one case: durations in drive periods, codes, and the margin of the forces."""

@@ -11,6 +11,7 @@ from typing import Any
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
+from stickslip.sealing import sealed
 
 __all__ = ["Bench", "Benches", "Curve", "Experiment", "Quantity"]
 
@@ -54,6 +55,7 @@ class Quantity:
         return "unbounded" if math.isinf(self.value) else f"{self.value:.{digits}g} {self.unit}".rstrip()
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Curve:
     """One line of a figure: a name and two arrays of one length, in the units of its experiment."""
@@ -63,6 +65,7 @@ class Curve:
     y: Any
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Experiment:
     """One experiment on one law.
@@ -105,6 +108,7 @@ class Experiment:
         }
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Bench:
     """What one law does, alone; `print` shows the table, `stickslip.plot.bench` the figure.
@@ -194,6 +198,7 @@ class Bench:
         return html_table(self.rows(), f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg") + below
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Benches:
     """Several laws on the same bench, side by side; `print` shows one row for each law.

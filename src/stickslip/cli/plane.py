@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
-from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, watcher
+from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, unsettled, watcher
 from stickslip.errors import InputError, as_path, did_you_mean
 
 __all__ = ["act"]
@@ -97,7 +97,7 @@ def _found(grid: Any) -> dict[str, Any]:
         found["units"] = str(V.attrs.get("units", "1"))
         found["at_the_edge_of"] = [str(d) for d in V.dims if _at_edge(V[d].values, best[d].values.item())]
     kinds = json.loads(grid.attrs.get("provenance", "{}")).get("kinds", {})
-    return found | {"law": kinds.get("law")}
+    return found | {"law": kinds.get("law"), "notes": unsettled(grid)}
 
 
 def _at_edge(values: Any, value: Any) -> bool:
@@ -119,7 +119,7 @@ def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
     lines += [
         show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))
     ]
-    return "\n".join([*lines, *_fastest(found), *(f"written to {path}" for path in written)])
+    return "\n".join([*lines, *_fastest(found), *found["notes"], *(f"written to {path}" for path in written)])
 
 
 def _fastest(found: dict[str, Any]) -> list[str]:

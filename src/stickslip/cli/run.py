@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -66,10 +67,17 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         **run.provenance["settings"],
         **({"rtol": None} if "steps_per_period" in run.counts else {}),  # steps of fixed length know no tolerance
         "counts": run.counts,
-        "notes": [*run.notes, *([show.no_period(run.periods)] if m.period is None else [])],
+        "notes": [*run.notes, *([show.no_period(run.periods)] if m.period is None and run.notes == run.model.notes else [])],
+        "steadiness": _steadiness(run.steadiness),
         "provenance": run.provenance,
         "written": written,
     }
+
+
+def _steadiness(found: Any) -> dict[str, Any]:
+    """Whether the mean velocity is that of a steady motion, as JSON can hold it."""
+    error = found.error if math.isfinite(found.error) else None
+    return {"code": found.code, "word": found.word, "settling_error": error}
 
 
 def _told(record: dict[str, Any]) -> str:
@@ -82,7 +90,7 @@ def _told(record: dict[str, Any]) -> str:
     per_second, second, joule = ("", "", "") if record["dimensionless"] else ("m/s", " s", " J")
     low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
-        ("mean velocity", mean),
+        ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
         ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
         ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g}{second}"),
         ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),

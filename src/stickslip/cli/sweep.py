@@ -198,7 +198,7 @@ def _told(grid: Any, study: Any, written: str | None) -> str:
     if cases > _SHOWN:
         lines.append(f"… {cases - _SHOWN} more rows; --out FILE or --json gives all")
     lines.append(f"{study.name}: {show.counted(cases, 'case')}: {_ends(grid)}" + (f"; written to {written}" if written else ""))
-    return "\n".join([*lines, *_unperiodic(grid, study), *_notes(grid)])
+    return "\n".join([*lines, *_unperiodic(grid, study), *unsettled(grid), *_notes(grid)])
 
 
 def _ends(grid: Any) -> str:
@@ -216,11 +216,19 @@ def _unperiodic(grid: Any, study: Any) -> list[str]:
     """A sentence on the cases that ran to their end and did not repeat; none where nothing has a period to repeat after."""
     if study.options.get("duration") is not None:
         return []
+    from stickslip.steadiness import UNSETTLED
     from stickslip.sweeps.planning import SOLVER as DEFAULTS
 
-    number = int(((grid["period"] == 0) & (grid["status"] <= _SETTLED)).sum())
+    number = int(((grid["period"] == 0) & (grid["status"] <= _SETTLED) & (grid["steadiness"] != UNSETTLED)).sum())
     periods = study.options.get("periods", DEFAULTS["periods"])
     return [f"{show.counted(number, 'case')}: {show.no_period(periods)}"] if number else []
+
+
+def unsettled(grid: Any) -> list[str]:
+    """A sentence on the cases whose mean velocity has not settled."""
+    from stickslip.steadiness import unsettled_note
+
+    return unsettled_note(grid["steadiness"].values, grid["settling_error"].values) if "steadiness" in grid else []
 
 
 def _notes(grid: Any) -> list[str]:

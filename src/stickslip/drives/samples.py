@@ -9,6 +9,7 @@ from typing import Any
 
 from stickslip.errors import Problems
 from stickslip.fields import describe
+from stickslip.sealing import sealed
 
 __all__ = ["MOST", "Samples", "checked", "fitted"]
 
@@ -23,6 +24,7 @@ _EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03
 Array = Any
 
 
+@sealed
 @dataclass(frozen=True)
 class Samples:
     """A record that can be used: instants [s], values, its name, its period [s], and how often the position was differentiated."""

@@ -16,6 +16,7 @@ from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, st
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import number
+from stickslip.sealing import sealed
 
 __all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
 
@@ -24,6 +25,7 @@ _SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scal
 _POINTS = 64
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Attractor:
     """A motion that attracts starts.
@@ -57,6 +59,7 @@ class Attractor:
         return f"<Attractor: {kind}, V = {self.mean_velocity:.7g} m/s, share {self.share:.3f} ({low:.3f} to {high:.3f})>"
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Basins:
     """Which start goes to which attractor.

@@ -19,6 +19,7 @@ from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
 from stickslip.dynamics.special import located
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.sealing import sealed
 
 __all__ = ["Branch", "Special", "continuation"]
 
@@ -26,6 +27,7 @@ Array = Any
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Branch:
     """A branch of periodic orbits along a parameter.

@@ -20,6 +20,7 @@ from stickslip.dynamics.paths import tangent_of
 from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.errors import InputError, SolveError
 from stickslip.forces import is_dynamic
+from stickslip.sealing import sealed
 
 __all__ = ["Curve", "Meeting", "special_curve"]
 
@@ -28,6 +29,7 @@ _FLOOR = 1e-14  # of residuals: their own rounding
 _SLOPE = 1e-5  # half the distance of the differences that give multipliers along a curve, in scales
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Curve:
     """A curve of special points in two parameters.

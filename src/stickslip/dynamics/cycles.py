@@ -20,6 +20,7 @@ from stickslip.dynamics.sections import halved
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
 from stickslip.forces import is_dynamic
+from stickslip.sealing import sealed
 
 __all__ = ["LimitCycle", "clock", "ends_of", "limit_cycle", "misses_of", "states_on", "unknowns"]
 
@@ -30,6 +31,7 @@ _STEADY = 1e-6  # of the velocity scale: what changes its velocity by less slide
 _SAMPLES = 1200  # looks at a run of that length, times ten
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class LimitCycle(ClosedMotion):
     """A periodic motion that nothing drives: where it turns, how long it takes, and its multipliers.

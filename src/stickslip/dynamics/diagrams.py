@@ -181,7 +181,7 @@ def _lasting(points: Array, scales: Array, tolerance: float) -> int:
 def seen(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
     """`recurrence.period_number` of an array of strobe points, x first, up to period 32."""
     last = len(points) - 1
-    return recurrence().period_number(points, last, last, LONGEST, np.asarray(scales, float), tolerance, tolerance)
+    return recurrence().period_number(points, last, last, LONGEST, np.array(scales, float), tolerance, tolerance)
 
 
 def steady_velocity(ways: Array, period: Array, T: Any) -> Array:

@@ -16,6 +16,7 @@ from stickslip.dynamics.mapping import coordinates, flight, needs_model, strobe_
 from stickslip.dynamics.variational import transfers
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
+from stickslip.sealing import sealed
 from stickslip.sweeps.progress import Watch
 
 __all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
@@ -257,6 +258,7 @@ def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apar
     return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What kind of motion a robot settles on, and on what evidence.

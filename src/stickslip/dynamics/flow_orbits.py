@@ -13,6 +13,7 @@ from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivati
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.forces import is_dynamic, normal_load
+from stickslip.sealing import sealed
 
 __all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "switching_flow"]
 
@@ -24,6 +25,7 @@ _SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
 _PARTS = (2, 3, 5, 7, 11, 13)
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class FlowOrbit:
     """A periodic orbit of a switching flow.

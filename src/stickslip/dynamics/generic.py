@@ -16,6 +16,7 @@ from stickslip.arguments import explains_arguments
 from stickslip.dynamics.switched import SwitchingFlow
 from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
+from stickslip.sealing import sealed
 
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
 
@@ -23,6 +24,7 @@ Array = Any
 STRETCHES = 20  # of which the scatter of the means gives the error
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Lyapunov:
     """Lyapunov exponents with what one must know to believe them.

@@ -16,12 +16,14 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import is_dynamic, memories_of, normal_load, rest_velocity
 from stickslip.forces import states_of as inner_states
 from stickslip.position import knows_position
+from stickslip.sealing import sealed
 
 __all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
 Array = Any
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Coordinates:
     """The coordinates of a strobe state: their names, and the size against which each is measured."""
@@ -50,6 +52,7 @@ class Coordinates:
         return np.max(abs(np.asarray(a, float) - np.asarray(b, float)) / self.scales, axis=-1)
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Ends:
     """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period."""

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.sealing import sealed
+
 __all__ = ["Found", "newton", "newton_within"]
 
 Array = Any
@@ -18,6 +20,7 @@ _PATTERNS = 6  # sets of whole numbers that are tried
 SHARES = np.array([0.5, 0.25, 0.1, 0.03, 0.01, 0.003])  # of a step that went too far, tried together
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Found:
     """Where Newton's method ended."""

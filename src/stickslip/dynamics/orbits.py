@@ -27,6 +27,7 @@ from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
 from stickslip.forces import is_dynamic
+from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 
 __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
@@ -39,6 +40,7 @@ _CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: f
 _SAME = 1e-7  # strobe states closer than this are one
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class PeriodicOrbit(ClosedMotion):
     """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.

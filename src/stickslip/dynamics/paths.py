@@ -18,6 +18,7 @@ from stickslip.dynamics.family import Family
 from stickslip.dynamics.mapping import Coordinates, strobe_map
 from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.orbits import RUNS, PeriodicOrbit
+from stickslip.sealing import sealed
 
 __all__ = ["Path", "Point", "tangent_of"]
 
@@ -26,6 +27,7 @@ _CORNER = 10.0  # how much further than the parameter the state may move across 
 _SMALL, _PATIENCE = 1e-4, 40  # a step that is small, and how many such steps in a row are taken before it is no use
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Point:
     """A point of a branch: where it is in the scaled space (without what the law remembers), its direction there, and the orbit."""

@@ -10,12 +10,14 @@ import numpy as np
 from stickslip.dynamics.diagrams import LONGEST, seen
 from stickslip.dynamics.mapping import coordinates, strobe_orbit
 from stickslip.recurrence import apart, approach
+from stickslip.sealing import sealed
 
 __all__ = ["LONGEST", "Repetition", "repetition"]
 
 Array = Any
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Repetition:
     """After how many drive periods a motion comes back, if it does.

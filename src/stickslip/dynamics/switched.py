@@ -26,6 +26,7 @@ from stickslip.arguments import explains_arguments
 from stickslip.dynamics.switched_arcs import arc, guards_of
 from stickslip.dynamics.written import answer, derivative
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.sealing import sealed
 
 __all__ = ["Passage", "Switch", "SwitchingFlow", "derivative", "passage", "started"]
 
@@ -148,6 +149,7 @@ def _is_number(given: Any) -> bool:
     return isinstance(given, (int, float, np.number)) and not isinstance(given, bool) and bool(np.isfinite(given))
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Passage:
     """A stretch of a switching flow: where and when it ends, its switches, its derivative by the start, and its extremes.

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.dynamics.along import extremes, first_fall, points
 from stickslip.dynamics.written import derivative, value
 from stickslip.errors import SolveError
+from stickslip.sealing import sealed
 
 __all__ = ["Arc", "Guard", "arc", "guards_of"]
 
@@ -54,6 +55,7 @@ class Guard:
         return found if abs(found) > _ROUNDING * (abs(by_t) + float(abs(by_y) @ abs(rate))) else 0.0
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Arc:
     """Where an arc ends, its derivative M by its start, which guard ended it (None: its time was over), and the extremes on it."""

@@ -77,6 +77,8 @@ class Results:
     rejected: Any
     memory: Any  # (cases, modes): memories of the law at the end
     limit: Any  # displacement in a drive period that the motion approaches [m]
+    wide_max: Any  # extremes of v over the window, at the ends of steps
+    wide_min: Any
     pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
 
 
@@ -266,9 +268,9 @@ def run(
     S = np.ones(k.fields * k.lanes)
     lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 16)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST))
+    lane_floats, ring, xs = np.zeros((k.lanes, 18)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST))
     cursor = np.array([0, cases, 0], dtype=np.int64)
-    out, count = np.full((cases, 7 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
+    out, count = np.full((cases, 9 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
@@ -286,5 +288,5 @@ def run(
         progress(cases)
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3],
-        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n : -1], out[:, -1], np.concatenate(kept) if keep_pieces else None,
+        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n : -3], *out[:, -3:].T, np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip

@@ -98,7 +98,7 @@ def _figures(run: Any) -> dict[str, Any]:
         "mean_velocity": float(mean_velocity(run)), "motion_type": m.type, "pattern": m.pattern, "margin": m.margin,
         "period_number": m.period, "direction": m.direction, "stick_fraction": m.stick_fraction,
         "forward_fraction": m.forward_fraction, "backward_fraction": m.backward_fraction,
-        "status": run.status, "periods": run.periods, "method": run.method, "notes": list(run.notes),
+        "status": run.status, "periods": run.periods, "method": run.method, "notes": list(run.notes), "steadiness": run.steadiness.word,
     }  # fmt: skip
 
 

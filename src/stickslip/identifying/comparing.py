@@ -18,12 +18,14 @@ from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
 from stickslip.identifying.targets import Target, target
 from stickslip.records import Record
 from stickslip.records.settling import settled
+from stickslip.sealing import sealed
 
 __all__ = ["Comparison", "Row", "compare"]
 
 _PHASES = 400
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Row:
     """One law, or the record itself, over one motion period.
@@ -58,6 +60,7 @@ class Row:
     model: Any = None
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
     """A record and several laws, as rows: `record` first, then the laws in the order in which they were given.

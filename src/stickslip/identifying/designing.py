@@ -13,6 +13,7 @@ from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.uncertainty import covariance_of
+from stickslip.sealing import sealed
 
 __all__ = ["Design", "Experiment", "design"]
 
@@ -46,6 +47,7 @@ class Experiment:
     visible: dict[str, float]
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Design:
     """What experiments can tell about some parameters.

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.forces import is_dynamic, law_force, law_rate, memories_of, states_of
 from stickslip.identifying.parameters import Parameters
+from stickslip.sealing import sealed
 
 __all__ = ["DrivenProblem", "Motion", "driven_force", "motion_of"]
 
@@ -17,6 +18,7 @@ _STEP = 1e-5
 _NUDGE = 1e-6
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Motion:
     """A prescribed motion with the force that was measured over it.

@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.sealing import sealed
 
 __all__ = ["Fit", "Quality"]
 
@@ -59,6 +60,7 @@ class Quality:
         return bool(self.count > 20 and (abs(self.correlation) > max(white, 0.1) or too_large))
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
     """The result of `identify`.

@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.batch import stacked
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
+from stickslip.sealing import sealed
 
 __all__ = ["Free", "Parameters"]
 
@@ -59,6 +60,7 @@ class Free:
         return int(found[1]) if found else None
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Parameters:
     """How the numbers of a search become models, one for each record.

@@ -13,6 +13,7 @@ from stickslip.arguments import Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.uncertainty import effective
+from stickslip.sealing import sealed
 
 __all__ = ["Ranked", "Ranking", "rank"]
 
@@ -48,6 +49,7 @@ class Ranked:
     held_out: float
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Ranking:
     """Laws in the order in which the data support them, and the verdict.

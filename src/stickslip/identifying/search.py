@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.sealing import sealed
 
 __all__ = ["Found", "multistart", "polished", "searched"]
 
@@ -17,6 +18,7 @@ _POLISHED = 3  # places from which steps are taken
 _APART = 0.03  # places nearer than this are one
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Found:
     """Where a search ended: place, residuals there, their derivatives, and in how many steps."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import SolveError
+from stickslip.sealing import sealed
 from stickslip.solvers import solve
 
 __all__ = ["SteadyCurve", "TransientCurve", "steady_curve", "transient_curve"]
@@ -16,6 +17,7 @@ _FIRST, _MOST = 6, 400  # drive periods of the first run, and of all runs togeth
 _LONGEST = 4  # motion periods up to here are followed
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class SteadyCurve:
     """The last motion period of a run.
@@ -101,6 +103,7 @@ def _nearer(run: Any, v: Any) -> dict[str, Any]:
     return end
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class TransientCurve:
     """A motion from a given velocity at a strobe time on; its phases count drive periods from there.

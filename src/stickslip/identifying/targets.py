@@ -16,10 +16,12 @@ from stickslip.records.measures import LONGEST, _repeats, mean_velocity
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
 from stickslip.records.tones import _finite
+from stickslip.sealing import sealed
 
 __all__ = ["Target", "mean_target", "target"]
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Target:
     """The numbers of one record that a model is to give.

@@ -11,6 +11,7 @@ from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
 from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
+from stickslip.steadiness import STEADINESS, UNSETTLED
 
 __all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 
@@ -26,6 +27,7 @@ _SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to be
 _FINE = 240  # points of each side of a map at which its regions are looked at
 _SPECK = (4, 0.001)  # cells, share of the map: a smaller region has no border drawn around it
 _ROUNDED = (0.8, 0.008)  # cells, share of a map's side: over the larger the corners of cells are rounded off in a border
+_HATCH = "//////"  # over cells whose mean velocity has not settled
 _ROW = 11.5  # height of a row of a legend [points]
 
 
@@ -73,7 +75,7 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
         places = _places(codes, across, up)
         legend = [name for i, name in enumerate(present) if not _name_region(ax, *places, i, name)]
         drawn = borders and _draw_borders(ax, grid, first, second, across, up)
-        _legend(ax, legend, "Coulomb, exact" if drawn else None)
+        _legend(ax, legend, "Coulomb, exact" if drawn else None, _hatch_unsettled(ax, grid, first, second, across, up))
         return _framed(ax, grid, across, up)
 
 
@@ -121,8 +123,8 @@ def velocity_map(grid: Grid, x: str | None = None, y: str | None = None, borders
         bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
         bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless else f"mean velocity $V$ ({unit})")
         bar.outline.set_linewidth(0.5)
-        if borders and _type_lines(ax, grid, first, second, across, up):
-            _legend(ax, [], "border of motion types")
+        lines = borders and _type_lines(ax, grid, first, second, across, up)
+        _legend(ax, [], "border of motion types" if lines else None, _hatch_unsettled(ax, grid, first, second, across, up))
         if optimum and np.isfinite(V).any():
             _mark_best(ax, V, across, up, unit)
         return _framed(ax, grid, across, up)
@@ -225,12 +227,28 @@ def _border(ax: Any, x: Any, y: Any) -> None:
     ax.plot(x, y, color="black", linewidth=0.7, zorder=5, solid_capstyle="butt")
 
 
-def _legend(ax: Any, names: list[str], line: str | None) -> None:
+def _hatch_unsettled(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:
+    """Hatch the cells whose mean velocity has not settled; False if there are none."""
+    if "steadiness" not in grid:
+        return False
+    late = np.asarray(grid["steadiness"].transpose(second, first).values) == UNSETTLED
+    if not late.any():
+        return False
+    import matplotlib as mpl
+
+    x, y, shown = _places(late.astype(float), across, up)
+    with mpl.rc_context({"hatch.linewidth": 0.5}):
+        ax.contourf(x, y, shown, levels=[0.5, 1.5], colors="none", hatches=[_HATCH], zorder=3)
+    return True
+
+
+def _legend(ax: Any, names: list[str], line: str | None, unsettled: bool = False) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [Patch(facecolor=TYPE_COLOURS[n], edgecolor=INK, linewidth=0.4, label=n) for n in names]
     handles += [Line2D([], [], color="black", linewidth=0.8, label=line)] if line else []
+    handles += [Patch(facecolor="none", edgecolor=INK, linewidth=0.4, hatch=_HATCH, label=STEADINESS[UNSETTLED])] if unsettled else []
     if handles:
         legend_above(ax, handles=handles, ncols=4, handlelength=1.4, columnspacing=1.0)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.records.units import unit_of
+from stickslip.sealing import sealed
 
 __all__ = ["MEASURED", "ROLES", "Channel", "Gap"]
 
@@ -41,6 +42,7 @@ def _frozen(array: Any) -> Any:
     return array
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Channel:
     """Numbers over an axis, nearly always time.

@@ -11,6 +11,7 @@ from stickslip.errors import InputError
 from stickslip.records.given import given_frequency
 from stickslip.records.overview import noise
 from stickslip.records.tones import _finite
+from stickslip.sealing import sealed
 
 __all__ = ["Cycle", "Value", "cycle", "loop_friction", "mean_velocity", "period_number"]
 
@@ -26,6 +27,7 @@ class Value:
     error: float
 
 
+@sealed
 @dataclass(frozen=True, eq=False)
 class Cycle:
     """The mean cycle of a record.

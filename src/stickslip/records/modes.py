@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.sealing import sealed
 
 __all__ = ["Mode", "modes"]
 
 _BAND = 12  # lines on either side of a peak
 
 
+@sealed
 @dataclass(frozen=True)
 class Mode:
     """A mode: natural frequency (in the unit of the axis) and damping ratio, with standard errors."""

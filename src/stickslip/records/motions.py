@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.records.measures import _frequency, cycle, period_number
 from stickslip.records.rests import Rest, rest_at
+from stickslip.sealing import sealed
 from stickslip.segments import intervals_of, type_of
 
 __all__ = ["MeasuredMotion", "motion"]
@@ -24,6 +25,7 @@ _MOST_OPEN = 4  # places that are told apart as open; more are one "other"
 _WINDOW = 0.07, 0.12  # drive periods on either side of a place: in a clean record, and in a noisy one
 
 
+@sealed
 @dataclass(frozen=True)
 class MeasuredMotion:
     """The motion that a record shows, in the words of `stickslip.motion`, with the threshold that was needed.

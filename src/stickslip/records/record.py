@@ -16,10 +16,12 @@ from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.units import quantity_of
+from stickslip.sealing import sealed
 
 __all__ = ["Record"]
 
 
+@sealed
 @dataclass(frozen=True, eq=False, repr=False)
 class Record:
     """What was measured (or, by `virtual_rig`, made to look so). It is never changed; methods return new ones.

@@ -138,5 +138,8 @@ def _headed(grid: Any, name: str) -> str:
 def _notes(grid: Any) -> list[str]:
     import json
 
-    told = [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
+    from stickslip.steadiness import unsettled_note
+
+    late = unsettled_note(grid["steadiness"].values, grid["settling_error"].values) if "steadiness" in grid else []
+    told = late + [f"{n} cases: {sentence}" for sentence, n in json.loads(grid.attrs.get("notes", "{}")).items()]
     return told if speeds(grid)[1] else [*told, UNITLESS]

@@ -35,7 +35,7 @@ _COST = 3e-7  # seconds per drive period and case, generous
 _ROOM = 1 << 16  # arcs recorded in one slice
 _COLUMNS = ("r_plus", "r_minus", "s_plus", "s_minus", "gamma", "w")
 _IN_METRES = ("displacement", "x_end", "limit")
-_IN_METRES_PER_SECOND = ("v_max", "v_min", "v_end", "strobe_error")
+_IN_METRES_PER_SECOND = ("v_max", "v_min", "v_end", "strobe_error", "wide_max", "wide_min")
 
 
 def solve(todo: Request) -> Trajectory | Summary:
@@ -94,7 +94,7 @@ def solve_rows(
     With ``skip=False`` every period is run, also after the strobe point has come back to the last bit.
     """
     n = len(rows)
-    out, count = np.empty((n, 9)), np.zeros((n, 4), np.int64)
+    out, count = np.empty((n, 11)), np.zeros((n, 4), np.int64)
     seg_time, seg_code = np.zeros((n, SEGMENTS)), np.zeros((n, SEGMENTS), np.int8)
     auto, kernel = settle == "auto", _kernel()
     whole = (periods, 0 if auto else int(settle), auto, skip, tolerance, out, count, seg_time, seg_code)
@@ -115,7 +115,7 @@ def solve_rows(
         for i in starts:
             done += part(i)
             _tell(progress, done, n)
-    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "x_end", "v_end", "limit")
+    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "x_end", "v_end", "limit", "wide_max", "wide_min")
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
     return {**raw, "seg_time": seg_time, "seg_code": seg_code}
@@ -157,7 +157,8 @@ def solve_batch(
         displacement over the window [m], window (its drive periods: whole motion periods where a period was found), v_max and v_min
         of the last motion period [m/s], margin_force, strobe_error (estimated distance of the last strobe point from the periodic
         motion [m/s]), x_end and v_end, limit (displacement in a drive period that the motion
-        approaches [m], see `stickslip.recurrence`), status, period (0: none found), periods_run, seg_count, seg_time (cases, 32),
+        approaches [m], see `stickslip.recurrence`), wide_max and wide_min (extremes over the window), status, period (0: none found),
+        periods_run, seg_count, seg_time (cases, 32),
         seg_code (cases, 32).
 
     Examples

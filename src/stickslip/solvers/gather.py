@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.batch import spread
 from stickslip.errors import SolveError
 from stickslip.forces import is_dynamic
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
+from stickslip.steadiness import STEADY, UNKNOWN, free_velocity, judged, mean_tolerance
 from stickslip.summary import LOST, STATUS, Summary
 from stickslip.trajectory import Trajectory
 
@@ -34,6 +36,8 @@ class Raw:
     seg_code: Any
     margin_force: Any
     limit: Any  # displacement in a drive period that the motion approaches [m], see stickslip.recurrence
+    wide_max: Any  # extremes of v over the whole window of the displacement [m/s]
+    wide_min: Any
     friction_power: Any = None  # [W] over the last motion period, where the solver measures it
 
 
@@ -44,10 +48,10 @@ NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk."""
     cases = todo.cases
-    T = np.broadcast_to(todo.span, (cases,))
+    T, free = np.broadcast_to(todo.span, (cases,)), spread(free_velocity(todo.model), todo.labels)
     columns: dict[str, Any] = {}
     for (first, last), raw in parts:
-        for name, values in _columns(todo, raw, T[first:last]).items():
+        for name, values in _columns(todo, raw, T[first:last], free[first:last], mean_tolerance(method, todo.rtol)).items():
             if (first, last) == (0, cases):
                 columns[name] = values
                 continue
@@ -61,10 +65,13 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     return Summary(todo.model, todo.labels, shaped, dict(STATUS), provenance(todo, method, tolerance))
 
 
-def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
+def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> dict[str, Any]:
     good = raw.status <= 1
     with np.errstate(invalid="ignore", divide="ignore"):
         velocity = np.where(good, raw.displacement / (raw.window * T), np.nan)
+        approached = np.where(good & (todo.model.period is not None), raw.limit / T, np.nan)
+    steadiness = judged(velocity, approached, raw.period, free, tolerance) if todo.model.period is not None else np.full(len(T), UNKNOWN)
+    lasting = steadiness == STEADY  # then the last motion period says all; else the extremes are those of the window of the mean
     moving = (raw.v_max > 0) | (raw.v_min < 0)
     floor = np.maximum(1e-12, todo.rtol if is_dynamic(todo.model.friction) else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
     typed = type_of(
@@ -78,10 +85,12 @@ def _columns(todo: Request, raw: Raw, T: Any) -> dict[str, Any]:
         "mean_velocity": velocity,
         **typed,
         "period": np.where(good, raw.period, 0),
-        "velocity_max": np.where(good, raw.v_max, np.nan),
-        "velocity_min": np.where(good, raw.v_min, np.nan),
+        "velocity_max": np.where(good, np.where(lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)), np.nan),
+        "velocity_min": np.where(good, np.where(lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)), np.nan),
         "displacement": raw.displacement,
         **({} if raw.friction_power is None else {"friction_power": np.where(good, raw.friction_power, np.nan)}),
+        "steadiness": steadiness.astype(np.int8),
+        "settling_error": np.where(np.isfinite(approached), abs(velocity - approached), np.nan),
         "periods_run": raw.periods_run,
         "status": raw.status,
     }

@@ -89,7 +89,7 @@ def orbit_rows(
     names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "forward_way", "backward_way")
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
-    raw["limit"] = raw["displacement"] / np.maximum(raw["window"], 1)
+    raw |= {"limit": raw["displacement"] / np.maximum(raw["window"], 1), "wide_max": raw["v_max"], "wide_min": raw["v_min"]}
     return {**raw, "seg_time": seg_time, "seg_code": seg_code}
 
 
@@ -120,7 +120,7 @@ def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> 
     """From the units of the kernel to metres and seconds."""
     for name in ("displacement", "limit", *_WAYS):
         raw[name] = raw[name] * (drive / omega**2)
-    for name in ("v_max", "v_min"):
+    for name in ("v_max", "v_min", "wide_max", "wide_min"):
         raw[name] = raw[name] * (drive / omega)
     raw["seg_time"] = raw["seg_time"] * period[:, None]
 

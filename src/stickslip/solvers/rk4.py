@@ -203,6 +203,8 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
 def _summary(todo: Request, march: _March) -> dict[str, Any]:
     asked, period, found = 0, 0, {}
     for count in _blocks(todo):
+        if asked <= todo.settle:  # the extremes are those of the window
+            march.extremes = np.array([np.inf, -np.inf])
         march.go(count)
         asked += count
         if march.done < asked:
@@ -213,11 +215,13 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
             found = strobes.reduced(march.model, march.strobes, march.done - period, todo.method, todo.rtol)
             if is_steady(march.model, found, todo.method, todo.rtol):
                 break
-    done = march.done
+    done, wide = march.done, march.extremes
     count, seg_time, seg_code = _last(todo, march, period or 1)
     return {
         **found, "periods_run": done, "status": int(todo.auto and done < todo.periods),
-        "v_min": march.extremes[0], "v_max": march.extremes[1], "seg_count": count, "seg_time": seg_time, "seg_code": seg_code,
+        "v_min": march.extremes[0], "v_max": march.extremes[1],
+        "wide_min": min(wide[0], march.extremes[0]), "wide_max": max(wide[1], march.extremes[1]),
+        "seg_count": count, "seg_time": seg_time, "seg_code": seg_code,
         "margin_force": strobes.margin_force(march.model),
     }  # fmt: skip
 
@@ -225,7 +229,7 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
 def _blocks(todo: Request) -> list[int]:
     """Periods to do before each look at the strobe points."""
     if not todo.auto:
-        return [todo.periods]
+        return [n for n in (todo.settle, todo.periods - todo.settle) if n]
     return [min(8, todo.periods - first) for first in range(0, todo.periods, 8)]
 
 

@@ -128,7 +128,8 @@ def _raw(r: lanes.Results, table: _Table, cases: slice) -> Raw:
     return Raw(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
-        margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried, friction_power=r.friction_power,
+        margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
+        wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ SEGMENTS = 32  # most segments of one motion period
 #: Results of a case that could not be solved.
 NOTHING: dict[str, Any] = {
     "displacement": np.nan, "window": 1.0, "period": 0, "limit": np.nan, "periods_run": 0, "status": 4, "v_min": np.nan, "v_max": np.nan,
+    "wide_min": np.nan, "wide_max": np.nan,
     "seg_count": 0, "seg_time": np.zeros(SEGMENTS), "seg_code": np.zeros(SEGMENTS, np.int8), "margin_force": np.inf,
 }  # fmt: skip
 

@@ -48,6 +48,8 @@ def fill(raw: dict[str, Array], i: int, arcs: Arcs, v0: float, periods: int, set
     speeds = [at(e / T)[1] for e in edges]
     raw["displacement"][i], raw["window"][i], raw["x_end"][i], raw["v_end"][i] = x - x_first, n - first, x, v
     raw["v_max"][i], raw["v_min"][i], raw["margin_force"][i] = max(speeds), min(speeds), math.inf
+    speeds += [at(first)[1], *(at(t / T)[1] for t in t0[(t0 > first * T) & (t0 < n * T)])]
+    raw["wide_max"][i], raw["wide_min"][i] = max(speeds), min(speeds)
     raw["strobe_error"][i], raw["period"][i], raw["periods_run"][i] = 0.0 if steady else math.inf, int(steady), n
     raw["limit"][i] = float(start[-1]) * T if slope[-1] == 0.0 else math.inf
     raw["status"][i], raw["seg_count"][i] = int(steady and auto), len(codes)

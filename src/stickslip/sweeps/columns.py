@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.steadiness import STEADINESS, UNKNOWN
 from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
@@ -26,14 +27,15 @@ STATUSES: dict[int, str] = {
     UNDONE: "not computed",
     BETWEEN: "not computed: filled from computed neighbours of one motion type",
 }
+_CODES = {"status": STATUSES, "steadiness": STEADINESS}
 #: Motion types in the order of their codes in files.
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
 #: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters.
 COLUMNS: dict[str, str] = {
     "mean_velocity": "f8", "motion_type": "U10", "pattern": "U32", "direction": "i1", "period": "i2", "margin": "f8",
     "stick_fraction": "f8", "forward_fraction": "f8", "backward_fraction": "f8", "velocity_max": "f8", "velocity_min": "f8",
-    "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "periods_run": "i4",
-    "status": "i1",
+    "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "steadiness": "i1",
+    "settling_error": "f8", "periods_run": "i4", "status": "i1",
 }  # fmt: skip
 
 
@@ -63,7 +65,7 @@ def _typed(values: Array, kind: str) -> Array:
 
 def _unknown(name: str, count: int) -> Array:
     """A column of cases that have no result yet."""
-    nothing = {"motion_type": TYPES[0], "status": UNDONE}.get(name, np.nan if COLUMNS[name] == "f8" else None)
+    nothing = {"motion_type": TYPES[0], "status": UNDONE, "steadiness": UNKNOWN}.get(name, np.nan if COLUMNS[name] == "f8" else None)
     return np.zeros(count, COLUMNS[name]) if nothing is None else np.full(count, nothing, COLUMNS[name])
 
 
@@ -148,10 +150,11 @@ def flags(name: str) -> dict[str, Any]:
     """CF attributes of a column of codes: flag_values and flag_meanings, one word for each."""
     if name == "motion_type":
         return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES)}
-    if name == "status":
+    if name in _CODES:
+        codes = _CODES[name]
         return {
-            "flag_values": np.array(list(STATUSES), np.int8),
-            "flag_meanings": " ".join(text.replace(":", "").replace(" ", "_") for text in STATUSES.values()),
+            "flag_values": np.array(list(codes), np.int8),
+            "flag_meanings": " ".join(text.replace(":", "").replace(" ", "_") for text in codes.values()),
         }
     return {}
 
@@ -162,6 +165,6 @@ def described(name: str) -> dict[str, Any]:
     if variable is None:
         return {}
     told: dict[str, Any] = {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
-    if name == "status":
-        told["flag_meanings"] = "; ".join(f"{code}: {sentence}" for code, sentence in STATUSES.items())
+    if name in _CODES:
+        told["flag_meanings"] = "; ".join(f"{code}: {sentence}" for code, sentence in _CODES[name].items())
     return told

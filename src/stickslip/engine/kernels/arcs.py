@@ -105,10 +105,11 @@ def first_zero(S, at):
 @njit(float64(f1, int64, float64), **OPTIONS)
 def extremum(S, at, end):
     """The largest or smallest value before `end` of a polynomial that turns once; its value there if it does not turn."""
-    d0, d1 = S[at + L], rate_at(S, at, end)
+    lo, hi, d0, d1 = 0.0, end, S[at + L], rate_at(S, at, end)
+    if d0 * d1 >= 0.0:  # after break-away the rate is zero at first, to rounding: it shows its sign further on
+        lo, d0 = 0.5 * end, rate_at(S, at, 0.5 * end)
     if d0 * d1 >= 0.0:
         return at_theta(S, at, end)
-    lo, hi = 0.0, end
     for _ in range(30):
         x = 0.5 * (lo + hi) if d0 == d1 else lo + (hi - lo) * d0 / (d0 - d1)
         d = rate_at(S, at, x)

@@ -6,6 +6,7 @@
 import numpy as np
 
 SEGS = 32  # segments kept
+WITHIN = 1e-13  # a displacement in a period this near to the one approached: the window holds a steady motion
 FINISHED, REPEATED, TOO_LONG, NOT_A_NUMBER = 0, 1, 2, 4
 
 
@@ -49,8 +50,8 @@ def observe(q, row, last, w, periods, seg_time, seg_code, out):
                 top, bottom = max(top, max(v, w)), min(bottom, min(v, w))
             if n > 0 and seg_code[n - 1] == 2 * mode:
                 seg_time[n - 1] += (phase - start) / TAU
-            elif n == SEGS:
-                return -1
+            elif n == SEGS or n < 0:
+                n = -1  # too many to keep
             elif phase > start:
                 seg_time[n], seg_code[n] = (phase - start) / TAU, 2 * mode
                 n += 1
@@ -59,6 +60,14 @@ def observe(q, row, last, w, periods, seg_time, seg_code, out):
                 break
     out[0], out[2], out[3], out[4] = x, top, bottom, margin
     return n
+
+
+@njit("void(f8[::1], f8[::1], f8[::1], f8, i8, i8, f8[::1], i1[::1], f8[::1])", **OPTIONS)
+def wide(q, row, last, w, settle, periods, seg_time, seg_code, out):
+    """What `observe` finds over the whole window: the run once more, from its start."""
+    for _ in range(settle):
+        w = one_period(q, last, w)[0]
+    observe(q, row, last, w, periods - settle, seg_time, seg_code, out)
 
 
 @njit("f8(f8[:,::1], i8, i8, f8[::1])", **OPTIONS)
@@ -128,11 +137,12 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
 
     rows: r_plus, r_minus, s_plus, s_minus, gamma, w at the start. out: displacement over the window (`auto`: over the last motion
     period), its periods, largest and smallest w and the margin of the last motion period, estimated distance from the periodic
-    state, displacement in all, w at the end, displacement in a drive period that the motion approaches. count: status, period number,
-    periods run, segments.
+    state, displacement in all, w at the end, displacement in a drive period that the motion approaches, extremes of w over the
+    window. count: status, period number, periods run, segments.
     """
     q, last, points, early, sums = np.empty(CONSTANTS), np.empty(2), np.zeros((KEPT, 2)), np.empty(LONGEST), np.empty(2)
     scale, unit = np.ones(1), np.ones(1)
+    scratch, scratch_time, scratch_code = np.empty(out.shape[1]), np.empty(SEGS), np.empty(SEGS, np.int8)
     for i in range(i0, i1):
         row = rows[i]
         prepare(row, q)
@@ -142,7 +152,7 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
         out[i, 7] = points[n % KEPT, 1]
         for k in range(6):
             out[i, k] = math.nan
-        count[i, 3], out[i, 8] = 0, math.nan
+        count[i, 3], out[i, 8], out[i, 9], out[i, 10] = 0, math.nan, math.nan, math.nan
         if status == FINISHED:
             status = REPEATED if p > 0 else FINISHED
             found, out[i, 8] = outcome(points, n, min(n, KEPT - 1), LONGEST, scale, tolerance, tolerance)
@@ -151,6 +161,10 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
             out[i, 1], out[i, 5] = number, remaining(points, n, number, unit)
             begin = n if status == REPEATED else n - number  # where it repeats, the next motion period is the best one yet
             count[i, 3] = observe(q, row, last, points[begin % KEPT, 1], number, seg_time[i], seg_code[i], out[i])
+            out[i, 9], out[i, 10] = out[i, 2], out[i, 3]
+            if not auto and not (p > 0 and abs(sums[0] - out[i, 8] * (periods - settle)) <= WITHIN * (periods - settle)):
+                wide(q, row, last, row[5], settle, periods, scratch_time, scratch_code, scratch)
+                out[i, 9], out[i, 10] = max(out[i, 2], scratch[2]), min(out[i, 3], scratch[3])
             if status == REPEATED:
                 n += number
                 sums[1] += out[i, 0]

@@ -35,9 +35,9 @@ def take(lane, case, S, N, K, XS, PARAM, START, D):
     set_flags(lane, S, PARAM[case], D[SET_VALUED] == 1, D)
     for j in range(9):
         N[lane, j] = 0
-    for j in range(16):
+    for j in range(18):
         K[lane, j] = 0.0
-    K[lane, LIMIT] = math.nan
+    K[lane, LIMIT], K[lane, WIDE_MAX], K[lane, WIDE_MIN] = math.nan, -math.inf, math.inf
     N[lane, CASE] = case
 
 
@@ -73,7 +73,9 @@ def finish(lane, S, N, K, RING, OUT, COUNT, D):
         OUT[case, 6 + i] = RING[lane, N[lane, DONE] % KEPT, 1 + i] if good else S[D[F_Y] + i * L + lane]
     for k in range(D[KEPT_MODES]):
         OUT[case, 6 + D[STATES] + k] = RING[lane, N[lane, DONE] % KEPT, 1 + D[STATES] + k] if good else S[D[F_MODE] + k * L + lane]
-    OUT[case, 6 + D[STATES] + D[KEPT_MODES]] = K[lane, LIMIT] if good else np.nan
+    more = 6 + D[STATES] + D[KEPT_MODES]
+    OUT[case, more] = K[lane, LIMIT] if good else np.nan
+    OUT[case, more + 1], OUT[case, more + 2] = max(K[lane, WIDE_MAX], K[lane, VMAX]), min(K[lane, WIDE_MIN], K[lane, VMIN])
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
@@ -248,6 +250,12 @@ def advance(
             watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
         for lane in range(L):
             stat = S[D[F_STAT] + lane]
+            if N[lane, DONE] >= settle:
+                v = S[D[F_Y] + lane]
+                K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
+                if D[F_TOP] >= 0:  # the extremum within the step
+                    v = S[D[F_TOP] + lane]
+                    K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
             if stat < 0.5:
                 continue
             S[D[F_STAT] + lane] = 0.0

@@ -108,6 +108,7 @@ function figures(f, fine) {
   $("note-count").textContent = f.notes.length;
   $("notes").replaceChildren(...f.notes.map((note) => Object.assign(document.createElement("li"), { textContent: note })));
   if (f.status !== "finished") say(f.status);
+  else if (f.steadiness === "not settled") say("the motion has not settled: the mean velocity is not the steady one yet, see the notes", "wait");
 }
 
 function say(sentence, kind = "bad") {

@@ -33,9 +33,16 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     number, seg_time, seg_code = strobes.segments_of(np.full(count, (period or 1) * T / count), codes)
     return {
         **found, "periods_run": todo.periods, "status": 0,
-        "v_min": v.min(), "v_max": v.max(),
+        "v_min": v.min(), "v_max": v.max(), **_wide(pieces, T * found["window"], v),
         "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
     }  # fmt: skip
+
+
+def _wide(pieces: PolynomialPieces, window: float, last: Any) -> dict[str, float]:
+    """Extremes over the window, at the ends of the pieces in it, and of the last motion period."""
+    index = np.flatnonzero(pieces.t[:-1] >= pieces.t[-1] - window * (1 + 1e-12))
+    v = np.concatenate([last, pieces.evaluate(pieces.t[index], index)[1]])
+    return {"wide_min": v.min(), "wide_max": v.max()}
 
 
 def _strobe(todo: Request, model: Any, pieces: PolynomialPieces) -> Any:

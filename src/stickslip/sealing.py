@@ -1,0 +1,77 @@
+"""Frozen records whose arrays are frozen too: what is written into one of them changes no result."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from typing import Any, TypeVar
+
+import numpy as np
+
+__all__ = ["seal", "sealed"]
+
+Record = TypeVar("Record")
+
+
+def seal(value: Any) -> Any:
+    """The same value with arrays that cannot be written to; also those in a list, a tuple or a dict. The giver's own array stays as it is.
+
+    Examples
+    --------
+    >>> own = np.zeros(2)
+    >>> seal({"a": [own]})["a"][0].flags.writeable, own.flags.writeable
+    (False, True)
+    """
+    if isinstance(value, np.ndarray):
+        if value.flags.writeable:
+            value = value.view()
+            value.setflags(write=False)
+        return value
+    if type(value) is dict:
+        return {name: seal(part) for name, part in value.items()}
+    return type(value)(map(seal, value)) if type(value) in (list, tuple) else value
+
+
+def sealed(cls: type[Record]) -> type[Record]:
+    """A frozen dataclass whose fields are sealed when it is made, and its cached properties when they are computed.
+
+    Examples
+    --------
+    >>> @sealed
+    ... @dataclasses.dataclass(frozen=True, eq=False)
+    ... class Curve:
+    ...     x: Any
+    >>> Curve(np.zeros(3)).x[0] = 1.0
+    Traceback (most recent call last):
+    ...
+    ValueError: assignment destination is read-only
+    """
+    made: Any = cls.__init__
+
+    @functools.wraps(made)
+    def __init__(self: Any, *args: Any, **kwargs: Any) -> None:
+        made(self, *args, **kwargs)
+        for field in dataclasses.fields(self):
+            given = getattr(self, field.name)
+            kept = seal(given)
+            if kept is not given:
+                object.__setattr__(self, field.name, kept)
+
+    cls.__init__ = __init__  # type: ignore[method-assign]
+    for base in cls.__mro__:
+        for part in vars(base).values():
+            if isinstance(part, functools.cached_property):
+                _seal_what_it_computes(part)
+    return cls
+
+
+def _seal_what_it_computes(part: functools.cached_property[Any]) -> None:
+    compute = part.func
+    if not hasattr(compute, "sealed"):
+
+        @functools.wraps(compute)
+        def func(self: Any) -> Any:
+            return seal(compute(self))
+
+        func.sealed = True  # type: ignore[attr-defined]
+        part.func = func
