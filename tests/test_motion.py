@@ -190,7 +190,9 @@ def test_fast_intervals_equal_the_slow_ones():
 # ---- periods ----
 def strobes(values, rtol=1e-6, settle=0):
     v = np.asarray(values, float)
-    model = SimpleNamespace(period=1.0, velocity_scale=1.0, cyclic=True, friction=SimpleNamespace(rate=1, force=1))
+    model = SimpleNamespace(
+        period=1.0, velocity_scale=1.0, load=1.0, acceleration=lambda t, x, v, R: -R, friction=SimpleNamespace(rate=1, force=1)
+    )
     times = np.arange(float(len(v)))
     points = dict(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v))
     run = SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0)

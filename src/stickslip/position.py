@@ -45,8 +45,8 @@ def knows_position(model: Any) -> bool:
     >>> knows_position(robot), knows_position(bench)
     (False, True)
     """
-    written = replace_leaf(model, {name: _Mark("number") for name, _ in leaves(model)})
     try:
+        written = replace_leaf(model, {name: _Mark("number") for name, _ in leaves(model)})
         return _appears(written, *map(_Mark, ("t", "v", "R")))
     except Exception:  # written for numbers only
         pass

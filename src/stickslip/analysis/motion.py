@@ -183,7 +183,7 @@ def coulomb_twin(model: Any) -> Any:
 
 def _has_kinetic(law: Any) -> bool:
     """Whether a law names one kinetic coefficient for each direction; a set-valued one is asked whether it slides so at speed."""
-    named = [getattr(law, name, None) for name in ("mu_plus", "mu_minus")]
+    named: list[Any] = [getattr(law, name, None) for name in ("mu_plus", "mu_minus")]
     if any(mu is None or isinstance(mu, tuple) for mu in named):
         return False
     if is_dynamic(law):
