@@ -95,7 +95,7 @@ def served():
         patch.setattr(server, "Kernels", NoKernels)
         made = Served()
         with contextlib.closing(made):
-            process_of(made.app._app.state.uploads._readers).ask("velocity", "a.csv", RECORD, 120)  # it is ready
+            process_of(made.app.inner.state.uploads._readers).ask("velocity", "a.csv", RECORD, 120)  # it is ready
             yield made
 
 

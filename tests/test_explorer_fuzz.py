@@ -230,7 +230,9 @@ async def requests(app, rng, count):
 
 def bytes_to_a_server(rng, count):
     """Whatever comes on a connection, the next request is answered."""
-    served, told = Served(token=False), Counter()
+    served, told, log = Served(token=False), Counter(), []
+    (listener := logging.Handler(logging.ERROR)).emit = log.append
+    logging.getLogger("uvicorn.error").addHandler(listener)  # which does not hand on to others
     with contextlib.closing(served):
         for number in range(count):
             with contextlib.suppress(OSError), served.raw(blob(rng)) as connection:
@@ -242,6 +244,8 @@ def bytes_to_a_server(rng, count):
             if number % 100 == 0:
                 assert served.status() == 200
         assert served.status() == 200
+    logging.getLogger("uvicorn.error").removeHandler(listener)
+    assert not log, [record.getMessage() for record in log]
     return told
 
 
@@ -252,7 +256,7 @@ def endure(monkeypatch, caplog, count, seed):
     guard = server.application("127.0.0.1", TOKEN, 2)
 
     async def both():
-        async with guard._app.router.lifespan_context(guard._app):
+        async with guard.inner.router.lifespan_context(guard.inner):
             return await messages(guard, rng, 6 * count // 10), await requests(guard, rng, 3 * count // 10)
 
     with caplog.at_level(logging.ERROR):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.sweeps.seals import Damaged, read_sealed
 from stickslip.trajectory import HarmonicArcs
 
 V = np.arange(10.0)
@@ -84,6 +85,17 @@ def test_a_run_whose_numbers_lie_elsewhere_is_not_loaded(tmp_path, lay):
     with h5py.File(path, "r+") as file:
         lay(file["pieces"], tmp_path)
     assert "not followed" in refused(path, ss.load)
+
+
+@pytest.mark.parametrize("lay", ELSEWHERE)
+def test_a_grid_and_a_tile_whose_numbers_lie_elsewhere_are_not_opened(tmp_path, lay):
+    path = tmp_path / "grid.nc"
+    with h5py.File(path, "w") as file:
+        file.attrs["stickslip_content"] = "sweep"
+        lay(file, tmp_path)
+    assert "not followed" in refused(path, ss.open_study)
+    with pytest.raises(Damaged, match="not followed"):
+        read_sealed(path, None, lambda file: file["v"][...])
 
 
 def test_a_soft_link_is_left_out_and_told(tmp_path):

@@ -132,7 +132,7 @@ def test_numbers_from_another_file_are_refused(old, tmp_path):
     with h5py.File(old / "tiles" / "0000000.nc", "r+") as file:
         del file["mean_velocity"]
         file.create_dataset("mean_velocity", (2,), "f8", external=[(str(tmp_path / "raw"), 0, 16)])
-    with pytest.raises(ss.InputError, match="lies in another file"):
+    with pytest.raises(ss.InputError, match="lie in another file"):
         opened(old)
 
 

@@ -62,20 +62,20 @@ class Guard:
     """
 
     def __init__(self, app: Any, host: str, token: str | None, limits: Limits = LIMITS):
-        self._app, self._host, self._token = app, host, token
+        self.inner, self._host, self._token = app, host, token
         self.connections = Connections(limits)
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
         """Let a request through, or refuse it."""
         if scope["type"] not in ("http", "websocket"):
-            return await self._app(scope, receive, send)
+            return await self.inner(scope, receive, send)
         if (refused := self._refused(scope)) is not None:
             return await _refuse(refused, 403, scope, receive, send)
         client = tuple(scope.get("client") or ()) or None
         if not self.connections.admit(client, scope["type"] == "http"):
             return await _refuse("too many pages are open at your address; close some", 503, scope, receive, send)
         try:
-            await self._app(scope, receive, self._marked(scope, send))
+            await self.inner(scope, receive, self._marked(scope, send))
         finally:
             self.connections.release(client)
 

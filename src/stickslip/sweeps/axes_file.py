@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import characters, from_characters
-from stickslip.sweeps.seals import Damaged, plain_values, read_sealed, sealed
+from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 from stickslip.sweeps.tiles import mark_of, written
 
 __all__ = ["AXES", "axes_bytes", "read_labels"]
@@ -36,7 +36,7 @@ def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
     sizes = dict(zip(manifest["dims"], manifest["shape"], strict=True))
 
     def columns(file: Any) -> dict[str, Column]:
-        found = [_label(file, variable, plain_values(variable)) for variable in file.values()]
+        found = [_label(file, variable, variable[...]) for variable in file.values()]
         labels = {name: column for name, column in found if name}
         for name, column in labels.items():
             if np.shape(column.values) != tuple(sizes[dim] for dim in column.dims):

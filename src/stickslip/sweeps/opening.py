@@ -12,6 +12,7 @@ from xarray.core import indexing
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, as_path
+from stickslip import hdf5
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.axes_file import read_labels
 from stickslip.sweeps.columns import COLUMNS, from_characters, words
@@ -19,6 +20,7 @@ from stickslip.sweeps.datasets import assembled
 from stickslip.sweeps.folder import read_manifest
 from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.tiles import notes_of, read_tile
+from stickslip.unpacking import Allowance
 
 __all__ = ["open_study"]
 
@@ -72,8 +74,12 @@ def _open_file(path: Path) -> Any:
     import xarray as xr
 
     try:
+        with hdf5.opened(path, "study", Allowance("study", path.stat().st_size)):
+            pass
         grid = xr.load_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError) as error:
+    except InputError:
+        raise
+    except Exception as error:  # damaged bytes meet the library at any place
         raise InputError(
             "study", [f"{str(path)!r} cannot be read: {error}; give a study folder, or a .nc file that export wrote"]
         ) from None

@@ -13,7 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["SEAL", "Damaged", "of_manifest", "plain_values", "read_sealed", "sealed"]
+from stickslip import hdf5
+from stickslip.errors import InputError
+from stickslip.unpacking import Allowance
+
+__all__ = ["SEAL", "Damaged", "of_manifest", "read_sealed", "sealed"]
 
 #: The checksum of a manifest in it.
 SEAL = "checksum"
@@ -43,18 +47,25 @@ def _hash(mark: str, content: bytes) -> bytes:
     return made.hexdigest().encode()
 
 
-def _check(path: Path, mark: str) -> None:
+def _check(path: Path, mark: str | None) -> None:
+    """That a file is as it was written, and holds all its numbers itself; looked at once for each file."""
     about = path.stat()
     key = (mark, str(path), about.st_ino, about.st_size, about.st_mtime_ns)
     if key in _intact:
         return
-    content = path.read_bytes()
-    end = len(content) - len(_BEFORE) - _SIZE - len(_AFTER)
-    if end < 0 or content[end:] != _BEFORE + _hash(mark, content[:end]) + _AFTER:
-        raise Damaged("its checksum does not fit")
+    if mark is not None:
+        _check_seal(path.read_bytes(), mark)
+    with hdf5.opened(os.fspath(path), "study", Allowance("study", about.st_size)):
+        pass
     if len(_intact) > 100_000:
         _intact.clear()
     _intact.add(key)
+
+
+def _check_seal(content: bytes, mark: str) -> None:
+    end = len(content) - len(_BEFORE) - _SIZE - len(_AFTER)
+    if end < 0 or content[end:] != _BEFORE + _hash(mark, content[:end]) + _AFTER:
+        raise Damaged("its checksum does not fit")
 
 
 def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any:
@@ -70,18 +81,12 @@ def read_sealed(path: Path, mark: str | None, read: Callable[[Any], Any]) -> Any
     import h5py
 
     try:
-        if mark is not None:
-            _check(path, mark)
+        _check(path, mark)
         with h5py.File(os.fspath(path), "r") as file:
             return read(file)
     except (FileNotFoundError, Damaged):
         raise
+    except InputError as error:
+        raise Damaged("; ".join(error.problems)) from None
     except Exception as error:  # h5py raises almost anything over damaged bytes
         raise Damaged(str(error) or type(error).__name__) from None
-
-
-def plain_values(variable: Any) -> Any:
-    """All values of a variable of an open HDF5 file; `Damaged` where they would come from another file."""
-    if variable.is_virtual or variable.external:
-        raise Damaged(f"{variable.name.lstrip('/')} lies in another file")
-    return variable[...]

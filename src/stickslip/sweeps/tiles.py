@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.sweeps.columns import coded, described, empty, flags, words
 from stickslip.sweeps.manifest import has_checksums
-from stickslip.sweeps.seals import Damaged, plain_values, read_sealed, sealed
+from stickslip.sweeps.seals import Damaged, read_sealed, sealed
 
 __all__ = ["TILES", "file_of", "mark_of", "notes_of", "read_tile", "tile_bytes", "tile_is_good", "written"]
 
@@ -97,7 +97,7 @@ def _decoded(name: str, variable: Any, count: int) -> Array:
     like = coded(name, empty(1)[name])
     if variable.shape != (count, *like.shape[1:]) or variable.dtype != like.dtype:
         raise Damaged(f"{name} has shape {variable.shape} and type {variable.dtype}")
-    return words(name, plain_values(variable))
+    return words(name, variable[...])
 
 
 def _cases(manifest: dict[str, Any], k: int) -> tuple[int, int]:
