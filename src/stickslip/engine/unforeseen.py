@@ -34,7 +34,7 @@ def hides(eq: Equations) -> bool:
 
 
 def _degree(graph: Graph, node: Sym, known: dict[int, float]) -> float:
-    """Degree of a polynomial in time, the states and sines of time; infinite for what is no such polynomial."""
+    """Degree of a polynomial in time and the states, in which a sine of time counts half; infinite for what is no such polynomial."""
     if node.number not in known:
         known[node.number] = 0.0 if not graph.varies(node) else 1.0 if node.op == "variable" else _composed(graph, node, known)
     return known[node.number]
@@ -47,7 +47,7 @@ def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
     if node.op == "multiply":
         return sum(degrees)
     of_time = graph.varies(node) == {"t"} and degrees[0] <= 1.0
-    return 1.0 if node.op in ("sin", "cos") and of_time else float("inf")
+    return 0.5 if node.op in ("sin", "cos") and of_time else float("inf")
 
 
 def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
