@@ -51,7 +51,7 @@ def drive(rng, name):
 
 
 def law(rng, name, grip, speed, exponent):
-    """A law whose friction coefficients are some parts of `grip` and whose velocities are some parts of `speed`; `viscous` is per newton."""
+    """A law whose friction coefficients are some parts of `grip` and whose velocities are parts of `speed`; `viscous` is per newton."""
     mu = grip * 10 ** rng.uniform(-1.2, -0.05, 2)
     f = mu * rng.uniform(1, 1.5, 2)
     v_s = speed * 10 ** rng.uniform(-2.3, -0.5)

@@ -6,6 +6,7 @@ it would turn out otherwise. What is narrower than a fortieth of a period it doe
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -130,7 +131,6 @@ def _first_zero(c, end):
     return high
 
 
-
 @np.errstate(all="ignore")  # laws compute branches that they then do not take
 def run(robot, periods):
     """x after so many periods, from rest at t = 0."""
@@ -140,7 +140,7 @@ def run(robot, periods):
         jumps[float(instant) % T] = jumps.get(float(instant) % T, 0.0) + float(jump)
     for k in range(periods):
         instants = [0.0, *sorted(s for s in jumps if s > 0.0), T]
-        for begin, end in zip(instants, instants[1:], strict=False):
+        for begin, end in itertools.pairwise(instants):
             if begin in jumps and (begin > 0 or k > 0):
                 v, mode = v + jumps[begin], None
             t = begin

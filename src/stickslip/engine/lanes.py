@@ -160,7 +160,8 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
-        "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(f.startswith("e") and f.endswith("_0") for f in offsets), "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
+        "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
+        "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
     firsts = {

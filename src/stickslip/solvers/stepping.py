@@ -40,7 +40,8 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
         checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
-            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table)}. Try another rtol (now {todo.rtol:g}) "
+            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table)}. "
+            f"Try another rtol (now {todo.rtol:g}) "
             'or start, check the law\'s numbers, or type method="radau" (SciPy on the law in plain Python: slower)'
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
