@@ -53,7 +53,7 @@ def stretches(words: Words, low: float, high: float, points: int = POINTS) -> tu
     found = words(at)
     changes = [change for i in np.flatnonzero(found[1:] != found[:-1]) for change in _between(words, at[i], at[i + 1], found[i : i + 2])]
     ends = [low, *(value for value, _ in changes), high]
-    names = [found[0], *(word for _, word in changes)]
+    names = [word.item() for word in (found[0], *(word for _, word in changes))]
     return tuple(Stretch(word, float(a), float(b)) for word, a, b in zip(names, ends[:-1], ends[1:], strict=True))
 
 

@@ -100,10 +100,8 @@ def coexistence(fast: bool) -> Coexistence:
     near = _from_starts(printed, fine, "lugre")
     both = (_spread(near, fine) > APART).T
     ranges = [_range(float(f), fine[two], 1.5 * (fine[1] - fine[0])) for f, two in zip(printed, both, strict=True) if two.any()]
-    return Coexistence(
-        f0, A, *(_spread(_from_starts(f0, A, law), A) for law in ("lugre", "coulomb-static")),
-        printed, fine, near.motion_type, tuple(ranges),
-    )  # fmt: skip
+    lugre, exact = (_spread(_from_starts(f0, A, law), A) for law in ("lugre", "coulomb-static"))
+    return Coexistence(f0, A, lugre, exact, printed, fine, near.motion_type, tuple(ranges))
 
 
 def _from_starts(f0: Any, A: Any, law: str) -> Any:
@@ -123,12 +121,13 @@ def _range(f0: float, A: Any, beyond: float) -> Range:
     """Both motions at a printed f0, from the amplitudes at which both were found to where each ends."""
     from stickslip.solvers import solve
 
-    low, high, step = float(A[0]), float(A[-1]), {"step": 0.05, "points": 30, "sharp": False, "f0": f0}
+    low, high = float(A[0]), float(A[-1])
+    how: dict[str, Any] = {"step": 0.05, "points": 30, "sharp": False, "f0": f0}
     robot = rig(CASES[-1], amplitude=low, f0=f0)
     runs = [solve(robot, periods=100, start={"v": v * robot.free_velocity}) for v in STARTS]
     fastest = max(runs, key=lambda run: abs(run.strobe_x[-1] - run.strobe_x[-2]))
-    slide = followed("amplitude", low, low - beyond, low, guess=fastest, **step)
-    return Range(f0, slide, followed("amplitude", high, high, high + beyond, **step), (low, high))
+    slide = followed("amplitude", low, low - beyond, low, guess=fastest, **how)
+    return Range(f0, slide, followed("amplitude", high, high, high + beyond, **how), (low, high))
 
 
 def _choices(rows: Any) -> Any:

@@ -85,7 +85,8 @@ def followed(
 
     With `sharp` a border at which a multiplier passes -1 is found once more with a hundredth of the tolerance, which tells its accuracy.
     """
-    ends, sizes = [], []
+    ends: list[End] = []
+    sizes: list[float] = []
     for stop in (low, high):
         if stop == start:
             ends.append(End(start, "range", 0.0))
@@ -94,7 +95,7 @@ def followed(
         end, orbit = _end(branch, stop)
         ends.append(_sharpened(branch, end, orbit, fixed) if sharp and end.kind in ("flip", "half") else end)
         sizes += list(takewhile(lambda size: size < 1, (float(abs(o.multipliers[0])) for o in branch.orbits)))
-    return Followed(parameter, *ends, period, max(sizes, default=math.nan), len(sizes))
+    return Followed(parameter, ends[0], ends[1], period, max(sizes, default=math.nan), len(sizes))
 
 
 def _branch(parameter: str, start: float, stop: float, **more: Any) -> Any:
