@@ -47,6 +47,7 @@ class Draw:
     omega: Array = 1.0
     mu: Array = 1.0
     bend: Array = 1.0  # deflection at which a bristle slides [m]
+    least: Array = 1.0  # part of the load that is always there
 
     def uniform(self, low: float, high: float) -> Array:
         return self.rng.uniform(low, high, self.count)
@@ -59,6 +60,10 @@ class Draw:
     def force(self) -> Array:
         """What moves the body, in size [N]."""
         return self.mass * self.velocity * self.omega
+
+    def sometimes(self, value: Array) -> Array:
+        """A value in four cases of five, else zero."""
+        return np.where(self.uniform(0, 1) < 0.2, 0.0, value)
 
     def shares(self, parts: int) -> tuple[Array, ...]:
         """Positive numbers that sum to one."""
@@ -87,13 +92,11 @@ NUMBERS: dict[str, Callable[[Draw], Any]] = {
     "sigma1": lambda d: np.sqrt(d.mu * d.load / d.bend * d.mass) * d.wide(0.1, 2.0),
     "sigma2": lambda d: d.force / d.velocity * d.wide(1e-3, 0.5),
     "attraction": lambda d: d.mu * d.load * d.omega * d.wide(1.0, 100.0),
-    "z_ba": lambda d: d.bend * d.uniform(0.1, 0.8),
-    "z_ba_minus": lambda d: d.some(lambda: d.bend * d.uniform(0.1, 0.8)),
+    "z_ba": lambda d: d.bend * d.least * d.uniform(0.1, 0.8),  # or the contact were elastic where it should slide
+    "z_ba_minus": lambda d: d.some(lambda: d.bend * d.least * d.uniform(0.1, 0.8)),
     "bristles": lambda d: int(d.choice.integers(3, 9)),
     "seed": lambda d: int(d.choice.integers(100)),
-    **dict.fromkeys(
-        ("viscous", "viscous_plus", "viscous_minus"), lambda d: d.force / d.velocity * np.where(d.uniform(0, 1) < 0.2, 0.0, d.wide(1e-3, 0.5))
-    ),
+    **dict.fromkeys(("viscous", "viscous_plus", "viscous_minus"), lambda d: d.force / d.velocity * d.sometimes(d.wide(1e-3, 0.5))),
     **dict.fromkeys(("quadratic", "quadratic_plus", "quadratic_minus"), lambda d: d.force / d.velocity**2 * d.wide(1e-3, 0.5)),
 }  # fmt: skip
 SUMS = {
@@ -234,8 +237,11 @@ def _robot(kind: Kind, d: Draw) -> Any:
     total, ratio, drive = 0.07 * d.wide(0.1, 10), d.wide(0.01, 0.5), drive_of(kind.drive, d)
     gravity = 9.81 if d.choice.random() < 0.8 else 9.81 * d.wide(0.1, 2.0)
     d = _sized(d, total, ratio * drive.velocity_scale, 2 * np.pi / drive.period, total * gravity)
-    parts = {"drive": drive, "friction": law_of(kind.law, d), "track": track_of(kind.track, d)}
-    return ss.Robot(body_mass=total * (1 - ratio), inner_mass=total * ratio, gravity=gravity, **parts)
+    track = track_of(kind.track, d)
+    lifts = getattr(drive, "vertical_acceleration", None) is not None
+    d = dataclasses.replace(d, least=(1.0 - getattr(track, "depth", 0.0)) * (0.4 if lifts else 1.0))
+    law = law_of(kind.law, d)
+    return ss.Robot(body_mass=total * (1 - ratio), inner_mass=total * ratio, gravity=gravity, drive=drive, friction=law, track=track)
 
 
 def _mechanism(kind: Kind, d: Draw) -> Any:

@@ -30,7 +30,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from mutating import FORMULAS, ROOT, SOURCE, Mutant, every, mutated
 
-TESTS = [f"tests/test_{name}.py" for name in ("laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")]
+TESTS = [f"tests/test_{name}.py" for name in ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")]
 SLOWEST, PATIENCE = 1.0, 600  # seconds of a test, and of a mutant: one that runs without end counts as killed
 NO_TESTS, ENDLESS = 5, -1  # exit codes
 PRELOADED = ["numpy", "scipy.integrate", "scipy.optimize", "scipy.stats", "scipy.linalg", "scipy.signal", "xarray", "mpmath", "sympy"]
