@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from multiprocessing.reduction import ForkingPickler
 
 import numpy as np
 import pytest
@@ -56,6 +57,14 @@ def says(call, *parts):
 
 LOOK_LIKE_NUMBERS = ["1.0", True, None, b"1", 1j]
 IN_CONTAINERS = [lambda x: x, lambda x: [x], lambda x: (0.5, x), lambda x: np.array([x]), lambda x: xr.DataArray([x])]
+
+
+def test_errors_come_through_a_pool_of_processes():
+    """They are pickled there: what they were made from stays with them."""
+    for error in (ss.InputError("Harmonic", ["a", "b"]), ss.SolveError("no step is short enough")):
+        copy = ForkingPickler.loads(ForkingPickler.dumps(error))
+        assert (type(copy), str(copy)) == (type(error), str(error))
+    assert ForkingPickler.loads(ForkingPickler.dumps(ss.InputError("Harmonic", ["a", "b"]))).problems == ("a", "b")
 
 
 @pytest.mark.parametrize("inside", range(len(IN_CONTAINERS)))

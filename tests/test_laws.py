@@ -595,6 +595,13 @@ def test_a_law_of_ones_own_whose_breakaway_cannot_be_is_told_before_anything_run
         ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).replace(friction=Own(0.3))
 
 
+@pytest.mark.parametrize("sides", [(0.0, 0.4), (0.4, 0.0)])
+def test_friction_of_one_direction_only_is_a_law(sides):
+    """Nothing holds at rest, and how near to rest friction is looked at is measured on its own side."""
+    law = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4).replace(friction=ss.Viscous(*sides)).friction
+    assert (law.sliding(-0.1, 1.0), law.sliding(0.1, 1.0)) == (-0.1 * sides[1], 0.1 * sides[0])
+
+
 def test_check_law_wants_numbers_and_one_law():
     @dataclass(frozen=True)
     class Bare:

@@ -156,7 +156,7 @@ def spread(value: Any, labels: Labels) -> Any:
 def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], columns: dict[str, Any]) -> Any:
     """The models of a maker that takes single numbers, one for each row of the columns (arrays of one length), put together."""
     points = zip(*(values.tolist() for values in columns.values()), strict=True)
-    return stacked(what, [make(**fixed, **dict(zip(columns, point, strict=True))) for point in points])
+    return stacked(what, [made_model(what, make(**fixed, **dict(zip(columns, point, strict=True)))) for point in points])
 
 
 def made_model(what: str, made: Any) -> Any:
@@ -180,8 +180,6 @@ def stacked(what: str, models: list[Any]) -> Any:
     """
     import numpy as np
 
-    for model in models:
-        made_model(what, model)
     numbers = [name for name, _ in leaves(models[0])]
     whole = [dict(leaves(model, kinds=True)) for model in models]
     first, *others = ({n: v for n, v in each.items() if not (n in numbers and v is not None)} for each in whole)

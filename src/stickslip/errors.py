@@ -38,6 +38,10 @@ class InputError(StickslipError, ValueError):
         self.problems = tuple(problems)
         super().__init__(self._message())
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # An exception is pickled by its message; a pool of processes needs what it was made from.
+        return type(self), (self.what, self.problems)
+
     def _message(self) -> str:
         if len(self.problems) == 1:
             return f"{self.what}: {self.problems[0]}"

@@ -105,7 +105,8 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
             )
             return
         slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
-        rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(np.asarray(law.sliding(1e9 * _SLOW, 1.0))) for limit in limits]
+        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-1e9 * _SLOW, 1e9 * _SLOW)]
+        rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
     except Exception as error:  # what else goes wrong inside a law is told where it is traced, with what to write
         if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and not getattr(law, "scalar_only", False):
             why = f"{type(law).__name__} cannot take numbers that are arrays ({error})"

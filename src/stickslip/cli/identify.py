@@ -71,6 +71,7 @@ def act(command: str, words: list[str]) -> int:
     make = _maker(job["make"])
 
     from stickslip.identifying import identify
+    from stickslip.identifying.words import NOT_DETERMINED
 
     with recorded.in_words_of_the_shell():
         records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
@@ -85,7 +86,8 @@ def act(command: str, words: list[str]) -> int:
         print(recorded.typed(fit.report()))
         if asked.profile or asked.level != 0.95:
             for name, (low, high) in intervals.items():
-                print(f"  {name}: {100 * asked.level:g} % {low:.6g} to {high:.6g} ({method})")
+                ends = NOT_DETERMINED if name in fit.undetermined else f"{100 * asked.level:g} % {low:.6g} to {high:.6g} ({method})"
+                print(f"  {name}: {ends}")
         if report is not None:
             print(f"written to {report}")
     return 0
@@ -94,8 +96,11 @@ def act(command: str, words: list[str]) -> int:
 def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> dict[str, Any]:
     from dataclasses import asdict
 
+    from stickslip.identifying.words import NOT_DETERMINED
+
+    lost = dict.fromkeys(fit.undetermined, NOT_DETERMINED)
     return {
-        "law": fit.law, "values": fit.values, "errors": fit.errors, "intervals": intervals, "level": level, "method": method,
+        "law": fit.law, "values": fit.values, "errors": fit.errors | lost, "intervals": intervals | lost, "level": level, "method": method,
         "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality],
         "warnings": fit.warnings, "provenance": fit.provenance,
     }  # fmt: skip

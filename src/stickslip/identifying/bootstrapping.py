@@ -23,9 +23,14 @@ _SMALL = 0.01  # a replicate is done when its step is below this part of the sta
 
 
 def by_bootstrap(fit: Fit, name: str, level: float, repeats: int = 200, seed: int = 0, workers: int = 1) -> tuple[float, float]:
-    """Quantiles of fits to resampled data: the fitted curve plus blocks of residuals in random order."""
+    """Quantiles of fits to resampled data: the fitted curve plus blocks of residuals in random order.
+
+    Along a direction that the data do not determine all replicates stay where the fit began, which says nothing: there it is open.
+    """
     table = bootstrap(fit, repeats, seed, workers)
     k = fit.names.index(name)
+    if fit.information.undetermined[k]:
+        return fit.problem.parameters.free[k].low, fit.problem.parameters.free[k].high
     low, high = np.quantile(table[:, k], [0.5 - 0.5 * level, 0.5 + 0.5 * level])
     return float(low), float(high)
 
@@ -48,6 +53,7 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     Returns
     -------
     array (repeats, parameters)
+        NaN for parameters that the data do not determine.
     """
     problems = Problems("bootstrap")
     problems.whole("repeats", repeats, 2, example=200)
@@ -60,16 +66,14 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
         for r, place in zip(rest, pool.map(lambda r: polished(resampled[r], fit.place, rough=True).place, rest), strict=True):
             places[r] = place
     free = fit.problem.parameters.free
-    return np.stack([np.array([float(f.outer(p)) for f, p in zip(free, place, strict=False)]) for place in places])
+    table = np.stack([np.array([float(f.outer(p)) for f, p in zip(free, place, strict=False)]) for place in places])
+    return np.where(fit.information.undetermined[: len(free)], np.nan, table)
 
 
 def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[Any, Any]:
     """Places of all replicates after common steps, and which of them have settled."""
     low, high = fit.problem.bounds()
-    size = np.sqrt(np.sum(fit.jacobian**2, axis=0))
-    told = size > 1e-12 * size.max()
-    inverse = np.zeros(fit.jacobian.shape[::-1])
-    inverse[told] = np.linalg.pinv(fit.jacobian[:, told] / size[told], rcond=1e-10) / size[told, None]
+    inverse = fit.information.inverse
     small = _SMALL * fit.scale * np.sqrt(np.sum(inverse**2, axis=1))
     places = np.tile(fit.place, (len(problems), 1))
     open_ones, settled = np.arange(len(problems)), np.zeros(len(problems), bool)

@@ -12,7 +12,8 @@ from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.steady_curves import steady_curve
-from stickslip.identifying.uncertainty import covariance_of
+from stickslip.identifying.words import NOT_DETERMINED
+from stickslip.information import Information
 from stickslip.sealing import sealed
 
 __all__ = ["Design", "Experiment", "design"]
@@ -90,10 +91,14 @@ class Design:
         lines = []
         for e in self.experiments[:8]:
             where = " + ".join(map(_named, e.settings))
-            errors = ", ".join(f"{n} ± {100 * v / abs(self.values[n]) if self.values[n] else np.inf:.2g} %" for n, v in e.errors.items())
+            errors = ", ".join(f"{n} {self._sure(n, v)}" for n, v in e.errors.items())
             apart = "" if np.isnan(e.separation) else f"; rivals {e.separation:.3g} standard deviations apart"
             lines.append(f"{where}: {errors}{apart}")
         return "\n".join([*lines, *self.notes])
+
+    def _sure(self, name: str, error: float) -> str:
+        value = abs(self.values[name])
+        return f"± {100 * error / value:.2g} %" if value and np.isfinite(error) else NOT_DETERMINED if value else "± more than all"
 
     __repr__ = __str__
 
@@ -267,7 +272,7 @@ def _expected(chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[st
         main, own = slopes[i]
         blocks = [main] + [own if j == k else np.zeros_like(slopes[c][1]) for j, c in enumerate(chosen)]
         rows.append(np.concatenate(blocks, axis=1))
-    covariance = covariance_of(np.concatenate(rows) / noise, 1.0, n)
+    covariance = Information(np.concatenate(rows) / noise).covariance()[:n, :n]
     size = np.array([abs(v) or 1.0 for v in free.values()])
     relative = covariance / np.outer(size, size)
     volume = float(np.linalg.slogdet(relative)[1]) if np.isfinite(relative).all() else float("inf")

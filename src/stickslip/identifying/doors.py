@@ -66,17 +66,17 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.identifying.words import parameter_rows, rounded, unit_of_kind, unit_of_parameter
+    from stickslip.identifying.words import NOT_DETERMINED, parameter_rows, rounded, unit_of_kind, unit_of_parameter
 
-    free = {f.name: f for f in fit.problem.parameters.free}
+    free, lost = {f.name: f for f in fit.problem.parameters.free}, fit.undetermined
     rows = [
         {
             "name": n,
             "unit": unit_of_parameter(fit, n),
             "value": rounded(v, e),
-            "error": e,
-            "low": rounded(a, e),
-            "high": rounded(b, e),
+            "error": f"{e:.2g}" if n not in lost else NOT_DETERMINED,
+            "low": rounded(a, e) if n not in lost else "–",
+            "high": rounded(b, e) if n not in lost else "–",
             "bounds": (free[n].low, free[n].high),
             "log": free[n].log,
         }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -219,6 +219,8 @@ class DrivenProblem:
     thin : int
         The multistart looks at every so many-th sample.
     """
+
+    resolution: ClassVar[float] = 1e-4  # singular values of the derivatives, which are of first order, below this are zero
 
     parameters: Parameters
     targets: tuple[Motion, ...]

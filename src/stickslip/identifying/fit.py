@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.information import Information
 from stickslip.sealing import sealed
 
 __all__ = ["Fit", "Quality"]
@@ -70,7 +71,7 @@ class Fit:
     values : dict
         The free parameters.
     errors : dict
-        Their standard errors, from the covariance.
+        Their standard errors, from the covariance; infinite for those that the data do not determine (see `undetermined`).
     covariance : array
         Of the free parameters in the order of `values`.
     problem : SteadyProblem or DrivenProblem
@@ -138,6 +139,21 @@ class Fit:
         """Sum of squared residuals in standard deviations."""
         return float(self.residuals @ self.residuals)
 
+    @cached_property
+    def information(self) -> Information:
+        """What the data say about the parameters (on the scale of the search), phases and offsets included."""
+        return Information(self.jacobian, self.problem.resolution)
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Parameters that the data do not determine: others can change with them so that nothing measured changes."""
+        return tuple(name for name, error in self.errors.items() if not np.isfinite(error))
+
+    @property
+    def slopes(self) -> Any:
+        """Change of each free parameter for a change of its place in the search: array (parameters,)."""
+        return np.array([f.slope(p) for f, p in zip(self.problem.parameters.free, self.place, strict=False)])
+
     @property
     def correlations(self) -> Any:
         """Correlations of the free parameters, in the order of `values`; NaN beside one that the data do not determine."""
@@ -163,7 +179,7 @@ class Fit:
         Returns
         -------
         tuple of float
-            It ends at a bound where the data do not end it before.
+            It ends at a bound where the data do not end it before: at both, for a parameter that they do not determine.
         """
         problems = Problems("interval")
         if name not in self.values:
@@ -214,11 +230,12 @@ class Fit:
         for i in range(len(self.names)):
             for j in range(i):
                 if abs(table[i, j]) > CORRELATED:
-                    found.append(f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self._remedy}")
+                    found.append(f"{self.names[j]} and {self.names[i]} correlated {table[i, j]:.2f}: fix one or {self.remedy}")
         return found
 
     @property
-    def _remedy(self) -> str:
+    def remedy(self) -> str:
+        """What would tell apart the parameters that these data do not."""
         count = len(self.problem.targets)
         if self.problem.targets[0].kind == "force":
             return "add a record with another stroke or speed"
@@ -251,5 +268,7 @@ class Fit:
         return plot_fit(self, record, ax)
 
     def __repr__(self) -> str:
-        parts = ", ".join(f"{n} = {v:.5g} ± {self.errors[n]:.1g}" for n, v in self.values.items())
+        from stickslip.identifying.words import sure
+
+        parts = ", ".join(f"{n} = {v:.5g} {sure(self.errors[n], '.1g')}" for n, v in self.values.items())
         return f"<Fit of {self.law}: {parts}>"

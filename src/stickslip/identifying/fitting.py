@@ -17,8 +17,8 @@ from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import multistart, polished, searched
 from stickslip.identifying.targets import target
-from stickslip.identifying.uncertainty import covariance_of
 from stickslip.identifying.words import counted
+from stickslip.information import Information
 from stickslip.records import Record
 
 __all__ = ["identify"]
@@ -171,9 +171,9 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
     dof = count - n - problem.nuisances
     scale = 1.0 if given or dof < 1 else float(np.sqrt(best.cost / dof))
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
-    slope = np.array([_slope(f, p) for f, p in zip(free, best.place, strict=False)])
+    slope = np.array([f.slope(p) for f, p in zip(free, best.place, strict=False)])
     with np.errstate(invalid="ignore"):
-        covariance = covariance_of(best.jacobian, scale, n) * np.outer(slope, slope)
+        covariance = Information(best.jacobian, problem.resolution).covariance(scale)[:n, :n] * np.outer(slope, slope)
     errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(values)}
     if dof < 1 and not given:
         notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
@@ -204,11 +204,6 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         provenance,
         records,
     )
-
-
-def _slope(f: Any, place: float) -> float:
-    """d value / d place."""
-    return float(f.outer(place) * np.log(f.high / f.low)) if f.log else f.high - f.low
 
 
 def _law_name(model: Any) -> str:

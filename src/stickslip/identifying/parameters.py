@@ -48,6 +48,10 @@ class Free:
             return self.low * (self.high / self.low) ** np.asarray(place)
         return self.low + (self.high - self.low) * np.asarray(place)
 
+    def slope(self, place: float) -> float:
+        """d value / d place."""
+        return float(self.outer(place) * np.log(self.high / self.low)) if self.log else self.high - self.low
+
     @property
     def argument(self) -> str:
         """The argument that it sets."""

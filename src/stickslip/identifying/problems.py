@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -38,6 +38,8 @@ class SteadyProblem:
     rtol : float
         Of the solver.
     """
+
+    resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
 
     parameters: Parameters
     targets: tuple[Target, ...]
@@ -180,7 +182,11 @@ class SteadyProblem:
         if len(sides) == 2:
             return (sides[0][1] - sides[1][1]) / (2 * h)
         if len(sides) == 1 and here is not None:
-            return (sides[0][1] - here) / sides[0][0]
+            step, once = sides[0]
+            moved = np.array(place, float)
+            moved[k] += 2 * step
+            twice = self.predicted(moved) if self.central and k < len(self.parameters.free) and 0.0 <= moved[k] <= 1.0 else None
+            return (once - here) / step if twice is None else (4 * (once - here) - (twice - here)) / (2 * step)
         return np.zeros(len(self.y))
 
     def _phase_slope(self, place: Any, i: int, h: float = 1e-6) -> Any:

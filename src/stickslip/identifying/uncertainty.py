@@ -7,31 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.identifying.search import polished
-from stickslip.identifying.words import unit_of_kind
+from stickslip.identifying.words import undetermined, unit_of_kind
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
-__all__ = ["by_covariance", "by_profile", "covariance_of", "effective", "quality", "remarks"]
-
-
-def covariance_of(jacobian: Any, scale: float, count: int) -> Any:
-    """Covariance of the first `count` parameters on the scale of the search; infinite where the data say nothing."""
-    n = jacobian.shape[1]
-    size = np.sqrt(np.sum(jacobian**2, axis=0))
-    told = size > 1e-12 * max(float(size.max(initial=0.0)), 1e-300)
-    full = np.full((n, n), 0.0)
-    full[np.diag_indices(n)] = np.where(told, 0.0, np.inf)
-    if told.any():
-        q = jacobian[:, told] / size[told]
-        inverse = np.linalg.pinv(q.T @ q, rcond=1e-13, hermitian=True)
-        full[np.ix_(told, told)] = scale**2 * inverse / np.outer(size[told], size[told])
-    return full[:count, :count]
+__all__ = ["by_covariance", "by_profile", "effective", "quality", "remarks"]
 
 
 def _inner_error(fit: Fit, k: int) -> float:
     """Standard error on the scale of the search."""
-    return float(np.sqrt(covariance_of(fit.jacobian, fit.scale, len(fit.names))[k, k]))
+    return float(fit.information.errors(fit.scale)[k])
 
 
 def _quantile(fit: Fit, level: float) -> float:
@@ -46,6 +32,8 @@ def by_covariance(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """From the curvature at the best place, symmetric on the scale of the search."""
     k = fit.names.index(name)
     free = fit.problem.parameters.free[k]
+    if fit.information.undetermined[k]:
+        return free.low, free.high
     half = _quantile(fit, level) * _inner_error(fit, k)
     low, high = np.clip([fit.place[k] - half, fit.place[k] + half], 0.0, 1.0)
     return float(free.outer(low)), float(free.outer(high))
@@ -139,8 +127,10 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
 
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are no noise."""
-    found = []
+    found = undetermined(fit)
     for k, free in enumerate(fit.problem.parameters.free):
+        if fit.information.undetermined[k]:
+            continue
         if min(fit.place[k], 1 - fit.place[k]) < 1e-4:
             found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: widen the bound, or these data cannot tell it")
         elif not _inner_error(fit, k) < 0.3:

@@ -8,7 +8,9 @@ import numpy as np
 
 from stickslip.sweeps.naming import AXES
 
-__all__ = ["counted", "parameter_rows", "rounded", "told", "unit_of_kind", "unit_of_parameter"]
+__all__ = ["NOT_DETERMINED", "counted", "parameter_rows", "rounded", "sure", "told", "undetermined", "unit_of_kind", "unit_of_parameter"]
+
+NOT_DETERMINED = "not determined"
 
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
@@ -46,6 +48,48 @@ def unit_of_parameter(fit: Any, name: str) -> str:
     return "" if unit == "1" else unit
 
 
+def sure(error: float, digits: str = ".2g") -> str:
+    """A standard error as it stands behind its value.
+
+    Examples
+    --------
+    >>> sure(0.00112), sure(float("inf"))
+    ('± 0.0011', 'not determined')
+    """
+    return f"± {error:{digits}}" if np.isfinite(error) else NOT_DETERMINED
+
+
+def undetermined(fit: Any) -> list[str]:
+    """Sentences on the parameters that the data do not determine: which change together while nothing measured changes."""
+    found = []
+    for members, directions in fit.information.groups:
+        names = [fit.names[k] for k in members if k < len(fit.names)]
+        own = len(names) < len(members)
+        if not names:
+            continue
+        if len(members) == 1:
+            found.append(f"{names[0]} is not determined: it changes nothing that was measured; fix it, or {fit.remedy}")
+            continue
+        together = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+        beside = " beside the phases and offsets of the records" if own else ""
+        said = f"{together} {'are' if len(names) > 1 else 'is'} not determined{beside}"
+        if len(directions) == 1 and not own:
+            said += f": nothing measured changes while {_changes(fit, members, directions[0])}; fix one of them"
+        else:
+            said += f": the data determine {len(members) - len(directions)} of {len(members)} combinations; fix {len(directions)} of them"
+        found.append(said)
+    return found
+
+
+def _changes(fit: Any, members: list[int], direction: Any) -> str:
+    """By how much each parameter changes along a direction, the one that changes most by one per cent."""
+    values = [fit.values[fit.names[k]] for k in members]
+    part = np.array([d * fit.slopes[k] / (abs(v) or 1.0) for d, k, v in zip(direction, members, values, strict=True)])
+    part = part / part[np.argmax(abs(part))]
+    steps = [f"{fit.names[k]} changes by {p:+.3g} {'%' if v else '/100'}" for p, k, v in zip(part, members, values, strict=True)]
+    return ", ".join(steps)
+
+
 def counted(number: int, what: str) -> str:
     """A number of things."""
     return f"{number} {what}{'' if number == 1 else 's'}"
@@ -57,8 +101,12 @@ def told(fit: Any) -> str:
     rows = [f"{fit.law} fitted to {records}, {counted(fit.count, 'value')}; {parameters} free"]
     width = max(len(name) for name in fit.names)
     for name, value, error, low, high in parameter_rows(fit):
-        sure = f"± {error:.2g} {unit_of_parameter(fit, name)}".rstrip()
-        rows.append(f"  {name:<{width}} = {rounded(value, error)} {sure}   95 % {rounded(low, error)} to {rounded(high, error)}")
+        unit = unit_of_parameter(fit, name)
+        if not np.isfinite(error):
+            rows.append(f"  {name:<{width}} {NOT_DETERMINED}: {f'{value:.3g} {unit}'.rstrip()} is one of many values that fit as well")
+            continue
+        error_text = f"{sure(error, '.2g')} {unit}".rstrip()
+        rows.append(f"  {name:<{width}} = {rounded(value, error)} {error_text}   95 % {rounded(low, error)} to {rounded(high, error)}")
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {unit_of_kind(q.kind)}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.information import Information
 from stickslip.sealing import sealed
 
 __all__ = ["Mode", "modes"]
@@ -18,7 +19,7 @@ _BAND = 12  # lines on either side of a peak
 @sealed
 @dataclass(frozen=True)
 class Mode:
-    """A mode: natural frequency (in the unit of the axis) and damping ratio, with standard errors."""
+    """A mode: natural frequency (in the unit of the axis) and damping ratio, with standard errors (infinite: not determined)."""
 
     frequency: float
     damping: float
@@ -82,7 +83,6 @@ def _fitted(f: Any, H: Any, peak: int) -> Mode:
     starts = [(f[peak] + s * step, np.log(d)) for s in (-0.4, 0.0, 0.4) for d in (3e-4, 1e-3, 1e-2)]
     fits = [least_squares(left, p, x_scale=(step, 1.0), xtol=1e-12, ftol=1e-12) for p in starts]
     best = min(fits, key=lambda fit: fit.cost)
-    covariance = np.linalg.pinv(best.jac.T @ best.jac) * 2 * best.cost / max(len(best.fun) - 8, 1)
-    errors = np.sqrt(np.diag(covariance))
+    errors = Information(best.jac, 1e-4).errors(np.sqrt(2 * best.cost / max(len(best.fun) - 8, 1)))  # SciPy's derivatives are one-sided
     damping = float(np.exp(best.x[1]))
     return Mode(float(best.x[0]), damping, float(errors[0]), float(damping * errors[1]))
