@@ -25,6 +25,7 @@ from stickslip.sealing import sealed
 __all__ = ["Branch", "Special", "continuation"]
 
 Array = Any
+_AGAIN = 3.0  # accuracies within which two borders are one
 _BESIDE = 1e-5  # of the branch's range: where the cycles are that tell where a rest vanishes
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
@@ -227,7 +228,9 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             break
         if not low <= item.value <= high:
             item = _clipped(path, last, item, low if item.value < low else high)
-        special += [_special(path, last, item, s) for s in located(path, last, item)]
+        for s in located(path, last, item):
+            there = _special(path, last, item, s)
+            special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)
     orbits = tuple(p.orbit for p in found)
     critical = vanishing(path, found) if ended.startswith("no step") else None
@@ -235,9 +238,14 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
         name = path.family.parameters[0]
         ended = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"
         note = f"{ended}; the cycle shown is at {name} = {found[-1].value:.9g}"
-        if not any(abs(s.value - critical[0]) <= s.accuracy + critical[1] for s in special):
-            special.append(Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1]))
+        end = Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1])
+        special += [] if _known(special, end) else [end]
     return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
+
+
+def _known(special: list[Special], seen: Special) -> bool:
+    """Whether a border was found already: where a cycle loses its rest the branch has a corner, and may be seen to pass it and come back."""
+    return any(s.kind == seen.kind and abs(s.value - seen.value) <= _AGAIN * (s.accuracy + seen.accuracy) for s in special)
 
 
 def _special(path: Path, a: Point, b: Point, s: Located) -> Special:

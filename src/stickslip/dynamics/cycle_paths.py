@@ -68,7 +68,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
 
 
 def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: float) -> tuple[float, float] | None:
-    """Where the rest of cycles vanishes, and how sure that is, from cycles beside the value where it was seen to; None if they are not found."""
+    """Where the rest of cycles vanishes, and how sure that is, from cycles beside where it was seen to; None if they are not found."""
     near = _near(path, resting, critical - np.sign(critical - resting.value) * spread * np.linspace(0.1, 1.0, _NEAR))
     found = None if near is None else _fitted(*near)
     return found if found and found[1] < spread and abs(found[0] - critical) < spread else None
