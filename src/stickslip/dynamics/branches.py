@@ -244,7 +244,7 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
 
 
 def _known(special: list[Special], seen: Special) -> bool:
-    """Whether a border was found already: where a cycle loses its rest the branch has a corner, and may be seen to pass it and come back."""
+    """Whether a border was found already: the branch has a corner where a cycle loses its rest, and may pass it and come back."""
     return any(s.kind == seen.kind and abs(s.value - seen.value) <= _AGAIN * (s.accuracy + seen.accuracy) for s in special)
 
 
