@@ -10,20 +10,23 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
-from stickslip.dynamics.cycle_paths import CyclePath, vanishing
+from stickslip.dynamics.cycle_paths import CyclePath, border_of_rest, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.marked import Special, certain
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
-from stickslip.dynamics.special import located
+from stickslip.dynamics.special import Located, located
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.forces import is_dynamic
 from stickslip.sealing import sealed
 
 __all__ = ["Branch", "Special", "continuation"]
 
 Array = Any
+_AGAIN = 3.0  # accuracies within which two borders are one
+_BESIDE = 1e-5  # of the branch's range: where the cycles are that tell where a rest vanishes
 _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 
@@ -225,7 +228,9 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             break
         if not low <= item.value <= high:
             item = _clipped(path, last, item, low if item.value < low else high)
-        special += [Special(s.kind, s.point.value, replace(s.point.orbit, notes=s.notes), s.accuracy) for s in located(path, last, item)]
+        for s in located(path, last, item):
+            there = _special(path, last, item, s)
+            special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)
     orbits = tuple(p.orbit for p in found)
     critical = vanishing(path, found) if ended.startswith("no step") else None
@@ -233,8 +238,24 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
         name = path.family.parameters[0]
         ended = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"
         note = f"{ended}; the cycle shown is at {name} = {found[-1].value:.9g}"
-        special.append(Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1]))
+        end = Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1])
+        special += [] if _known(special, end) else [end]
     return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
+
+
+def _known(special: list[Special], seen: Special) -> bool:
+    """Whether a border was found already: the branch has a corner where a cycle loses its rest, and may pass it and come back."""
+    return any(s.kind == seen.kind and abs(s.value - seen.value) <= _AGAIN * (s.accuracy + seen.accuracy) for s in special)
+
+
+def _special(path: Path, a: Point, b: Point, s: Located) -> Special:
+    """A special point between two others. Where a cycle loses its rest it is better known from the cycles that have some."""
+    value, accuracy = s.point.value, s.accuracy
+    if isinstance(path, CyclePath) and not is_dynamic(s.point.orbit.model.friction) and s.kind == "type-border":
+        resting = [p for p in (a, b) if "0" in p.orbit.pattern]
+        spread = max(_BESIDE * path.span, 10 * accuracy)
+        value, accuracy = (border_of_rest(path, resting[0], value, spread) if len(resting) == 1 else None) or (value, accuracy)
+    return Special(s.kind, value, replace(s.point.orbit, notes=s.notes), accuracy)
 
 
 def _returned(path: Path, a: Point, b: Point) -> Point | None:

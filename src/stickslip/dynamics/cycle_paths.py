@@ -12,7 +12,7 @@ from stickslip.dynamics.newton import Found
 from stickslip.dynamics.paths import Path, Point
 from stickslip.forces import is_dynamic
 
-__all__ = ["CyclePath", "vanishing"]
+__all__ = ["CyclePath", "border_of_rest", "vanishing"]
 
 Array = Any
 _WELL = 1e-11  # residual of the cycles that are used
@@ -64,8 +64,14 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:
         return None
     critical, spread = _zero(kept), abs(kept[-1][0] - kept[0][0])
-    near = _near(path, last, critical - np.sign(critical - last.value) * spread * np.linspace(0.1, 1.0, _NEAR))
-    return (critical, spread) if near is None else _fitted(*near)
+    return border_of_rest(path, last, critical, spread) or (critical, spread)
+
+
+def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: float) -> tuple[float, float] | None:
+    """Where the rest of cycles vanishes, and how sure that is, from cycles beside where it was seen to; None if they are not found."""
+    near = _near(path, resting, critical - np.sign(critical - resting.value) * spread * np.linspace(0.1, 1.0, _NEAR))
+    found = None if near is None else _fitted(*near)
+    return found if found and found[1] < spread and abs(found[0] - critical) < spread else None
 
 
 def _zero(kept: list[tuple[float, float]]) -> float:
@@ -75,12 +81,12 @@ def _zero(kept: list[tuple[float, float]]) -> float:
 
 
 def _near(path: CyclePath, last: Point, values: Array) -> tuple[Array, Array] | None:
-    """Values, and squares of the time at rest of the cycles there; None unless all are found."""
+    """Values, and squares of the time at rest of the cycles there; None unless all are found, with more rest the further away."""
     found = [path.at_value(last.u, float(value), path.remembered(last.orbit)) for value in values]
     if not all(there.good for there in found):
         return None
     rests = np.array([_rest(path.orbit(there), 1) ** 2 for there in found])
-    return (np.array([float(path.value(there.at)) for there in found]), rests) if np.all(rests > 0.0) else None
+    return (np.array([float(path.value(there.at)) for there in found]), rests) if rests[0] > 0.0 and np.all(np.diff(rests) > 0.0) else None
 
 
 def _fitted(values: Array, rests: Array) -> tuple[float, float]:

@@ -65,7 +65,7 @@ class Special:
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
-    """Where two borders meet: "triple-point", the two parameters, the orbit there, and the accuracy of both. It unpacks into the first three."""
+    """Where two borders meet: "triple-point", the two parameters, the orbit, and the accuracy of both. It unpacks into the first three."""
 
     kind: str
     values: tuple[float, float]
