@@ -19,9 +19,8 @@ from stickslip.errors import InputError, StickslipError, is_whole
 from stickslip.fields import check_arguments, number
 
 __all__ = [
-    "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model", "Numbers",
-    "Page",
-    "Run", "Ways", "explains_arguments", "wrong_kinds",
+    "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model",
+    "Numbers", "Page", "Run", "Ways", "explains_arguments", "wrong_kinds",
 ]  # fmt: skip
 
 P = ParamSpec("P")

@@ -10,9 +10,9 @@ import numpy as np
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from stickslip import hdf5
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, as_path
-from stickslip import hdf5
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.axes_file import read_labels
 from stickslip.sweeps.columns import COLUMNS, from_characters, words
@@ -74,7 +74,7 @@ def _open_file(path: Path) -> Any:
     import xarray as xr
 
     try:
-        with hdf5.opened(path, "study", Allowance("study", path.stat().st_size)):
+        with hdf5.opened(path, "study", Allowance("study", path.stat().st_size), for_others=True):
             pass
         grid = xr.load_dataset(path, engine="h5netcdf")
     except InputError:
