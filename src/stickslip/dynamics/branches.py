@@ -215,7 +215,8 @@ def _check(start: Any, stop: Any, step: Any, points: Any) -> None:
 def _followed(path: Path, first: Point, low: float, high: float, step: float, most: int) -> Branch:
     """The branch from its first point until it leaves the range, with what lies between the points."""
     slack = 1e-12 * (high - low)
-    found, special, ended = [first], [], ""
+    found, ended = [first], ""
+    special: list[Special] = []
     for item in follow(path, first, step, most, lambda value: low - slack <= value <= high + slack):
         if isinstance(item, str):
             ended = item
@@ -238,8 +239,8 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
         name = path.family.parameters[0]
         ended = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"
         note = f"{ended}; the cycle shown is at {name} = {found[-1].value:.9g}"
-        end = Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1])
-        special += [] if _known(special, end) else [end]
+        border = Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1])
+        special += [] if _known(special, border) else [border]
     return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
 
 

@@ -294,8 +294,8 @@ def switching_flow(model: Model) -> SwitchingFlow:
     def rest(t: Any, y: Any) -> Any:
         return (y[0], still)
 
-    fields = {1: slide(1), -1: slide(-1), 0: lambda t, y: (still, 0.0)}
-    switches = {
+    fields: dict[Any, Any] = {1: slide(1), -1: slide(-1), 0: lambda t, y: (still, 0.0)}
+    switches: dict[Any, tuple[Switch, ...]] = {
         1: (Switch(lambda t, y: model.contact_velocity(y[1]), after, rest),),
         -1: (Switch(lambda t, y: -model.contact_velocity(y[1]), after, rest),),
         0: (Switch(lambda t, y: room(t, y, 1), 1), Switch(lambda t, y: room(t, y, -1), -1)),
