@@ -105,10 +105,10 @@ def test_run_takes_solver_arguments_and_multiples_of_pi(capsys):
 
 def test_run_says_what_was_not_found_and_counts_one_as_one(capsys):
     out = call(capsys, "run", *ROBOT[:3], "periods=1", "method=rk4", "steps=700")[1]
-    assert "no motion period was found within 1 period: the mean velocity still depends on how long the run is; try more" in out
+    assert "the run is too short to say whether the motion has settled; type more periods" in out and "(not settled)" in out
     assert "finished, 1 period (0 to settle)" in out and "rk4 with 700 steps per period" in out and "rtol" not in out
     record = strict(call(capsys, "run", *ROBOT[:3], "periods=1", "method=rk4", "steps=700", "--json")[1])
-    assert record["rtol"] is None and "no motion period" in record["notes"][-1]
+    assert record["rtol"] is None and "too short" in record["notes"][-1] and record["steadiness"]["word"] == "not settled"
 
 
 def test_run_writes_figure_and_data(tmp_path, capsys):
@@ -199,7 +199,9 @@ def test_every_row_of_a_sweep_is_its_own_case(order, single, capsys, tmp_path):
 
 def test_sweep_says_which_cases_found_no_period(capsys):
     out = call(capsys, "sweep", *ROBOT[:2], "amplitude=4e-4,5e-4", "periods=1")[1]
-    assert "  none  " in out and "2 cases: no motion period was found within 1 period: " in out.splitlines()[-1]
+    assert "  none  " in out and "2 cases have not settled: " in out.splitlines()[-1]
+    chaos = call(capsys, "sweep", *ROBOT[:2], "amplitude=4e-4", "mu0=0.05", "periods=300")[1]
+    assert "1 case: no motion period was found within 300 periods: " in chaos.splitlines()[-1]
     assert call(capsys, "sweep", *ROBOT)[1].splitlines()[-1] == "piezo_rig: 1 case: 1 settled"
 
 

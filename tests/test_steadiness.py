@@ -41,7 +41,7 @@ def test_every_mean_that_is_off_is_said_to_be(asked):
     assert (many.steadiness[~off] != STEADY).sum() <= (0.04 if asked.get("settle") == "auto" else 0.0) * len(off)
     known = off & np.isfinite(many.settling_error) & (abs(many.mean_velocity - true) > 1e-9)
     ratio = many.settling_error[known] / abs(many.mean_velocity - true)[known]
-    assert ratio.min() > 0.1 and ratio.max() < 2.0, "40 periods of a transient of thousands say no more than the order"
+    assert ratio.min() > 0.1 and ratio.max() < 5.0, "40 periods of a transient of thousands say no more than the order"
 
 
 def test_a_run_that_has_not_settled_says_so_and_what_to_type(weakly_damped):

@@ -83,6 +83,8 @@ class Steadiness:
         """A sentence on what is not steady, and what to type; empty where there is nothing to say."""
         if self.code != UNSETTLED:
             return ""
+        if not np.isfinite(self.change):
+            return f"the run is too short to say whether the motion has settled; {self.advice}"
         if not np.isfinite(self.approached):
             far = "no steady value is in sight"
         else:
@@ -162,7 +164,7 @@ def unsettled_note(codes: Any, errors: Any) -> list[str]:
         return []
     far = np.asarray(errors, float)[late]
     known = far[np.isfinite(far)]
-    by = f"up to {known.max():.2g} m/s from its steady value" if len(known) else "not near a steady value"
+    by = f"up to {known.max():.2g} m/s from its steady value" if len(known) else "not known to be near a steady value"
     who = "1 case has not settled: its" if number == 1 else f"{number} cases have not settled: their"
     endless = f" ({number - len(known)} of them without an end in sight)" if 0 < len(known) < number else ""
     return [f"{who} mean velocity is {by}{endless}, see steadiness and settling_error; type more periods"]

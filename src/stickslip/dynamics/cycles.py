@@ -207,7 +207,7 @@ def ends_of(model: Any, at: Coordinates, U: Array, memory: Array, rtol: float, u
     """The states after the durations, seen from the spring's far end; no numbers where a duration is none."""
     T = U[:, -1] * unit
     good = np.isfinite(T) & (T > 0)
-    ends = flow_map(model, states_on(model, at, U, memory), np.where(good, T, 1.0), rtol).state
+    ends = flow_map(model, states_on(model, at, U, memory), np.where(good, T, 1.0), rtol).state.copy()
     ends[:, 0] -= np.asarray(_far_end(model), float) * T
     return np.where(good[:, None], ends, np.nan)
 
