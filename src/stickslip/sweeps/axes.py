@@ -123,15 +123,19 @@ def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:
         if masked_in(value):
             problems.add(f"{name} has {masked_in(value)} masked values; give what is there, type {name}=array.compressed()")
         elif array is None or array.size == 0:
-            shape = (
-                f"shape {array.shape}" if array is not None else f"shape {value.shape}" if hasattr(value, "shape") else "lists in a list"
-            )
-            problems.add(f"{name} has {shape}; allowed is a single value, a list of one or more, or a labelled xarray.DataArray")
+            problems.add(f"{name} has {_shape(value)}; allowed is a single value, a list of one or more, or a labelled xarray.DataArray")
         else:
             space.sizes[name] = len(array)
             space.columns[name] = space.coords[name] = Column((name,), array)
     else:
         space.fixed[name] = value
+
+
+def _shape(value: Any) -> str:
+    try:
+        return f"shape {np.shape(value)}"
+    except ValueError:
+        return "lists of several lengths in a list"
 
 
 def _add_labelled(space: Space, name: str, value: Any, problems: Problems) -> None:
