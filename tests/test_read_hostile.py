@@ -1,6 +1,7 @@
 """Files that are made to harm: their data lie elsewhere, or a few bytes stand for gigabytes. They are refused, and name what to type."""
 
 import io
+import itertools
 import re
 import struct
 import subprocess
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip import hdf5
 from stickslip.sweeps.seals import Damaged, read_sealed
 from stickslip.trajectory import HarmonicArcs
 
@@ -355,3 +357,43 @@ def test_what_packs_well_is_no_bomb(tmp_path):
 def test_what_is_no_file_is_refused(tmp_path):
     for path in (tmp_path, tmp_path / "nothing", "/dev/zero", "a\0b", "x" * 5000):
         assert "give the path of a record" in refused(path)
+
+
+# where the HDF5 library trusts a file -------------------------------------------------------------------------------
+
+
+def test_chunks_are_unpacked_as_the_library_does():
+    rng = np.random.default_rng(1)
+    kinds = itertools.product(["f8", ">f4", "i2", "u1"], [None, "gzip", "lzf"], [False, True], [False, True], [False, True])
+    with h5py.File(io.BytesIO(), "w") as file:
+        for number, (kind, packed, shuffle, sums, noise) in enumerate(kinds):
+            a = (100 * rng.normal(size=(37, 11)) if noise else np.arange(407).reshape(37, 11) % 5).astype(kind)
+            b = file.create_dataset(f"{number}", data=a, chunks=(5, 3), compression=packed, shuffle=shuffle, fletcher32=sums)
+            assert np.array_equal(hdf5.values(b), a) and hdf5.values(b).dtype == a.dtype, (kind, packed, shuffle, sums)
+        half = file.create_dataset("half", (100,), "f8", chunks=(30,), fillvalue=7.0)
+        half[35:40] = 1.0
+        assert np.array_equal(hdf5.values(half), half[()])
+
+
+@pytest.mark.parametrize("chunk", [b"ab", b"abcd", b"x" * 803, zlib.compress(b"\0" * 792), zlib.compress(b"\0" * 900), b"\xff" * 200])
+@pytest.mark.parametrize("packing", [{"fletcher32": True}, {"compression": "gzip"}, {"compression": "lzf"}, {"shuffle": True}])
+def test_a_chunk_that_is_not_what_it_declares_is_damage(tmp_path, packing, chunk):
+    """A checksum over fewer than four bytes ended the process."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        made = file.create_dataset("v", shape=(100,), dtype="f8", chunks=(100,), **packing)
+        made.id.write_direct_chunk((0,), chunk)
+    assert "damaged" in refused(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize("size", [0, 8, 2**63])
+def test_texts_in_a_heap_without_end_are_damage(tmp_path, size):
+    """The library goes round in it for ever; a process of its own would not come back."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["t"], file["v"] = V, V
+        file.attrs["note"] = ["a text", "another"]
+    data = bytearray((tmp_path / "a.h5").read_bytes())
+    heap = data.index(b"GCOL")
+    free = next(k for k in range(heap + 16, heap + 4096, 8) if data[k : k + 8] == bytes(8) and data[k + 8 : k + 16] != bytes(8))
+    data[free + 8 : free + 16] = struct.pack("<Q", size)
+    (tmp_path / "a.h5").write_bytes(data)
+    assert "damaged" in refused(tmp_path / "a.h5")

@@ -171,7 +171,7 @@ def _one(value: Any) -> Any:
 
 def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
     """The dense output: its arrays, without the dimensions of netCDF beside them."""
-    arrays = {k: v[...] for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs}
+    arrays = {k: np.asarray(hdf5.values(v)) for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs}
     count = len(arrays["t"]) - 1
     if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
         raise ValueError("its pieces do not follow one another")

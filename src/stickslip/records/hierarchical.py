@@ -84,9 +84,9 @@ def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
     unit = next((_plain(attrs[key]) for key in ("units", "unit", "Units", "Unit") if key in attrs), None)
     kind = _plain(attrs["MATLAB_class"]) if "MATLAB_class" in attrs else None
     if kind == "char":
-        raw.info[name] = "".join(chr(int(c)) for c in np.ravel(item[()])[:4000])
+        raw.info[name] = "".join(chr(int(c)) for c in np.ravel(hdf5.values(item))[:4000])
     elif item.dtype.names == ("real", "imag"):
-        value = item[()]
+        value = hdf5.values(item)
         vectors({name: value["real"] + 1j * value["imag"]}, {name: unit} if unit else {}, raw)
     elif item.dtype.kind in "biuf":
         vectors({name: _scaled(item, attrs)}, {name: unit} if unit else {}, raw)
@@ -103,7 +103,7 @@ def h5_text(item: Any) -> bool:
 
 def _scaled(item: Any, attrs: dict[str, Any]) -> Any:
     """Numbers as the conventions of netCDF mean them: fill values are NaN; scale and offset are applied."""
-    value = np.asarray(item[()])
+    value = np.asarray(hdf5.values(item))
     fill = [attrs[key] for key in ("_FillValue", "missing_value") if key in attrs]
     if fill or "scale_factor" in attrs or "add_offset" in attrs:
         value = value.astype(float)

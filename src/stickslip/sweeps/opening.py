@@ -74,7 +74,7 @@ def _open_file(path: Path) -> Any:
     import xarray as xr
 
     try:
-        with hdf5.opened(path, "study", Allowance("study", path.stat().st_size)):
+        with hdf5.opened(path, "study", Allowance("study", path.stat().st_size), for_others=True):
             pass
         grid = xr.load_dataset(path, engine="h5netcdf")
     except InputError:

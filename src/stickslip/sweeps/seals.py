@@ -55,7 +55,7 @@ def _check(path: Path, mark: str | None) -> None:
         return
     if mark is not None:
         _check_seal(path.read_bytes(), mark)
-    with hdf5.opened(os.fspath(path), "study", Allowance("study", about.st_size)):
+    with hdf5.opened(os.fspath(path), "study", Allowance("study", about.st_size), for_others=True):
         pass
     if len(_intact) > 100_000:
         _intact.clear()

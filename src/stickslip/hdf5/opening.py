@@ -7,23 +7,25 @@ of them (fill values, packed chunks). So a file is looked through once before an
 from __future__ import annotations
 
 import contextlib
+import io
 import math
-import zlib
+import mmap
+import os
 from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.unpacking import Allowance, shown
+from stickslip.hdf5.chunks import KNOWN, check_chunks
+from stickslip.hdf5.heaps import check_heaps
+from stickslip.unpacking import Allowance
 
-__all__ = ["attributes", "checked", "members", "opened", "place_of"]
+__all__ = ["attributes", "members", "opened", "place_of"]
 
-#: A stream of deflate never has less than a byte for so many (a match of 258 bytes takes two bits).
-_DEFLATE_RATIO = 1032
 _UNPACK, _REPACK = "export the record with its numbers in the file itself", "type h5repack -f GZIP=4 old.h5 new.h5"
 
 
 @contextlib.contextmanager
-def opened(source: Any, doing: str, allowance: Allowance) -> Iterator[Any]:
+def opened(source: Any, doing: str, allowance: Allowance, *, for_others: bool = False) -> Iterator[Any]:
     """An HDF5 file, open for reading, of which everything was looked through.
 
     Parameters
@@ -33,28 +35,43 @@ def opened(source: Any, doing: str, allowance: Allowance) -> Iterator[Any]:
         What is being done, for the errors.
     allowance : Allowance
         What the file may unpack to.
+    for_others : bool
+        Whether chunks will be unpacked by the HDF5 library, which trusts them, and not by `values`: each is unpacked once before.
     """
     import h5py
 
+    _check_bytes(source)
     with h5py.File(source, "r") as file:
-        checked(file, doing, allowance)
+        _check(file, doing, allowance, for_others)
         yield file
 
 
-def checked(file: Any, doing: str, allowance: Allowance) -> None:
+def _check_bytes(source: Any) -> None:
+    """What the library does not check itself."""
+    if isinstance(source, io.BytesIO):
+        check_heaps(source.getvalue())
+    elif os.path.getsize(source):
+        with open(source, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            check_heaps(data)
+
+
+def _check(file: Any, doing: str, allowance: Allowance, for_others: bool) -> None:
     """Refuse a file with data elsewhere, or with more than it may unpack to."""
     import h5py
 
-    seen, waiting, size = set(), [("", file)], 0
+    seen, waiting, size, chunked = set(), [("", file)], 0, []
     while waiting:
         prefix, group = waiting.pop()
         for name, item in members(group, doing):
             if isinstance(item, h5py.Dataset):
                 size += _checked_size(item.id, f"{prefix}{name}", doing, allowance)
+                chunked += [item.id] if for_others and item.chunks else []
             elif isinstance(item, h5py.Group) and (place := place_of(item)) not in seen:
                 seen.add(place)
                 waiting.append((f"{prefix}{name}/", item))
     allowance.take(size, "what it declares")
+    for dataset in chunked:
+        check_chunks(dataset)
 
 
 def place_of(item: Any) -> int:
@@ -101,48 +118,15 @@ def _checked_size(dataset: Any, name: str, doing: str, allowance: Allowance) -> 
     if layout == h5py.h5d.CONTIGUOUS and made.get_external_count():
         raise InputError(doing, [f"the numbers of {name!r} lie in another file, which is not followed; {_UNPACK}"])
     if layout == h5py.h5d.CHUNKED:
-        _check_chunks(dataset, made, name, doing, allowance)
+        allowance.check(dataset.get_type().get_size() * math.prod(made.get_chunk()), f"a chunk of {name!r}")
+        _check_filters(made, name, doing)
     return max(dataset.get_type().get_size(), 8) * math.prod(dataset.shape or ())
 
 
-def _check_chunks(dataset: Any, made: Any, name: str, doing: str, allowance: Allowance) -> None:
-    """Refuse chunks that are larger than the file may unpack to, as they are declared or as they are packed."""
-    chunk = dataset.get_type().get_size() * math.prod(made.get_chunk())
-    allowance.check(chunk, f"a chunk of {name!r}")
-    if _is_deflated(made, chunk, name, doing):
-        for place in _suspects(dataset, allowance.limit / _DEFLATE_RATIO):
-            _, packed = dataset.read_direct_chunk(place)
-            _check_deflated(packed, chunk, name, doing)
-
-
-def _is_deflated(made: Any, chunk: int, name: str, doing: str) -> bool:
-    """Whether chunks are packed by deflate; refuse other ways, whose own parameters may claim any size, and two at once."""
-    import h5py
-
-    filters = [made.get_filter(i) for i in range(made.get_nfilters())]
-    harmless = (h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32)
-    packing = [(code, values, label) for code, _, values, label in filters if code not in harmless]
-    for code, values, label in packing:
-        known = code == h5py.h5z.FILTER_DEFLATE or (code == h5py.h5z.FILTER_LZF and (len(values) < 3 or values[2] <= chunk))
-        if not known or len(packing) > 1:
-            what = label.decode("ascii", "replace")[:40] or f"filter {code}"
-            raise InputError(doing, [f"{name!r} is packed by {what!r}; allowed is gzip or lzf, once; {_REPACK}"])
-    return any(code == h5py.h5z.FILTER_DEFLATE for code, *_ in packing)
-
-
-def _suspects(dataset: Any, most: float) -> list[Any]:
-    """Where chunks begin that have more than `most` bytes as they are packed."""
-    found: list[Any] = []
-
-    def look(chunk: Any) -> None:
-        if chunk.size > most:
-            found.append(chunk.chunk_offset)
-
-    dataset.chunk_iter(look)
-    return found
-
-
-def _check_deflated(packed: bytes, chunk: int, name: str, doing: str) -> None:
-    with contextlib.suppress(zlib.error):  # damage, which the library finds too
-        if len(zlib.decompressobj().decompress(packed, chunk + 16)) > chunk + 8:  # a checksum may be packed with it
-            raise InputError(doing, [f"a chunk of {name!r} unpacks to more than the {shown(chunk)} that it declares: the file is damaged"])
+def _check_filters(made: Any, name: str, doing: str) -> None:
+    """Refuse chunks packed in other ways than those that are unpacked here, or packed twice."""
+    codes = [made.get_filter(i)[0] for i in range(made.get_nfilters())]
+    for i, code in enumerate(codes):
+        if code not in KNOWN or code in codes[:i]:
+            what = made.get_filter(i)[3].decode("ascii", "replace")[:40] or f"filter {code}"
+            raise InputError(doing, [f"{name!r} is packed by {what!r}; allowed are gzip, lzf and shuffle, each once; {_REPACK}"])
