@@ -1,6 +1,7 @@
 """Records of every format, what happens to files, and a process that reads the outcome: ``python damage.py FOLDER SEED COUNT``.
 
-It is a process of its own because a file may end it, and it has 4 GB of memory because a file may ask for more.
+It is a process of its own because a file may end it, and it has 4 GB of memory because a file may ask for more: an HDF5 text may, whose
+length (a number of 32 bits) the library believes until it has looked for the text.
 """
 
 import contextlib

@@ -197,7 +197,6 @@ def unharmed(tmp_path, count, parts, seed):
                 shutil.copy(Path(folder) / f"damaged{seed + k}", tmp_path / "harmful")
             assert done.returncode == 0, (done.returncode, done.stderr[-3000:], tmp_path / "harmful")
             found = json.loads(done.stdout)
-            assert found["peak"] < 1e9, found  # whole files take 0.2 GB, the libraries included; what is allowed to unpack is 0.1
             told += found["told"]
     print(f"\n{sum(told.values())} tried: {dict(told)}")
     assert sum(told.values()) == count and min(told.values()) > 0.1 * count
