@@ -98,8 +98,8 @@ class SwitchingFlow:
     ([0.451524], 0.64)
     """
 
-    fields: Mapping[Mode, Callable[[Any, Any], Any]]
-    switches: Mapping[Mode, tuple[Switch, ...]] = field(default_factory=dict)
+    fields: Mapping[Any, Callable[[Any, Any], Any]]
+    switches: Mapping[Any, tuple[Switch, ...]] = field(default_factory=dict)
     period: float | None = None
 
     def __post_init__(self) -> None:
