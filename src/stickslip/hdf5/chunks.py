@@ -6,6 +6,7 @@ followed by a checksum (Fletcher). Each is undone in the order opposite to the o
 
 from __future__ import annotations
 
+import itertools
 import math
 import zlib
 from collections.abc import Callable, Iterator
@@ -33,8 +34,12 @@ def values(dataset: Any) -> Any:
 
     if h5py.h5t.py_create(dataset.dtype, logical=True) != dataset.id.get_type():
         raise ValueError("its numbers are of no usual type")
-    found = np.full(dataset.shape, dataset.fillvalue, dataset.dtype)
-    for place, part in _chunks(dataset.id):
+    places = _places(dataset.id)
+    kept = set(places)
+    every = itertools.product(*(range(0, n, step) for n, step in zip(dataset.shape, dataset.chunks, strict=True)))
+    missing = next((place for place in every if place not in kept), None)
+    found = np.full(dataset.shape, 0 if missing is None else dataset[missing], dataset.dtype)
+    for place, part in _chunks(dataset.id, places):
         whole = np.frombuffer(part, dataset.dtype).reshape(dataset.chunks)
         inside = tuple(slice(0, max(n - start, 0)) for n, start in zip(dataset.shape, place, strict=True))
         there = tuple(slice(start, start + n) for start, n in zip(place, dataset.chunks, strict=True))
@@ -44,17 +49,22 @@ def values(dataset: Any) -> Any:
 
 def check_chunks(dataset: Any) -> None:
     """That every chunk is what the dataset declares, before another library reads it; `ValueError` where one is not."""
-    for _ in _chunks(dataset):
+    for _ in _chunks(dataset, _places(dataset)):
         pass
 
 
-def _chunks(dataset: Any) -> Iterator[tuple[tuple[int, ...], bytes]]:
-    """Where chunks begin, and their bytes."""
+def _places(dataset: Any) -> list[tuple[int, ...]]:
+    """Where chunks begin."""
+    places: list[tuple[int, ...]] = []
+    dataset.chunk_iter(lambda chunk: places.append(chunk.chunk_offset))  # append returns None: go on
+    return places
+
+
+def _chunks(dataset: Any, places: list[tuple[int, ...]]) -> Iterator[tuple[tuple[int, ...], bytes]]:
+    """Chunks with where they begin, unpacked."""
     made = dataset.get_create_plist()
     size = dataset.get_type().get_size() * math.prod(made.get_chunk())
     filters = [made.get_filter(i) for i in range(made.get_nfilters())]
-    places: list[tuple[int, ...]] = []
-    dataset.chunk_iter(lambda chunk: places.append(chunk.chunk_offset))  # append returns None: go on
     for place in places:
         left_out, data = dataset.read_direct_chunk(place)
         for i, (code, _, parameters, _) in reversed([*enumerate(filters)]):

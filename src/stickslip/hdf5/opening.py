@@ -93,16 +93,23 @@ def members(group: Any, doing: str) -> Iterator[tuple[str, Any]]:
 
 
 def attributes(item: Any, allowance: Allowance, size: int) -> dict[str, Any]:
-    """The attributes of an object, without those that could be more than a file of this size may unpack to."""
+    """The attributes of an object that are numbers or texts, and no more than a file of this size may unpack to.
+
+    The library trusts the lengths in those of other types.
+    """
     import h5py
 
     found = {}
     for name in item.attrs:
         one = item.attrs.get_id(name)
         kind, count = one.get_type(), math.prod(one.shape or ())
-        plain = kind.get_class() in (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.ENUM)
-        plain = plain or (kind.get_class() == h5py.h5t.STRING and not kind.is_variable_str())
-        if count * (kind.get_size() if plain else size) <= allowance.limit:  # of varying length: each may be as long as the file
+        if kind.get_class() in (h5py.h5t.INTEGER, h5py.h5t.FLOAT):
+            each = kind.get_size()
+        elif kind.get_class() == h5py.h5t.STRING:
+            each = size if kind.is_variable_str() else kind.get_size()  # of varying length: each may be as long as the file
+        else:
+            continue
+        if count * each <= allowance.limit:
             found[name] = item.attrs[name]
     return found
 

@@ -98,7 +98,9 @@ def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
 
 def h5_text(item: Any) -> bool:
     """Whether a dataset holds one text."""
-    return item.dtype.kind in "OS" and item.shape == ()
+    import h5py
+
+    return item.shape == () and h5py.check_string_dtype(item.dtype) is not None
 
 
 def _scaled(item: Any, attrs: dict[str, Any]) -> Any:
