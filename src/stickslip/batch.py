@@ -160,8 +160,8 @@ def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], c
 
 
 def made_model(what: str, made: Any) -> Any:
-    """What a maker returned, if it is a robot or a mechanism."""
-    if hasattr(made, "friction") and hasattr(made, "acceleration") and not isinstance(made, type):
+    """What a maker returned, if it is a record: a robot, a mechanism, or a law where force is fitted against motion."""
+    if hasattr(made, "__dataclass_fields__") and not isinstance(made, type):
         return made
     raise InputError(
         what, [f"the maker returns {made!r}; allowed is a Robot or a mechanism; return ss.presets.piezo_rig(...), for example"]
