@@ -30,7 +30,13 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from mutating import FORMULAS, ROOT, SOURCE, Mutant, every, mutated
 
-TESTS = [f"tests/test_{name}.py" for name in ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")]
+#: Tests by the folder that they are mostly about; those of other folders come last.
+ABOUT = {
+    "friction": ("formulas", "laws"),
+    "drives": ("formulas", "drives", "cantilever", "piezo_beam"),
+    "mechanisms": ("formulas", "mechanisms"),
+}
+NAMES = ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
 SLOWEST, PATIENCE = 1.0, 600  # seconds of a test, and of a mutant: one that runs without end counts as killed
 NO_TESTS, ENDLESS = 5, -1  # exit codes
 PRELOADED = ["numpy", "scipy.integrate", "scipy.optimize", "scipy.stats", "scipy.linalg", "scipy.signal", "xarray", "mpmath", "sympy"]
@@ -79,7 +85,12 @@ def run(mutant: Mutant | None, order: dict[str, float] | None, answer: Path) -> 
     signal.alarm(PATIENCE if mutant else 0)
     tests = Tests(order)
     doctests = [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
-    parts = [[*TESTS, *doctests]] if mutant is None else [[f"src/stickslip/{mutant.file}"], TESTS]  # its own file is the fastest
+    files = {name: f"tests/test_{name}.py" for name in NAMES}
+    if mutant is None:
+        parts = [[*files.values(), *doctests]]
+    else:  # the nearest first
+        near = ABOUT.get(mutant.file.partition("/")[0], ("tracks", "drives"))
+        parts = [[f"src/stickslip/{mutant.file}"], [files[name] for name in near], [files[name] for name in NAMES if name not in near]]
     try:
         importlib.import_module(Mutated(mutant).module or "stickslip")  # before pytest, which imports files by their paths
         for part in parts:
