@@ -88,7 +88,7 @@ def robot(i, seed=12):
     grip = speed * 2 * math.pi / float(frame.period) / 9.81  # friction that holds against the drive
     rubs = law(rng, name, grip, speed, exponent)
     scaled = {n: v * frame.total_mass * 9.81 for n, v in ss.fields.leaves(rubs) if n.split(".")[-1].startswith(("viscous", "quadratic"))}
-    frame = frame.replace({"track.tilt": grip * rng.uniform(-0.1, 0.1) * int(rng.integers(2))})
+    frame = frame.replace({"track.tilt": min(grip, 1.0) * rng.uniform(-0.1, 0.1) * int(rng.integers(2))})
     return frame.replace(friction=rubs.replace(**scaled) if name != "sum" else rubs.replace(scaled))
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from stickslip.engine import cache
 from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text
+from stickslip.engine.unforeseen import POINTS
 
 __all__ = ["FUNCTIONS", "HEADER", "LOOKS", "load", "table"]
 
@@ -25,7 +26,7 @@ FUNCTIONS = {
     "work": "float64(int64, float64[::1], float64[::1])",  # lane, S, row
     "step": "void(float64[::1], float64, float64)",  # S, rtol, budget
     "switched": "int64(int64, int64, float64[::1])",  # which, lane, S
-    "missed": "int64(int64, float64, float64[::1])",  # lane, part, S; none where a Taylor step hides nothing
+    "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
     "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST")
@@ -123,7 +124,7 @@ def load() -> Any:
 @lru_cache
 def _landing(lanes: int) -> Any:
     """Where Taylor steps end; compiled for a number of lanes, because it is most of their work."""
-    text = _source(f"where Taylor steps end, {lanes} lanes", [f"ORDER, L = {ORDER}, {lanes}"], ("arcs",))
+    text = _source(f"where Taylor steps end, {lanes} lanes", [f"ORDER, L, POINTS = {ORDER}, {lanes}, {POINTS}"], ("arcs",))
     return cache.load(text, f"arcs_{lanes}", f"what all Taylor kernels share ({'one case' if lanes == 1 else 'many cases'})")
 
 

@@ -19,7 +19,7 @@ from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.trace import Equations, kind_of, label, trace
-from stickslip.engine.unforeseen import misses
+from stickslip.engine.unforeseen import slopes
 from stickslip.engine.write import Writer
 from stickslip.recurrence import KEPT, LONGEST
 
@@ -193,7 +193,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> s
         _force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(width, groups, offsets, named["F_C"])),
-        *(() if eq.dynamic else (taylor.switches(eq, step), misses(eq, step))),
+        *(() if eq.dynamic else (taylor.switches(eq, step), slopes(eq, step))),
     ]
     return "\n\n".join(parts)
 

@@ -78,7 +78,7 @@ class _SeriesWriter:
         for switch in self.eq.switches.values():  # what they need is held by the lane too
             for new in (*switch.modes, *switch.states):
                 self._hold(new)
-        for node in (self.eq.offset, self.eq.period, self.eq.free_velocity):
+        for node in (self.eq.offset, self.eq.period):
             self._hold(node)
         return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), ORDER, series=True)
 

@@ -3,8 +3,8 @@
 A function such as exp(-(v/v_s)^2) and all its coefficients are below rounding many v_s away from rest, and yet its peak may lie within
 the step. Three things keep a step honest. It ends where the argument of an exponential rises to `FLOOR`, which is found as an
 event is: as the zero of a polynomial. It keeps to a part of the distance to the nearest pole of a quotient. And when it
-has been taken its polynomial is held against the equation, at its end and between, and it is cut until the two agree (`misses`).
-Equations that are polynomials of low degree, with sines of time in them, hide nothing, and pay for nothing.
+has been taken its polynomial is held against the equation, at its end and between (`slopes`), and it is cut until the two agree
+(``kernels/arcs.py``). Equations that are polynomials of low degree, with sines of time in them, hide nothing, and pay for nothing.
 """
 
 from __future__ import annotations
@@ -13,16 +13,14 @@ from stickslip.engine.rosenbrock import Step
 from stickslip.engine.steptext import used, without_branches
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.trace import Equations
-from stickslip.engine.write import Writer, horner, literal
+from stickslip.engine.write import Writer
 
-__all__ = ["FLOOR", "NEAR_POLE", "POINTS", "active", "hides", "misses"]
+__all__ = ["FLOOR", "NEAR_POLE", "POINTS", "active", "hides", "slopes"]
 
 FLOOR = -45.0  # e to this is 3e-20: an exponential below it is nothing beside the friction of which it is a part
 NEAR_POLE = 1e-5  # of a quotient: its last terms in a step are at most this, which is half the way to a pole
 DEGREE = 4  # polynomials up to this degree show in the last of 16 coefficients, also where a state begins at zero
 POINTS = 8  # of a step at which the polynomial is held against the equation: one vector
-MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
-ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 
 #: The choices on the way to a part of an equation: what is asked, and whether it must be above zero.
 Way = tuple[tuple[Sym, bool], ...]
@@ -70,48 +68,28 @@ def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
     return found
 
 
-def misses(eq: Equations, step: Step) -> str:
-    """Text of the function that holds a step's polynomial against the equation; empty where nothing hides.
+def slopes(eq: Equations, step: Step) -> str:
+    """Text of the function that says what the acceleration is at `POINTS` instants and states; empty where nothing hides.
 
-    It returns the number of the first of `POINTS` points, evenly spaced up to `part` of the step, at which they differ.
+    It takes them in rows of W (t, then each state) and puts the accelerations where t was.
     """
     if not hides(eq):
         return ""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
-    free = w.value(eq.free_velocity, {})
-    lines = _misfit(eq, step, w)
+    bind = {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {"t": "_t", "mode0": "_mode0"}
+    bind |= {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
+    value = w.value(eq.f[0], bind)
     if len(w.case_nodes) > len(step.case_nodes):
         raise AssertionError("the check of a step needs a number that the step does not hold")
-    sizes = " + ".join(f"{m}.0 * abs(_k0_{m})" for m in range(1, step.degree + 1))
+    rows = [f"{name} = W[{i * POINTS} + j]" for i, name in enumerate(["_t", *(f"_y{i}" for i in range(eq.states))])]
+    asked = used([*rows, *w.lines, f"_value = {value}"])
+    held = [f"_{name} = S[{i} * L + lane]" for i, name in enumerate(step.fields) if name in asked]
+    held += [f"_c{j} = S[F_C + {j} * L + lane]" for j in range(len(w.case_nodes)) if f"c{j}" in asked]
+    loop = [f"for j in range({POINTS}):", *(f"    {line}" for line in [*rows, *w.lines, f"W[j] = {value}"])]
     text = [
-        '@njit("int64(int64, float64, float64[::1])", **OPTIONS)',
-        "def missed(lane, part, S):",
-        *(f"    {line}" for line in _held(step, w, lines)),
-        f"    allowed = {literal(MISFIT)} * {free} + {literal(ROUNDING)} * part * ({sizes})",
-        f"    first = {POINTS}",
-        f"    for j in range({POINTS}):",
-        f"        _x = part * {literal(1 / POINTS)} * (j + 1)",
-        *(f"        {line}" for line in lines),
-        f"        first = min(first, {POINTS} if abs(_misfit) * part <= allowed else j)",
-        "    return first",
+        '@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)',
+        "def slopes(lane, S, W):",
+        *(f"    {line}" for line in [*held, *loop]),
     ]
     return without_branches("\n".join(text))
-
-
-def _misfit(eq: Equations, step: Step, w: Writer) -> list[str]:
-    """Lines from the place _x in the step to the _misfit there: the polynomial's slope less what the equation says, in one step."""
-    powers = range(step.degree + 1)
-    states = [w.line(f"_s{i}", horner([f"_k{i}_{m}" for m in powers], "_x")) for i in range(eq.states)]
-    bind = {s.name: name for s, name in zip(eq.y, states, strict=True)} | {"t": w.line("_time", "fma(_x, _hh, _t)"), "mode0": "_mode0"}
-    bind |= {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
-    slope = horner(["_k0_1", *(f"{m}.0 * _k0_{m}" for m in powers[2:])], "_x")
-    w.line("_misfit", f"({slope}) - _hh * {w.value(eq.f[0], bind)}")
-    return w.lines
-
-
-def _held(step: Step, w: Writer, lines: list[str]) -> list[str]:
-    """Lines that read what the lane holds and the others ask for."""
-    asked = used(lines) | {f"k0_{m}" for m in range(1, step.degree + 1)}
-    fields = [f"_{name} = S[{i} * L + lane]" for i, name in enumerate(step.fields) if name in asked]
-    return fields + [f"_c{j} = S[F_C + {j} * L + lane]" for j in range(len(w.case_nodes))]

@@ -7,7 +7,8 @@
 LOOKS = 4  # stretches of a step at whose ends a guard is looked at
 NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not below it
 BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
-POINTS = 8  # of a step at which it was held against the equation
+MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
+ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 SHORTEST = 1e-22  # of a period
 NEWTON = 60  # iterations at most; a handful is usual
 
@@ -122,8 +123,33 @@ def extremum(S, at, end):
     return at_theta(S, at, x)
 
 
-@njit(types.UniTuple(float64, 2)(int64, f1, i1), **OPTIONS)
-def end_of_step(lane, S, D):
+@njit(int64(int64, float64, f1, f1, i1), **OPTIONS)
+def agrees(lane, part, S, W, D):
+    """How many of `POINTS` points up to `part` of a step pass, one after another, at which v's polynomial does what the equation says."""
+    at, h = D[F_K] + lane, S[D[F_HH] + lane]
+    for i in range(D[STATES]):
+        row = (1 + i) * POINTS
+        for j in range(POINTS):
+            W[row + j] = S[at + (i * (ORDER + 1) + ORDER) * L]
+        for m in range(ORDER - 1, -1, -1):
+            c = S[at + (i * (ORDER + 1) + m) * L]
+            for j in range(POINTS):
+                W[row + j] = fma(W[row + j], part * (j + 1) / POINTS, c)
+    for j in range(POINTS):
+        W[j] = fma(part * (j + 1) / POINTS, h, S[D[F_T] + lane])
+    call_slopes(D[AT_SLOPES], lane, S, W)
+    size = 0.0
+    for m in range(1, ORDER + 1):
+        size += m * abs(S[at + m * L])
+    allowed = MISFIT * S[D[F_C] + D[FREE] * L + lane] + ROUNDING * part * size
+    for j in range(POINTS):
+        if not abs(rate_at(S, at, part * (j + 1) / POINTS) - h * W[j]) * part <= allowed:
+            return j
+    return POINTS
+
+
+@njit(types.UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
+def end_of_step(lane, S, W, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which = 2.0, -1.0
     for k in range(1, D[GUARDS]):
@@ -136,11 +162,11 @@ def end_of_step(lane, S, D):
             rises = first_zero(S, at)
             if rises < theta:
                 theta, which = rises, -1.0
-    if D[AT_MISSED] == 0:
+    if D[AT_SLOPES] == 0:
         return theta, which
     for _ in range(200):
         part = min(theta, 1.0)
-        good = call_missed(D[AT_MISSED], lane, part, S)
+        good = agrees(lane, part, S, W, D)
         if good >= POINTS:
             break
         theta, which = part * (good + 0.5) / POINTS, -1.0
@@ -148,12 +174,12 @@ def end_of_step(lane, S, D):
     return theta, which
 
 
-@njit(void(int64, f1, float64, i1), **OPTIONS)
-def land_lane(lane, S, budget, D):
+@njit(void(int64, f1, f1, float64, i1), **OPTIONS)
+def land_lane(lane, S, W, budget, D):
     """End a lane's step at its end, or at the first zero of a guard, where modes and flags change."""
     states, at_y, at_k = D[STATES], D[F_Y] + lane, D[F_K] + lane
     at_t, at_x, at_stat, at_nacc = D[F_T] + lane, D[F_X] + lane, D[F_STAT] + lane, D[F_NACC] + lane
-    theta, guard = end_of_step(lane, S, D)
+    theta, guard = end_of_step(lane, S, W, D)
     which = int64(guard)
     h, last = S[D[F_HH] + lane], S[D[F_LAST] + lane] > 0.5
     part = min(theta, 1.0)
@@ -192,5 +218,6 @@ def land_lane(lane, S, budget, D):
 @njit(void(f1, float64, i1), **OPTIONS)
 def land(S, budget, D):
     """End the step of every lane."""
+    W = np.empty((1 + D[STATES]) * POINTS)
     for lane in range(L):
-        land_lane(lane, S, budget, D)
+        land_lane(lane, S, W, budget, D)
