@@ -35,7 +35,7 @@ def guarded(seconds=PATIENCE):
         raise TooLong
 
     before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 0.5)  # again, where a finalizer swallowed the first
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")

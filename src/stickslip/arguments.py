@@ -20,7 +20,7 @@ from stickslip.fields import check_arguments, number
 
 __all__ = [
     "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model",
-    "Numbers", "Page", "Run", "Ways", "explains_arguments", "wrong_kinds",
+    "Numbers", "Page", "Run", "Ways", "explains_arguments", "parameters_of", "wrong_kinds",
 ]  # fmt: skip
 
 P = ParamSpec("P")
@@ -79,6 +79,14 @@ Compared = Annotated[Any, Kind(_has("rows", "record"), "a comparison; type for e
 Benched = Annotated[Any, Kind(lambda v: _has("experiments")(v) or _has("benches")(v), "a bench; type for example ss.bench(law)")]
 Page = Annotated[Any, Kind(lambda v: v is None or _has("subplots", "savefig")(v), "a figure of matplotlib; type for example plt.figure()")]
 Ax = Annotated[Any, Kind(lambda v: v is None or _has("plot", "figure")(v), "axes of matplotlib; type for example plt.subplots()[1]")]
+
+
+def parameters_of(make: Callable[..., Any]) -> Any:
+    """The parameters of a maker; `InputError` of what Python cannot tell them."""
+    try:
+        return inspect.signature(make).parameters.values()
+    except ValueError:  # a class of Python's own
+        raise InputError("make", [f"{make!r} makes no robot; allowed is a function that makes one; type ss.presets.piezo_rig"]) from None
 
 
 def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:

@@ -185,6 +185,9 @@ def stacked(what: str, models: list[Any]) -> Any:
     first, *others = ({n: v for n, v in each.items() if not (n in numbers and v is not None)} for each in whole)
     for other in others:
         _check_kind(what, first, other)
+    many = sorted({name for each in whole for name in numbers if is_array(each[name])})
+    if many:
+        raise InputError(what, [f"{', '.join(many)} of one point are arrays; allowed is one number for each"])
     return replace_leaf(models[0], {name: np.array([float(each[name]) for each in whole]) for name in numbers})
 
 

@@ -57,7 +57,7 @@ def record(t: Any, voltage: Any, frequency: Any) -> tuple[Any, Any]:
         problems.add(f"t = {describe(t)}; {allowed}; type for example t=np.linspace(0, 1, 2001)")
     if frequency is not None:
         try:
-            voltage, _ = given(voltage, frequency)
+            voltage, frequency = given(voltage, frequency)
         except InputError as error:
             problems.include(error)
         for name, value in (("voltage", voltage), ("frequency", frequency)):

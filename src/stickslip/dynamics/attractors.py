@@ -17,6 +17,7 @@ from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import number
 from stickslip.sealing import sealed
+from stickslip.solvers.request import LARGEST_START
 
 __all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
 
@@ -161,7 +162,7 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
             axis = np.atleast_1d(np.asarray(number(value), float))
         except (TypeError, ValueError):
             axis = np.empty((0, 0))
-        if axis.ndim != 1 or axis.size == 0 or not np.isfinite(axis).all():
+        if axis.ndim != 1 or axis.size == 0 or not np.all(abs(axis) <= LARGEST_START):
             problems.add(f"{name} = {value!r}; allowed is a finite number or a list of them; type {name}=np.linspace(-0.05, 0.05, 41)")
         axes[name] = axis
     problems.check()

@@ -15,8 +15,9 @@ from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, flight, needs_model, strobe_map, strobe_states
 from stickslip.dynamics.variational import transfers
 from stickslip.errors import InputError, Problems
-from stickslip.fields import number
+from stickslip.fields import between, checked_number, number
 from stickslip.sealing import sealed
+from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
 
 __all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
@@ -206,6 +207,7 @@ def largest_exponents(
 
     needs_model("largest_exponents", model, batch=True)
     problems = Problems("largest_exponents")
+    checked_number("apart", apart, problems, between(1e-14, 0.1), "a distance from 1e-14 to 0.1, in the scales of the state", "apart=1e-7")
     problems.whole("periods", periods, 1, example=400)
     problems.whole("settle", settle, 0, example=200)
     problems.whole("workers", workers, 1, example=2)
@@ -229,8 +231,8 @@ def _states_given(start: Any, cases: int, names: tuple[str, ...]) -> Array:
     """The strobe states that the cases begin in: an array (cases, states), or one state for all; rest from None."""
     try:
         states = np.atleast_2d(np.zeros(len(names)) if start is None else np.asarray(number(start), float))
-        if not np.isfinite(states).all():
-            raise ValueError("its numbers are not finite")
+        if not np.all(abs(states) <= LARGEST_START):
+            raise ValueError(f"its numbers are not finite, or larger than {LARGEST_START:.0e}")
         return np.broadcast_to(states, (cases, len(names))).copy()
     except ValueError as error:
         allowed = f"an array of shape ({cases}, {len(names)}) with {', '.join(names)} of each case, or one state for all"

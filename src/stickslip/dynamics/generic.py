@@ -16,6 +16,7 @@ from stickslip.arguments import explains_arguments
 from stickslip.dynamics.switched import SwitchingFlow
 from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
+from stickslip.fields import number as plain_number
 from stickslip.sealing import sealed
 
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
@@ -111,7 +112,7 @@ def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bo
     """The start; an error that says everything that is wrong. Of each number: its value, and whether it may be 0."""
     problems = Problems(what)
     try:
-        x = np.atleast_1d(np.asarray(x0, float))
+        x = np.atleast_1d(np.asarray(plain_number(x0), float))
     except (TypeError, ValueError):
         x = np.array([np.nan])
     if x.ndim != 1 or not len(x) or not np.isfinite(x).all():

@@ -139,10 +139,12 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     for i, rec in enumerate(records):
         if not isinstance(rec, (Record, int, float, np.number)) or isinstance(rec, bool):
             problems.add(f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)) or a mean velocity [m/s]")
+        elif not isinstance(rec, Record) and not abs(rec) <= 1e9:
+            problems.add(f"records[{i}] = {rec!r}; allowed is a mean velocity up to 1e9 m/s in size")
     if not is_one_of(using, USES):
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
     if noise is not None:
-        checked_number("noise", noise, problems, between(1e-100, 1e100), "a positive standard deviation, or None", "noise=1e-4")
+        checked_number("noise", noise, problems, between(1e-30, 1e30), "a positive standard deviation, or None", "noise=1e-4")
     problems.whole("starts", starts, 1, example=64)
     problems.check()
 

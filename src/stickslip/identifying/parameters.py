@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import parameters_of
 from stickslip.batch import stacked
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
@@ -185,7 +185,7 @@ def _known(make: Any) -> list[str] | None:
     """Names of the arguments; None if any is allowed."""
     if not callable(make):
         return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
-    found = inspect.signature(make).parameters.values()
+    found = parameters_of(make)
     return None if any(p.kind is p.VAR_KEYWORD for p in found) else [p.name for p in found]
 
 
@@ -193,7 +193,7 @@ def _needed(make: Any) -> list[str]:
     """Arguments that have no default."""
     if not callable(make):
         return []
-    found = inspect.signature(make).parameters.values()
+    found = parameters_of(make)
     return [p.name for p in found if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic, MultiHarmonic
 from stickslip.errors import Problems, is_one_of
+from stickslip.fields import between, checked_number
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve
 
@@ -110,10 +111,9 @@ def _check(
         if not is_one_of(name, there):
             without = "" if drive is not None else f" and the {what} has no drive that moves an inner mass"
             problems.add(f"channels names {name!r}{without}; allowed are {', '.join(there)}")
-    if bandwidth is not None and not bandwidth > 0:
-        problems.add(f"bandwidth = {bandwidth!r}; allowed is a positive frequency [Hz], or None")
-    if not resolution >= 0:
-        problems.add(f"resolution = {resolution!r}; allowed is 0 or more")
+    if bandwidth is not None:
+        checked_number("bandwidth", bandwidth, problems, between(1e-9, 1e12), "a positive frequency [Hz], or None", "bandwidth=500.0")
+    checked_number("resolution", resolution, problems, between(0.0, 1e9), "0 or more", "resolution=1e-5")
     if np.shape(harmonics) != (2,) or not np.isfinite(np.asarray(harmonics, float)).all():
         problems.add(f"harmonics = {harmonics!r}; allowed are two parts of the amplitude; type for example harmonics=(0.05, 0.02)")
     elif any(harmonics) and not _is_one_sine(drive):

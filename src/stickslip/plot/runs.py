@@ -42,7 +42,7 @@ def span(run: Any, periods: float | None = None, duration: float | None = None) 
     if duration is not None:
         if not duration > 0:
             raise InputError("plot", [f"duration = {duration!r}; allowed is a positive time [s]; type duration=10.0"])
-        return max(end - duration, first), end
+        return _span(max(end - duration, first), end, f"duration = {duration!r}")
     if run.model.period is None:
         if periods is not None:
             why = f"periods = {periods!r}, but {type(run.model).__name__} has no drive period"
@@ -52,9 +52,12 @@ def span(run: Any, periods: float | None = None, duration: float | None = None) 
     if not periods > 0:
         raise InputError("plot", [f"periods = {periods!r}; allowed is a positive number of drive periods; type periods=3"])
     end = float(run.strobe_times[-1]) or end  # a run that ended in its first period is shown to its end
-    start = max(end - periods * run.period_time, first)
-    if not start < end:
-        raise InputError("plot", [f"periods = {periods!r} is too short a time to draw; type periods=3"])
+    return _span(max(end - periods * run.period_time, first), end, f"periods = {periods!r}")
+
+
+def _span(start: float, end: float, asked: str) -> tuple[float, float]:
+    if not end - start > 1e-9 * abs(end):
+        raise InputError("plot", [f"{asked} is too short a time to draw; type periods=3"])
     return start, end
 
 

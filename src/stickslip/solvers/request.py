@@ -107,8 +107,8 @@ def _periods(model: Any, labels: Labels, periods: Any, settle: Any, duration: An
         return 200 if periods is None else periods
     if periods is not None:
         problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
-    if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < float("inf"):
-        problems.add(f"duration = {duration!r}; allowed is a positive time [s]; type for example duration=10.0")
+    if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration <= LONGEST:
+        problems.add(f"duration = {duration!r}; allowed is a positive time [s], up to {LONGEST:.0e}; type for example duration=10.0")
         return 1
     if aperiodic:
         if settle not in (None, 0):
@@ -214,7 +214,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
     return table
 
 
-LARGEST_START = 1e9
+LARGEST_START, LONGEST = 1e9, 1e12
 #: A position is told from its neighbours by this part of the distance that the drive moves the body in a period, or nearer.
 RESOLVED = 1e-8
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from stickslip.arguments import parameters_of
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, masked_in
@@ -191,11 +191,7 @@ def _known(make: Any, given: Sequence[str], problems: Problems) -> list[str] | N
             problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
             return None
         return [name for name, _ in leaves(make)] + ["drive", "friction", "track"]
-    try:
-        parameters = inspect.signature(make).parameters.values()
-    except ValueError:  # a class of Python's own
-        problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
-        return None
+    parameters = parameters_of(make)
     for p in parameters:
         if p.default is p.empty and p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) and p.name not in given:
             problems.add(f"{p.name} is missing; {getattr(make, '__name__', 'the maker')} has no default for it")

@@ -152,6 +152,8 @@ def _said(make: Any, space: Space, name: str, values: Array, end: int) -> list[s
 
 def _end(values: Array, end: int) -> Any:
     flat = values.ravel()
+    if not flat.size:
+        return None
     if flat.dtype.kind == "f":
         finite = flat[np.isfinite(flat)]
         flat = finite if len(finite) else flat
