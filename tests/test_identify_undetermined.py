@@ -11,6 +11,7 @@ import stickslip as ss
 from stickslip.cli import main
 from stickslip.identifying.bootstrapping import bootstrap
 from stickslip.information import Information
+from stickslip.records.channel import Channel
 
 MASSES = {"body_mass": (0.02, 0.2), "inner_mass": (0.002, 0.05)}
 
@@ -135,3 +136,16 @@ def test_the_command_says_not_determined(record, tmp_path, capsys):
     assert told["correlations"] == [[1.0, None], [None, 1.0]]
     assert main([*words, "--level", "0.9"]) == 0
     assert "inner_mass: not determined" in capsys.readouterr().out
+
+
+# modes ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("lines", "known"), [(3, False), (4, False), (25, True)])
+def test_a_peak_of_few_lines_determines_no_mode(lines, known):
+    """A mode and what lies beside it are eight numbers: four complex lines are met by many, and leave nothing to tell the noise."""
+    f, rng = np.linspace(9.5, 10.5, lines), np.random.default_rng(1)
+    response = 1 / (100.0 - f**2 + 2j * 0.01 * 10.0 * f) + 1e-3 * (rng.normal(size=lines) + 1j * rng.normal(size=lines))
+    (mode,) = ss.Record({"H": Channel("H", response, None, f, "frequency", "Hz", None)}, (), {}).modes()
+    assert np.isfinite([mode.frequency_error, mode.damping_error]).tolist() == [known, known]
+    assert not known or abs(mode.frequency - 10.0) < 4 * mode.frequency_error < 0.04
