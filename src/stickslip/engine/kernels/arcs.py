@@ -162,7 +162,7 @@ def end_of_step(lane, S, W, D):
             rises = first_zero(S, at)
             if rises < theta:
                 theta, which = rises, -1.0
-    if D[AT_SLOPES] == 0:
+    if D[AT_SLOPES] == 0 or S[D[F_SIGN] + lane] == 0.0:
         return theta, which
     for _ in range(200):
         part = min(theta, 1.0)
