@@ -142,7 +142,7 @@ def _sure(found: Followed) -> str:
     known = [1e3 * end.accuracy for end in (found.low, found.high) if end.accuracy]
     if len(known) < 2:
         return "to the last digit printed"
-    return f"both to {plain(max(known), 1)} mm: so much they move when the tolerance is a hundredth"
+    return f"both to {plain(max(known), 1)} mm"
 
 
 def _at(row: dict[str, Any]) -> str:

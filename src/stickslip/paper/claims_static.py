@@ -124,9 +124,9 @@ def _both(r: Range) -> str:
     """Where a LuGre body has two motions."""
     low, high = r.slide.low, r.rest.high
     return (
-        f"slides from some starts and from others only stretches its bristles, or creeps, at amplitudes from {low.text()} mm (below, the "
-        f"sliding motion {low.why}) to {high.text()} mm (above, the motion near rest {high.why}), by continuation of both; these starts "
-        f"find both from {millimetres(r.found[0], 2)} to {millimetres(r.found[1], 2)}"
+        "slides from some starts and from others only stretches its bristles, or creeps, at amplitudes from "
+        f"{millimetres(low.value, 3)} (below, the sliding motion {low.why}) to {millimetres(high.value, 3)} (above, the motion near rest "
+        f"{high.why}), by continuation of both; these starts find both from {millimetres(r.found[0], 2)} to {millimetres(r.found[1], 2)}"
     )
 
 
@@ -138,7 +138,11 @@ def _starts() -> str:
 def _coexisting(both: Coexistence) -> tuple[str, ...]:
     """What several starts find, as sentences."""
     two, cases = int(both.two.sum()), both.two.size
-    others = [f"at f₀ = {r.f0:g} from {r.slide.low.text()} to {r.rest.high.text()} mm" for r in both.ranges if r.f0 != 1.0]
+    others = [
+        f"at f₀ = {r.f0:g} from {millimetres(r.slide.low.value, 3)} to {millimetres(r.rest.high.value, 3)}"
+        for r in both.ranges
+        if r.f0 != 1.0
+    ]
     return (
         f"From {len(STARTS)} starts ({_starts()}): at {two} of {cases} pairs of f₀ and A two LuGre motions coexist, one that slides and "
         "one near rest"

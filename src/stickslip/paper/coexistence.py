@@ -99,7 +99,12 @@ def coexistence(fast: bool) -> Coexistence:
     fine = 1e-5 * np.arange(50, 151, 5 if fast else 1)
     near = _from_starts(printed, fine, "lugre")
     both = (_spread(near, fine) > APART).T
-    ranges = [_range(float(f), fine[two], 1.5 * (fine[1] - fine[0])) for f, two in zip(printed, both, strict=True) if two.any()]
+    fastest = np.argmax(abs(near.mean_velocity), axis=-1)
+    ranges = [
+        _range(float(f), fine[two], STARTS[fastest[two, k][0]], 1.5 * (fine[1] - fine[0]))
+        for k, (f, two) in enumerate(zip(printed, both, strict=True))
+        if two.any()
+    ]
     lugre, exact = (_spread(_from_starts(f0, A, law), A) for law in ("lugre", "coulomb-static"))
     return Coexistence(f0, A, lugre, exact, printed, fine, near.motion_type, tuple(ranges))
 
@@ -117,16 +122,15 @@ def _spread(many: Any, A: Any) -> Any:
     return np.ptp(many.mean_velocity, axis=-1) / (A[:, None] * OMEGA * rig(CASES[-1]).mass_ratio)
 
 
-def _range(f0: float, A: Any, beyond: float) -> Range:
-    """Both motions at a printed f0, from the amplitudes at which both were found to where each ends."""
+def _range(f0: float, A: Any, start: float, beyond: float) -> Range:
+    """Both motions at a printed f0, from the amplitudes at which both were found to where each ends; `start` slides at the first."""
     from stickslip.solvers import solve
 
     low, high = float(A[0]), float(A[-1])
-    how: dict[str, Any] = {"step": 0.05, "points": 30, "sharp": False, "f0": f0}
+    how: dict[str, Any] = {"step": 0.05, "points": 30, "rtol": 1e-7, "f0": f0}
     robot = rig(CASES[-1], amplitude=low, f0=f0)
-    runs = [solve(robot, periods=100, start={"v": v * robot.free_velocity}) for v in STARTS]
-    fastest = max(runs, key=lambda run: abs(run.strobe_x[-1] - run.strobe_x[-2]))
-    slide = followed("amplitude", low, low - beyond, low, guess=fastest, **how)
+    run = solve(robot, periods=100, start={"v": start * robot.free_velocity})
+    slide = followed("amplitude", low, low - beyond, low, guess=run, **how)
     return Range(f0, slide, followed("amplitude", high, high, high + beyond, **how), (low, high))
 
 

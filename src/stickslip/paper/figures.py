@@ -14,7 +14,7 @@ from stickslip.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, re
 from stickslip.paper.motions import Motion
 from stickslip.paper.runs import Runs, Tell
 from stickslip.paper.table import Row
-from stickslip.paper.words import listed, millimetres, percent, plain, speed
+from stickslip.paper.words import listed, millimetres, percent, plain, power, speed
 from stickslip.plot.style import INK, SHADE, legend_above
 
 __all__ = ["draw"]
@@ -206,10 +206,24 @@ def _history(run: Any, found: dict[str, Any], periods: int, limits: Any, ax: Any
     ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
     ax.plot(found["phase"], found["v"] / _scale(run)[1], color=LUGRE["color"], linewidth=1.1)
     _time_axis(ax, "velocity $v/(A\\omega)$", periods)
-    if limits is None:  # own scale, may be very small
-        ax.ticklabel_format(axis="y", scilimits=(-3, 3), useMathText=True)
+    if limits is None:
+        _powers(ax.yaxis)
     else:
         ax.set_ylim(limits[0], limits[1])
+
+
+def _powers(axis: Any) -> None:
+    """Small numbers with their power of ten at the end of the axis, in plain text: formulas are slow to set."""
+    from matplotlib.ticker import ScalarFormatter
+
+    class Powers(ScalarFormatter):
+        def get_offset(self) -> str:
+            exponent = super().get_offset().replace("−", "-").partition("e")[2]  # of 1e-3
+            return f"×{power(int(exponent))}" if exponent else ""
+
+    made = Powers()
+    made.set_powerlimits((-3, 3))
+    axis.set_major_formatter(made)
 
 
 def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
@@ -230,6 +244,7 @@ def _portrait(run: Any, found: dict[str, Any], limits: Any, ax: Any) -> None:
     ax.set_ylabel("velocity $v/(A\\omega)$")
     ax.locator_params(axis="x", nbins=5)
     if limits is None:
-        ax.ticklabel_format(axis="both", scilimits=(-3, 3), useMathText=True)
+        _powers(ax.xaxis)
+        _powers(ax.yaxis)
     else:
         ax.set(xlim=(-limits[2], limits[2]), ylim=limits[:2])

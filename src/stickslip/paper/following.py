@@ -34,7 +34,8 @@ class End:
     kind : str
         "flip", "fold", "neimark-sacker", "half" (it falls together with the motion of half its period), "range" (it goes on), or "lost".
     accuracy : float or None
-        Of the value: by how much it moves when the tolerance is a hundredth; 0 where nothing was looked for, None where it is not known.
+        Of the value: that of the branch's special point, or by how much it moves when the tolerance is a hundredth; 0 where nothing was
+        looked for, None where it is not known.
     """
 
     value: float
@@ -79,12 +80,9 @@ class Followed:
 
 def followed(
     parameter: str, start: float, low: float, high: float, period: int = 1, guess: Any = None, step: float = 0.2, points: int = 100,
-    sharp: bool = True, rtol: float = RTOL, **fixed: Any,
+    rtol: float = RTOL, **fixed: Any,
 ) -> Followed:  # fmt: skip
-    """Follow the stable motion at `start` down and up, to the first border where it loses its stability, or to the ends of the range.
-
-    With `sharp` a border at which a multiplier passes -1 is found once more with a hundredth of the tolerance, which tells its accuracy.
-    """
+    """Follow the stable motion at `start` down and up, to the first border where it loses its stability, or to the ends of the range."""
     ends: list[End] = []
     sizes: list[float] = []
     for stop in (low, high):
@@ -93,7 +91,7 @@ def followed(
             continue
         branch = _branch(parameter, start, stop, rtol=rtol, period=period, guess=guess, step=step, points=points, **fixed)
         end, orbit = _end(branch, stop)
-        ends.append(_sharpened(branch, end, orbit, fixed) if sharp and end.kind in ("flip", "half") else end)
+        ends.append(_sharpened(branch, end, orbit, fixed) if end.kind == "half" else end)
         sizes += list(takewhile(lambda size: size < 1, (float(abs(o.multipliers[0])) for o in branch.orbits)))
     return Followed(parameter, ends[0], ends[1], period, max(sizes, default=math.nan), len(sizes))
 
@@ -109,7 +107,7 @@ def _end(branch: Any, stop: float) -> tuple[End, Any]:
     """Where the motion of a branch loses its stability, or the branch ends; and the orbit there."""
     border, last = next((s for s in branch.special if s.kind in _LOSES), None), float(branch.values[-1])
     if border is not None:
-        return End(border.value, border.kind, None), border.orbit
+        return End(border.value, border.kind, border.accuracy), border.orbit
     if abs(last - stop) <= 1e-9 * abs(stop):
         return End(stop, "range", 0.0), branch.orbits[-1]
     halved = branch.period % 2 == 0 and branch.ended.startswith("it returned")
@@ -117,8 +115,11 @@ def _end(branch: Any, stop: float) -> tuple[End, Any]:
 
 
 def _sharpened(branch: Any, end: End, orbit: Any, fixed: dict[str, Any]) -> End:
-    """An end at which a multiplier passes -1, by a secant on the orbits near it, at the branch's tolerance and at a hundredth of it."""
-    period = branch.period // (2 if end.kind == "half" else 1)
+    """Where a motion falls together with that of half its period: there the shorter one's multiplier is -1. A secant on its orbits.
+
+    It is found at the branch's tolerance and at a hundredth of it; the difference is its accuracy.
+    """
+    period = branch.period // 2
 
     def beyond(value: float, rtol: float) -> float:
         from stickslip.dynamics.orbits import periodic_orbit
