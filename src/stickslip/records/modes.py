@@ -84,8 +84,8 @@ def _fitted(f: Any, H: Any, peak: int) -> Mode:
     starts = [(f[peak] + s * step, np.log(d)) for s in (-0.4, 0.0, 0.4) for d in (3e-4, 1e-3, 1e-2)]
     fits = [least_squares(left, p, x_scale=(step, 1.0), xtol=1e-12, ftol=1e-12) for p in starts]
     best = min(fits, key=lambda fit: fit.cost)
-    left = len(best.fun) - _UNKNOWN
+    spare = len(best.fun) - _UNKNOWN
     # SciPy's derivatives are one-sided. Where nothing is left to tell the noise, nothing is known of the errors.
-    errors = Information(best.jac, 1e-4).errors(np.sqrt(2 * best.cost / left)) if left > 0 else np.full(2, np.inf)
+    errors = Information(best.jac, 1e-4).errors(np.sqrt(2 * best.cost / spare)) if spare > 0 else np.full(2, np.inf)
     damping = float(np.exp(best.x[1]))
     return Mode(float(best.x[0]), damping, float(errors[0]), float(damping * errors[1]))
