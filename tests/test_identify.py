@@ -74,7 +74,7 @@ def test_harmonics_are_those_of_a_drive_of_several_harmonics():
 
 def test_harmonics_of_a_drive_that_is_not_harmonic_are_an_error_that_says_what_to_type():
     robot = rig(tilt_deg=1.7, amplitude=5e-4).replace(drive=ss.TwoPhase.example())
-    with pytest.raises(InputError, match=r"the drive is TwoPhase; allowed is a Harmonic; .*ss\.MultiHarmonic\("):
+    with pytest.raises(InputError, match=r"the drive is TwoPhase; allowed is a Harmonic as it is; .*ss\.MultiHarmonic\("):
         ss.virtual_rig(robot, harmonics=(0.05, 0.02))
 
 

@@ -21,7 +21,7 @@ __all__ = [
     "approach",
     "closing",
     "dying",
-    "jitters",
+    "heading",
     "limit",
     "outcome",
     "period_number",
@@ -38,6 +38,8 @@ STILL = 0.999
 _LONG = 16
 _HIDDEN, _HIDDEN_TWINS = 0.1, 1e-3
 _JITTER = 0.1  # of the tolerance: changes without a direction may be as large
+_DIRECTED = 0.8  # a correlation of successive changes beyond this is a direction
+_ROUNDING = 1e-14  # in scales: a swing as small as this is one of the last digits, which may alternate for ever
 
 
 def apart(points: Any, last: int, p: int, k: int, scale: Any) -> float:
@@ -85,11 +87,8 @@ def dying(points: Any, last: int, p: int, m: int, scale: Any) -> bool:
     return False
 
 
-def jitters(points: Any, last: int, p: int, m: int, scale: Any) -> bool:
-    """Whether changes over p periods have no direction: then they are errors of the solver.
-
-    The correlation of one change with the next is +1 where a motion drifts, -1 where it swings, and -1/2 of independent errors.
-    """
+def heading(points: Any, last: int, p: int, m: int, scale: Any) -> float:
+    """Correlation of one change over p periods with the next: +1 where a motion drifts, -1 where it swings, -1/2 of independent errors."""
     rows, both, new_squares, old_squares = len(points), 0.0, 0.0, 0.0
     for j in range((2 * m - 1) * p):
         for i in range(len(scale)):
@@ -99,7 +98,8 @@ def jitters(points: Any, last: int, p: int, m: int, scale: Any) -> bool:
             both += new * old
             new_squares += new * new
             old_squares += old * old
-    return both * both <= 0.64 * new_squares * old_squares
+    product = (new_squares * old_squares) ** 0.5
+    return both / product if product > 0.0 else 0.0
 
 
 def period_number(points: Any, last: int, count: int, longest: int, scale: Any, tolerance: float, left: float) -> tuple[int, int]:
@@ -121,7 +121,8 @@ def period_number(points: Any, last: int, count: int, longest: int, scale: Any, 
         if m == 0:
             continue
         late, ratio = closing(points, last, p, m, scale)
-        if late <= _JITTER * tolerance and jitters(points, last, p, m, scale):
+        turn = heading(points, last, p, m, scale)
+        if (late <= _JITTER * tolerance and abs(turn) <= _DIRECTED) or (late <= _ROUNDING and turn <= _DIRECTED):
             return p, m
         if m * p < _LONG and apart(points, last, p, 1, scale) > (_HIDDEN if p == 1 else _HIDDEN_TWINS) * tolerance:
             continue

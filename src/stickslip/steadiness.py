@@ -125,17 +125,27 @@ def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, 
 
     `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
     """
-    shift = [strobe[:, 0]] if knows_position(model) else []
+    matters = _position_matters(model, strobe[:, 0])
+    shift = [strobe[:, 0]] if matters else []
     points = np.ascontiguousarray(np.column_stack([strobe, *shift]), float)[1:]
     tolerance = strobe_tolerance(method, rtol)
     last = len(points) - 1
     if last < 0:
         return 0, float("inf")
     count = min(last, recurrence.KEPT - 1)
-    return recurrence.outcome(points, last, count, recurrence.LONGEST, scales_of(model, strobe), tolerance, tolerance)
+    return recurrence.outcome(points, last, count, recurrence.LONGEST, scales_of(model, strobe, matters), tolerance, tolerance)
 
 
-def scales_of(model: Any, strobe: Any) -> Any:
+def _position_matters(model: Any, x: Any) -> bool:
+    """Whether forces differ between the positions of a run; a spring without stiffness is in the equations, and holds nothing."""
+    if not knows_position(model):
+        return False
+    times = np.linspace(0.0, float(model.period or 1.0), 8, endpoint=False)
+    forces = [[(float(model.acceleration(t, at, 0.0, 0.0)), float(normal_load(model, t, at))) for t in times] for at in (*x[-4:], x[0])]
+    return bool(np.ptp(np.array(forces), axis=0).any())
+
+
+def scales_of(model: Any, strobe: Any, with_position: bool) -> Any:
     """Sizes of v, of each inner state, and of x where the motion depends on it.
 
     Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
@@ -145,7 +155,7 @@ def scales_of(model: Any, strobe: Any) -> Any:
     if scale is not None and len(inner):
         inner = np.broadcast_to(np.asarray(scale(normal_load(model, 0.0, 0.0)), float), len(inner))
     inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
-    shift = [speed * float(model.period) / (2 * np.pi)] if knows_position(model) else []
+    shift = [speed * float(model.period or 2 * np.pi) / (2 * np.pi)] if with_position else []
     scales = np.concatenate([[speed], inner, shift])
     return np.where(scales > 0, scales, 1.0)
 
