@@ -263,10 +263,10 @@ class Graph:
             if b.value == 0:
                 raise TraceError("an equation divides by zero")
             return self.multiply(self.constant(1.0 / b.value), a)
-        if a is b:
+        if a is b and a.level == STATE:  # of numbers of the case 0/0 is none, and must show
             return self.constant(1.0)
         for whole, part in ((a, b), (b, a)):  # v / abs(v) is the side of v, also where v is zero
-            if whole.op == "multiply" and any(part is x for x in whole.args):
+            if part.level == STATE and whole.op == "multiply" and any(part is x for x in whole.args):
                 other = whole.args[0] if whole.args[1] is part else whole.args[1]
                 return other if whole is a or _is_sign(other) else self._node("reciprocal", (other,))
         if b.op == "multiply" and b.args[0].level < STATE <= b.args[1].level:
