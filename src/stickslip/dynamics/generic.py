@@ -172,6 +172,9 @@ def lyapunov_of_map(
     return gathered(logs, 1.0, "iteration")
 
 
+_MOST = 1e8  # parts of a run in which growth is measured
+
+
 @explains_arguments
 def lyapunov_of_flow(
     f: Callable[..., Any],
@@ -236,6 +239,8 @@ def lyapunov_of_flow(
         raise InputError("lyapunov_of_flow", [f"f gave {numbers(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
     if settle > 0:
         x = _followed(lambda t, y: numbers(f, y), x, settle, rtol, 0.0, x0)
+    if not duration / every <= _MOST:
+        raise InputError("lyapunov_of_flow", [f"every = {every!r} makes {duration / every:.3g} parts of duration; allowed are {_MOST:.0e}"])
     Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
     for k in range(len(logs)):
         end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + k * every, x0)

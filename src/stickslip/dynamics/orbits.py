@@ -250,9 +250,7 @@ def _checked(start: Any, state: Array, at: Coordinates) -> Array:
     """A state whose numbers are finite and of a size that can be computed with."""
     if not np.all(abs(state) <= LARGEST_START):
         allowed = f"finite {', '.join(at.names)} up to {LARGEST_START:.0e} in size"
-        raise InputError(
-            "start", [f"{start!r} has numbers that are not finite, or out of this world; allowed are {allowed}; type dict(v=0.0)"]
-        )
+        raise InputError("start", [f"{start!r} has numbers that are too large or not finite; allowed are {allowed}; type dict(v=0.0)"])
     return state
 
 

@@ -192,7 +192,7 @@ def _checked(
         of = parameters(make, bounds, None, {**arguments, **varied}, max(len(settings), 1), "design")
     except InputError as error:
         problems.include(error)
-    if not (_is_number(noise) and noise > 0):
+    if not (_is_number(noise) and 1e-30 < noise < 1e30):
         problems.add(f"noise = {noise!r}; allowed is a positive standard deviation of one sample; type for example noise=1e-3")
     problems.whole("samples", samples, 8, example=2000)
     problems.whole("together", together, 1, example=2)

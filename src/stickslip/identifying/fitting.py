@@ -139,7 +139,7 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     for i, rec in enumerate(records):
         if not isinstance(rec, (Record, int, float, np.number)) or isinstance(rec, bool):
             problems.add(f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)) or a mean velocity [m/s]")
-        elif not isinstance(rec, Record) and not abs(rec) <= 1e9:
+        elif not isinstance(rec, Record) and not abs(float(rec)) <= 1e9:
             problems.add(f"records[{i}] = {rec!r}; allowed is a mean velocity up to 1e9 m/s in size")
     if not is_one_of(using, USES):
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")

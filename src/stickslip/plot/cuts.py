@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
+from stickslip.fields import masked_in
 from stickslip.plot.maps import DARK, TYPE_COLOURS, plain_label, scaled
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
 
@@ -90,6 +91,8 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
     if not rest:
         return [None]
     if lines is not None:
+        if masked_in(lines):
+            raise InputError("line_cut", ["lines has masked values; give what is there, type lines=array.compressed()"])
         return list(lines)
     known = part[rest[0]].values
     return [known[i] for i in np.unique(np.linspace(0, len(known) - 1, min(3, len(known))).round().astype(int))]
