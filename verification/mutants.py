@@ -3,9 +3,10 @@
 Run: python verification/mutants.py [--count N] [--only WORD] [--workers N]
 
 A mutant is one formula with one thing changed: a sign, an operation, a factor of ten, forwards for backwards, the two branches of a
-`where`. It is tested by what needs no compiler: first by the doctests of its own file, then by the tests below that take less than
-a second each. Which mutants are taken depends on their text alone, so the sample stays the same while other code changes. Those that
-no test can notice because they compute the same stand in mutants.json, each with the reason. Exit code 1 if any other survives.
+`where`. Tests are collected once, without a compiler; then each mutant is a process of its own, in which the functions of its file get
+their changed code, and which runs the tests that take less than a second: the doctests of the file first, then tests of its kind. Which
+mutants are taken depends on their text alone, so the sample stays the same while other code changes. Those that no test can notice stand
+in mutants.json, each with the reason. Exit code 1 if any other survives.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import importlib.abc
-import importlib.util
+import inspect
 import json
 import os
 import signal
@@ -22,7 +23,9 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
+from types import CodeType, FunctionType
 from typing import Any
 
 import pytest
@@ -30,94 +33,103 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from mutating import FORMULAS, ROOT, SOURCE, Mutant, every, mutated
 
-#: Tests by the folder that they are mostly about; those of other folders come last.
-ABOUT = {
-    "friction": ("formulas", "laws"),
-    "drives": ("formulas", "drives", "cantilever", "piezo_beam"),
-    "mechanisms": ("formulas", "mechanisms"),
-}
-NAMES = ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
-SLOWEST, PATIENCE = 1.0, 600  # seconds of a test, and of a mutant: one that runs without end counts as killed
-NO_TESTS, ENDLESS = 5, -1  # exit codes
-PRELOADED = ["numpy", "scipy.integrate", "scipy.optimize", "scipy.stats", "scipy.linalg", "scipy.signal", "xarray", "mpmath", "sympy"]
+TESTS = ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
+NEAR = {"friction": ("formulas", "laws"), "drives": ("formulas", "drives", "cantilever", "piezo_beam"), "mechanisms": ("mechanisms",)}
+SLOWEST, PATIENCE = 1.0, 300  # seconds of a test, and of processor time of a mutant: one that runs without end counts as killed
 
 
-class Mutated(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Imports one module from its changed syntax, and no compiler at all."""
+class NoCompiler(importlib.abc.MetaPathFinder):
+    """A Python without Numba."""
 
-    def __init__(self, mutant: Mutant | None):
-        self.mutant = mutant
-        self.module = "" if mutant is None else "stickslip." + mutant.file[:-3].replace("/", ".").removesuffix(".__init__")
-
-    def find_spec(self, name: str, path: Any = None, target: Any = None) -> Any:
+    def find_spec(self, name: str, path: Any = None, target: Any = None) -> None:
         if name.split(".")[0] in ("numba", "llvmlite"):
             raise ImportError(f"{name} is left out")
-        if self.mutant is None or name != self.module:
-            return None
-        return importlib.util.spec_from_file_location(name, SOURCE / self.mutant.file, loader=self)
-
-    def exec_module(self, module: Any) -> None:
-        assert self.mutant is not None
-        exec(compile(mutated(self.mutant.file, self.mutant.change)[0], str(SOURCE / self.mutant.file), "exec"), module.__dict__)
 
 
-class Tests:
-    """Keeps the tests that are given, in their order, and notes how long each took and the first that failed."""
+def functions(owner: Any, module: str) -> Iterator[FunctionType]:
+    """The functions of a module and of its classes, inside whatever they are wrapped in."""
+    for thing in list(vars(owner).values()):
+        inner = getattr(thing, "__func__", None) or getattr(thing, "fget", None) or getattr(thing, "func", None) or thing
+        inner = inspect.unwrap(inner) if callable(inner) else inner
+        if isinstance(inner, type) and inner.__module__ == module and inner is not owner:
+            yield from functions(inner, module)
+        elif isinstance(inner, FunctionType) and inner.__module__ == module:
+            yield inner
 
-    def __init__(self, order: dict[str, float] | None):
-        self.order, self.passed, self.failed = order, {}, ""
 
-    def pytest_collection_modifyitems(self, items: list[Any]) -> None:
-        if self.order is not None:
-            items[:] = sorted((i for i in items if i.nodeid in self.order), key=lambda i: self.order[i.nodeid])
+def codes(code: CodeType) -> Iterator[CodeType]:
+    """The code of every function inside a code."""
+    for inside in code.co_consts:
+        if isinstance(inside, CodeType):
+            yield inside
+            yield from codes(inside)
+
+
+def change(mutant: Mutant) -> None:
+    """Give the functions of the mutant's file their changed code."""
+    name = "stickslip." + mutant.file[:-3].replace("/", ".").removesuffix(".__init__")
+    tree = mutated(mutant.file, mutant.change)[0]
+    new = {(c.co_qualname, c.co_firstlineno): c for c in codes(compile(tree, str(SOURCE / mutant.file), "exec"))}
+    for function in functions(importlib.import_module(name), name):
+        function.__code__ = new.get((function.__code__.co_qualname, function.__code__.co_firstlineno), function.__code__)
+
+
+class Mutants:
+    """A plugin of pytest that runs the collected tests once for each mutant instead of once."""
+
+    def __init__(self, mutants: list[Mutant], known: dict[str, str], workers: int):
+        self.mutants, self.known, self.workers = mutants, known, workers
+        self.failed, self.seconds, self.ends = "", dict[str, float](), Counter[str]()
+        self.folder = Path(tempfile.mkdtemp())
 
     def pytest_runtest_logreport(self, report: Any) -> None:
         if report.when == "call" and report.passed:
-            self.passed[report.nodeid] = report.duration
+            self.seconds[report.nodeid] = report.duration
         self.failed = self.failed or (report.nodeid if report.failed else "")
 
+    def pytest_runtestloop(self, session: Any) -> bool:
+        self.say(f"{len(session.items)} tests are tried", ())
+        seconds = next(self.answers([None], session.items))[1]["seconds"]
+        items = sorted((i for i in session.items if seconds.get(i.nodeid, SLOWEST) < SLOWEST), key=lambda i: seconds[i.nodeid])
+        self.say(f"{len(items)} tests in {sum(seconds[i.nodeid] for i in items):.0f} s, {len(self.mutants)} mutants", ())
+        for mutant, answer in self.answers(list(self.mutants), items):
+            verdict = "killed" if answer["failed"] else "the same" if mutant.name in self.known else "SURVIVES"
+            self.ends[verdict] += 1
+            self.say(f"{verdict:9} {mutant.name}", (answer["failed"].rpartition("::")[2] or self.known.get(mutant.name, ""),))
+        return True
 
-def run(mutant: Mutant | None, order: dict[str, float] | None, answer: Path) -> None:
-    """In a process of its own: test one mutant, write down what came of it, and end."""
-    sys.meta_path.insert(0, Mutated(mutant))
-    quiet = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, 1), os.dup2(quiet, 2)
-    signal.alarm(PATIENCE if mutant else 0)
-    tests = Tests(order)
-    doctests = [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
-    files = {name: f"tests/test_{name}.py" for name in NAMES}
-    if mutant is None:
-        parts = [[*files.values(), *doctests]]
-    else:  # the nearest first
-        near = ABOUT.get(mutant.file.partition("/")[0], ("tracks", "drives"))
-        parts = [[f"src/stickslip/{mutant.file}"], [files[name] for name in near], [files[name] for name in NAMES if name not in near]]
-    try:
-        importlib.import_module(Mutated(mutant).module or "stickslip")  # before pytest, which imports files by their paths
-        for part in parts:
-            code = int(pytest.main([*part, "-q", "-p", "no:cacheprovider", "--tb=no", *(["-x"] if mutant else [])], plugins=[tests]))
-            if code not in (0, NO_TESTS):
+    def answers(self, mutants: list[Mutant | None], items: list[Any]) -> Iterator[tuple[Any, dict[str, Any]]]:
+        """What came of each mutant, several at a time; None is the unchanged code."""
+        left, running = list(enumerate(mutants)), {}
+        while left or running:
+            if left and len(running) < self.workers:
+                number, mutant = left.pop(0)
+                child = os.fork()
+                if child == 0:
+                    self.run(mutant, items, self.folder / str(number))
+                running[child] = number, mutant
+                continue
+            number, mutant = running.pop(os.wait()[0])
+            said = self.folder / str(number)
+            yield mutant, json.loads(said.read_text()) if said.exists() else {"failed": f"no answer within {PATIENCE} s"}
+            said.unlink(missing_ok=True)
+
+    def run(self, mutant: Mutant | None, items: list[Any], answer: Path) -> None:
+        """In a process of its own: run the tests up to the first that fails, write down what came of it, and end."""
+        if mutant is not None:
+            signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+            change(mutant)
+            near = tuple(f"tests/test_{name}.py" for name in NEAR.get(mutant.file.partition("/")[0], ("tracks", "drives")))
+            items = sorted(items, key=lambda i: 0 if i.nodeid.startswith(f"src/stickslip/{mutant.file}") else 2 - i.nodeid.startswith(near))
+        for item, after in pairwise([*items, None]):
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=after)
+            if mutant is not None and self.failed:
                 break
-    except BaseException as error:
-        code, tests.failed = 1, repr(error)
-    answer.write_text(json.dumps([code, tests.failed, tests.passed]))
-    os._exit(0)
+        answer.write_text(json.dumps({"failed": self.failed if mutant is not None else "", "seconds": self.seconds}))
+        os._exit(0)
 
-
-def tested(mutants: list[Mutant | None], order: dict[str, float] | None, workers: int) -> Iterator[tuple[Any, int, str, dict[str, float]]]:
-    """Each mutant with the exit code of its tests, the test that failed, and the seconds of those that passed."""
-    folder, open_ones, left = Path(tempfile.mkdtemp()), {}, list(enumerate(mutants))
-    while left or open_ones:
-        if left and len(open_ones) < workers:
-            number, mutant = left.pop(0)
-            child = os.fork()
-            if child == 0:
-                run(mutant, order, folder / str(number))
-            open_ones[child] = number, mutant
-            continue
-        child, _ = os.wait()
-        number, mutant = open_ones.pop(child)
-        said = folder / str(number)
-        yield (mutant, *(json.loads(said.read_text()) if said.exists() else (ENDLESS, "", {})))
+    def say(self, text: str, more: tuple[str, ...]) -> None:
+        print(text, *more, file=sys.__stderr__, flush=True)
 
 
 def main() -> int:
@@ -126,36 +138,15 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", default="", help="mutants whose name contains this")
     given = parser.parse_args()
-    os.chdir(ROOT), sys.path.insert(0, str(ROOT / "src"))
-    os.environ["STICKSLIP_CACHE_DIR"] = tempfile.mkdtemp()  # nothing is compiled, and an empty cache is looked through at once
-    for name in PRELOADED:
-        importlib.import_module(name)
-    ((_, _, failed, passed),) = tested([None], None, 1)
-    if not passed:
-        sys.exit(f"no test runs without a compiler: {failed}")
-    order = {name: seconds for name, seconds in passed.items() if seconds < SLOWEST}
+    os.chdir(ROOT), sys.path.insert(0, str(ROOT / "src")), sys.meta_path.insert(0, NoCompiler())
+    os.environ["STICKSLIP_CACHE_DIR"] = tempfile.mkdtemp()
     known = json.loads((ROOT / "verification" / "mutants.json").read_text(encoding="utf-8"))
-    there = every()
-    chosen = [m for m in there if given.only in m.name][: given.count]
-    print(f"{len(order)} tests in {sum(order.values()):.0f} s; {len(chosen)} of {len(there)} mutants", flush=True)
-    began, ends = time.perf_counter(), Counter[str]()
-    for mutant, code, failed, _ in tested(list(chosen), order, given.workers):
-        verdict = (
-            "no answer"
-            if code == ENDLESS
-            else "killed"
-            if code not in (0, NO_TESTS)
-            else "the same"
-            if mutant.name in known
-            else "SURVIVES"
-        )
-        ends[verdict] += 1
-        print(
-            f"{verdict:9} {mutant.name}  {failed.rpartition('::')[2] if code not in (0, NO_TESTS) else known.get(mutant.name, '')}",
-            flush=True,
-        )
-    print(f"{'; '.join(f'{n} {verdict}' for verdict, n in ends.items())}, in {time.perf_counter() - began:.0f} s")
-    return 1 if ends["SURVIVES"] else 0
+    mutants = Mutants([m for m in every() if given.only in m.name][: given.count], known, given.workers)
+    files = [f"tests/test_{name}.py" for name in TESTS] + [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
+    began = time.perf_counter()
+    pytest.main([*files, "-q", "-p", "no:cacheprovider", "--tb=no", "--capture=no"], plugins=[mutants])
+    print(f"{'; '.join(f'{n} {verdict}' for verdict, n in mutants.ends.items())}, in {time.perf_counter() - began:.0f} s")
+    return 0 if mutants.ends and not mutants.ends["SURVIVES"] else 1
 
 
 if __name__ == "__main__":
