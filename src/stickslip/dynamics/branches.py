@@ -201,7 +201,7 @@ def continuation(
 def _check(start: Any, stop: Any, step: Any, points: Any) -> None:
     problems = Problems("continuation")
     for name, value in (("start", start), ("stop", stop), ("step", step)):
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not abs(value) < 1e100:
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)) or not abs(float(value)) < 1e100:
             problems.add(f"{name} = {value!r}; allowed is a finite number, below 1e100 in size")
     problems.check()
     if start == stop:
