@@ -60,6 +60,14 @@ def test_the_typical_deflection_of_bristles_is_the_mean_force_over_the_stiffness
     assert law.scale(LOAD) == pytest.approx([0.5 * (law.mu_plus + law.mu_minus) * LOAD / law.sigma0] * law.bristles, rel=1e-12)
 
 
+def test_bristles_draw_by_splitmix64():
+    """The published generator's first numbers from seed 0, as its reference implementation gives them."""
+    from stickslip.friction.bristle import _mix
+
+    golden = 0x9E3779B97F4A7C15
+    assert [_mix(golden * k & (1 << 64) - 1) for k in (1, 2, 3)] == [0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F]
+
+
 # drives -----------------------------------------------------------------------------------------------------------
 
 

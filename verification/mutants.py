@@ -12,6 +12,7 @@ in mutants.json, each with the reason. Exit code 1 if any other survives.
 from __future__ import annotations
 
 import argparse
+import functools
 import importlib
 import importlib.abc
 import inspect
@@ -35,7 +36,8 @@ from mutating import FORMULAS, ROOT, SOURCE, Mutant, every, mutated
 
 TESTS = ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
 NEAR = {"friction": ("formulas", "laws"), "drives": ("formulas", "drives", "cantilever", "piezo_beam"), "mechanisms": ("mechanisms",)}
-SLOWEST, PATIENCE = 1.0, 300  # seconds of a test, and of processor time of a mutant: one that runs without end counts as killed
+say = functools.partial(print, file=sys.__stderr__, flush=True)  # standard output is the tests'
+SLOWEST, PATIENCE = 1.0, 300  # seconds of processor time of a test and of a mutant; one that runs without end counts as killed
 
 
 class NoCompiler(importlib.abc.MetaPathFinder):
@@ -82,20 +84,22 @@ class Mutants:
         self.failed, self.seconds, self.ends = "", dict[str, float](), Counter[str]()
         self.folder = Path(tempfile.mkdtemp())
 
+    def pytest_runtest_setup(self, item: Any) -> None:
+        self.began = time.process_time()
+
     def pytest_runtest_logreport(self, report: Any) -> None:
         if report.when == "call" and report.passed:
-            self.seconds[report.nodeid] = report.duration
+            self.seconds[report.nodeid] = time.process_time() - self.began
         self.failed = self.failed or (report.nodeid if report.failed else "")
 
     def pytest_runtestloop(self, session: Any) -> bool:
-        self.say(f"{len(session.items)} tests are tried", ())
         seconds = next(self.answers([None], session.items))[1]["seconds"]
         items = sorted((i for i in session.items if seconds.get(i.nodeid, SLOWEST) < SLOWEST), key=lambda i: seconds[i.nodeid])
-        self.say(f"{len(items)} tests in {sum(seconds[i.nodeid] for i in items):.0f} s, {len(self.mutants)} mutants", ())
+        say(f"{len(items)} tests in {sum(seconds[i.nodeid] for i in items):.0f} s, {len(self.mutants)} mutants")
         for mutant, answer in self.answers(list(self.mutants), items):
             verdict = "killed" if answer["failed"] else "the same" if mutant.name in self.known else "SURVIVES"
             self.ends[verdict] += 1
-            self.say(f"{verdict:9} {mutant.name}", (answer["failed"].rpartition("::")[2] or self.known.get(mutant.name, ""),))
+            say(f"{verdict:9} {mutant.name}  {answer['failed'].rpartition('::')[2] or self.known.get(mutant.name, '')}")
         return True
 
     def answers(self, mutants: list[Mutant | None], items: list[Any]) -> Iterator[tuple[Any, dict[str, Any]]]:
@@ -128,9 +132,6 @@ class Mutants:
         answer.write_text(json.dumps({"failed": self.failed if mutant is not None else "", "seconds": self.seconds}))
         os._exit(0)
 
-    def say(self, text: str, more: tuple[str, ...]) -> None:
-        print(text, *more, file=sys.__stderr__, flush=True)
-
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -145,7 +146,7 @@ def main() -> int:
     files = [f"tests/test_{name}.py" for name in TESTS] + [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
     began = time.perf_counter()
     pytest.main([*files, "-q", "-p", "no:cacheprovider", "--tb=no", "--capture=no"], plugins=[mutants])
-    print(f"{'; '.join(f'{n} {verdict}' for verdict, n in mutants.ends.items())}, in {time.perf_counter() - began:.0f} s")
+    say(f"{'; '.join(f'{n} {verdict}' for verdict, n in mutants.ends.items())}, in {time.perf_counter() - began:.0f} s")
     return 0 if mutants.ends and not mutants.ends["SURVIVES"] else 1
 
 

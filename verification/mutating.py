@@ -22,7 +22,7 @@ WORDS = (
     "take_damping",
     "together",
     "__repr__",
-    "_example",
+    "example",
 )  # functions of sentences and checks
 OTHER = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult, ast.USub: ast.UAdd, ast.And: ast.Or}
 OTHER |= {ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.LtE: ast.Gt, ast.GtE: ast.Lt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq, ast.Or: ast.And}
@@ -40,6 +40,8 @@ class Mutant:
 
 def changes(node: Any) -> Iterator[tuple[str, Any]]:
     """What may be changed about a node of the syntax: a field, and its new value."""
+    if any(isinstance(getattr(side, "value", None), str) for side in (getattr(node, "left", None), getattr(node, "right", None))):
+        return  # words that are put together are no formula
     if isinstance(node, (ast.BinOp, ast.UnaryOp, ast.BoolOp)) and type(node.op) in OTHER:
         yield "op", OTHER[type(node.op)]()
     elif isinstance(node, ast.Compare) and type(node.ops[0]) in OTHER:
