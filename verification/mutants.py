@@ -67,13 +67,15 @@ def codes(code: CodeType) -> Iterator[CodeType]:
             yield from codes(inside)
 
 
-def change(mutant: Mutant) -> None:
-    """Give the functions of the mutant's file their changed code."""
+def change(mutant: Mutant) -> bool:
+    """Give the functions of the mutant's file their changed code; whether there is one that changes."""
     name = "stickslip." + mutant.file[:-3].replace("/", ".").removesuffix(".__init__")
-    tree = mutated(mutant.file, mutant.change)[0]
+    tree, changed = mutated(mutant.file, mutant.change)[0], False
     new = {(c.co_qualname, c.co_firstlineno): c for c in codes(compile(tree, str(SOURCE / mutant.file), "exec"))}
     for function in functions(importlib.import_module(name), name):
-        function.__code__ = new.get((function.__code__.co_qualname, function.__code__.co_firstlineno), function.__code__)
+        code = new.get((function.__code__.co_qualname, function.__code__.co_firstlineno), function.__code__)
+        function.__code__, changed = code, changed or code != function.__code__
+    return changed
 
 
 class Mutants:
@@ -122,7 +124,7 @@ class Mutants:
         """In a process of its own: run the tests up to the first that fails, write down what came of it, and end."""
         if mutant is not None:
             signal.setitimer(signal.ITIMER_PROF, PATIENCE)
-            change(mutant)
+            items = items if change(mutant) else []  # what reaches no test survives
             near = tuple(f"tests/test_{name}.py" for name in NEAR.get(mutant.file.partition("/")[0], ("tracks", "drives")))
             items = sorted(items, key=lambda i: 0 if i.nodeid.startswith(f"src/stickslip/{mutant.file}") else 2 - i.nodeid.startswith(near))
         for item, after in pairwise([*items, None]):
