@@ -254,7 +254,7 @@ def main() -> int:
     print(
         "  #  kind                                                              worst  judged  |  all  |  1e-6 against 1e-10: 50, 99, 100 %"
     )
-    with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn"), max_tasks_per_child=8) as pool:
+    with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn")) as pool:
         for future in as_completed([pool.submit(examined, task) for task in tasks]):
             rows.append(future.result())
             print(_row(rows[-1]), flush=True)
