@@ -7,6 +7,7 @@ import math
 import re
 import resource
 import signal
+import sys
 import warnings
 from collections import Counter
 from pathlib import Path
@@ -34,6 +35,11 @@ def guarded(seconds=PATIENCE):
     def stop(*_):
         raise TooLong
 
+    def unraisable(info):  # where the limit strikes in a finalizer
+        if not issubclass(info.exc_type, TooLong):
+            told(info)
+
+    told, sys.unraisablehook = sys.unraisablehook, unraisable
     before = signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, seconds, 0.5)  # again, where a finalizer swallowed the first
     try:
@@ -43,6 +49,7 @@ def guarded(seconds=PATIENCE):
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+        sys.unraisablehook = told
 
 
 def warm():

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import inspect
 
 __all__ = [
+    "LARGEST",
     "Frozen",
     "arguments_of",
     "at_least",
@@ -38,6 +39,8 @@ __all__ = [
     "same",
 ]
 
+#: No number of a record is larger: its square is a number too.
+LARGEST = 1e150
 Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
 
@@ -202,7 +205,7 @@ def checked_number(name: str, value: Any, problems: Problems, rule: Rule | None,
         return value
 
     def allows(x: Any) -> Any:
-        return (abs(x) < float("inf")) & (rule is None or rule(x))
+        return (abs(x) < LARGEST) & (rule is None or rule(x))
 
     if is_array(value) and value.size == 0:
         problems.add(f"{name} is {describe(value)}; allowed is {allowed}, or an array with at least one value")

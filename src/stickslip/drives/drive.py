@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Frozen, describe, everywhere, is_array, number
+from stickslip.fields import LARGEST, Frozen, describe, everywhere, is_array, number
 from stickslip.maths import maximum, pi
 
 __all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown", "typical_velocity"]
@@ -113,7 +113,7 @@ def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, 
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is {allowed}")
             continue
-        if not everywhere((x > 0) & (x < float("inf"))):
+        if not everywhere((x > 0) & (x < LARGEST)):
             problems.add(f"{name} = {describe(x)}; allowed is {allowed}")
         else:
             taken[name] = x

@@ -26,6 +26,7 @@ from stickslip.arguments import explains_arguments
 from stickslip.dynamics.switched_arcs import arc, guards_of
 from stickslip.dynamics.written import answer, derivative
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.fields import number
 from stickslip.sealing import sealed
 
 __all__ = ["Passage", "Switch", "SwitchingFlow", "derivative", "passage", "started"]
@@ -284,8 +285,8 @@ def started(flow: Any, state: Any, mode: Any, duration: Any, begin: Any, rtol: A
         told = f"{flow!r} is no flow; allowed is a SwitchingFlow"
         raise InputError(what, [f"{told}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
     try:
-        y = np.atleast_1d(np.array(state, float))
-    except (TypeError, ValueError):
+        y = np.atleast_1d(np.array(number(state), float))
+    except ValueError:
         y = np.array([np.nan])
     if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
         problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")

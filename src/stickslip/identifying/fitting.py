@@ -103,7 +103,7 @@ def identify(
     (True, True)
     """
     records = as_list(records)
-    _check(records, using, noise, starts)
+    _check(records, using, noise, starts, seed)
     problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed)
     notes = _notes(records, problem)
     rough = problem.rough()
@@ -132,7 +132,7 @@ def problem_of(
     return SteadyProblem(of, targets, rtol)
 
 
-def _check(records: list[Any], using: str, noise: float | None, starts: int) -> None:
+def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:
     problems = Problems("identify")
     if not records:
         problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
@@ -146,6 +146,7 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int) -> 
     if noise is not None:
         checked_number("noise", noise, problems, between(1e-30, 1e30), "a positive standard deviation, or None", "noise=1e-4")
     problems.whole("starts", starts, 1, example=64)
+    problems.whole("seed", seed, 0, example=1)
     problems.check()
 
 

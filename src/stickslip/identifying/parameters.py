@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import parameters_of
-from stickslip.batch import stacked
+from stickslip.batch import made_model, stacked
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.sealing import sealed
@@ -111,7 +111,7 @@ class Parameters:
     def model(self, values: dict[str, Any], record: int) -> Any:
         """The model of one record; raises `InputError` where the values make none."""
         arguments = self.arguments(values, record)
-        return self.make(**arguments) if callable(self.make) else self.make.replace(arguments)
+        return made_model("identify", self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
 
     def first_models(self, places: Any) -> list[Any]:
         """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""
