@@ -116,7 +116,7 @@ def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Poin
             kept[s] = point
         return test(kept[s])
 
-    s = brentq(value, 0.0, _length(a, b), xtol=1e-15, rtol=1e-14, maxiter=60)
+    s, _ = brentq(value, 0.0, _length(a, b), xtol=1e-15, rtol=1e-14, maxiter=100, full_output=True, disp=False)
     return kept.get(s) or min(kept.values(), key=lambda p: abs(test(p)))
 
 
