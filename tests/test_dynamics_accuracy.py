@@ -116,3 +116,12 @@ def test_the_table_of_a_branch_and_the_command_line_carry_it_too(capsys):
     line = next(line for line in capsys.readouterr().out.splitlines() if "type-border" in line)
     value = float(line.split("amplitude = ")[1].split()[0])
     assert value == pytest.approx(b.special[0].value, abs=1e-12)
+
+
+@pytest.mark.parametrize("start", [0.35, 1.1])
+def test_a_branch_that_cannot_go_on_says_so_and_does_not_run_back_along_itself(start):
+    m = belt(ss.Stribeck(1.0, 1.0, 1.5, 1.5, v_s=0.1), start, damping=0.1)
+    b = ss.continuation(m, parameter="speed", start=start, stop=1.2, step=0.02, guess={"x": 0.6, "v": start})
+    assert (np.diff(b.values) > 0).all() and "no such cycle exists beyond" in b.ended
+    (end,) = b.special
+    assert abs(end.value - 1.154205) < 1e-6

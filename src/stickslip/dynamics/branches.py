@@ -234,7 +234,7 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)
     orbits = tuple(p.orbit for p in found)
-    critical = vanishing(path, found) if ended.startswith("no step") else None
+    critical = vanishing(path, found) if ended.startswith(("no step", "it has a corner")) else None
     if critical is not None:
         name = path.family.parameters[0]
         ended = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"

@@ -24,6 +24,7 @@ __all__ = ["Path", "Point", "tangent_of"]
 
 Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
+_SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
 _SMALL, _PATIENCE = 1e-4, 40  # a step that is small, and how many such steps in a row are taken before it is no use
 
 
@@ -160,11 +161,19 @@ def tangent_of(J: Array, towards: Array) -> Array:
     return direction * (1.0 if direction @ towards >= 0 else -1.0)
 
 
+def _apart(u: Array, corners: Array) -> float:
+    """How far a point is from the line through these corners."""
+    sides = np.diff(corners, axis=0)
+    along = np.clip(np.sum((u - corners[:-1]) * sides, axis=1) / np.sum(sides**2, axis=1), 0.0, 1.0)
+    return float(np.linalg.norm(u - corners[:-1] - along[:, None] * sides, axis=1).min())
+
+
 def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[float], bool]) -> Iterator[Point | str]:
     """The points after the first; at the end a sentence that says why it ended."""
     from stickslip.errors import InputError
 
     here, largest, name, small = first, 4 * step, path.family.parameters[0], 0
+    passed = [first.u]
     for _ in range(most):
         while True:
             try:
@@ -190,6 +199,9 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
             yield point
             yield "it reached the end of the range"
             return
+        if len(passed) > 1 and _apart(point.u, np.array(passed)) < _SAME * np.linalg.norm(point.u - here.u):
+            yield f"it has a corner at {name} = {here.value:.9g}, and how it goes on there was not found; follow it from the other side"
+            return
         yield point
         small = small + 1 if step < _SMALL else 0
         if small > _PATIENCE:
@@ -201,4 +213,5 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
             return
         step = min(largest, step * (1.5 if found.iterations <= 3 else 1.0 if found.iterations <= 6 else 0.6))
         here = point
+        passed = [*passed[1 - _LOOKED_BACK :], here.u]
     yield f"it was followed for {most} points"
