@@ -46,6 +46,7 @@ EXACT, STEPS, CORNERS = 1e-9, 1e-6, 1e-7
 #: How far a mean that is said to be steady may move on, relative to it or to a twentieth of the velocity of a free body: ten times what is
 #: promised of exact runs; of steps at rtol 1e-6 what these are good for.
 DRIFT = {False: 1e-5, True: 1e-3}
+ROUNDING = 1e-12  # of the drive's velocity: a body that is as good as at rest has a mean and extremes of 1e-17 m/s
 PATIENCE = 30.0  # seconds of processor time for one case of the judge
 SLOW_CASES = 24  # cases of a kind that cannot be compiled
 
@@ -125,7 +126,7 @@ def _drifts(run: Any, model: Any) -> list[float]:
 def _broken(run: Any, model: Any) -> int:
     """Cases that say that they have finished, and whose numbers cannot be."""
     good = run.status <= 1
-    slack = 1e-9 * (abs(run.velocity_max) + abs(run.velocity_min))
+    slack = 1e-9 * (abs(run.velocity_max) + abs(run.velocity_min)) + ROUNDING * model.velocity_scale
     inside = (run.mean_velocity >= run.velocity_min - slack) & (run.mean_velocity <= run.velocity_max + slack)
     within = inside | (run.period == 0) if model.period is not None else True
     return int(np.sum(good & ~(np.isfinite(run.mean_velocity) & np.isfinite(run.velocity_max) & within)))
