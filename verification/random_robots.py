@@ -5,7 +5,7 @@ Run: python verification/random_robots.py [--cases N] [--judged N] [--kinds N] [
 Every kind is a batch: all its cases over 30 periods, which must end with a status, and over 90, where a mean that was said to be steady
 must still be the same; laws with inner states at rtol 1e-6 and 1e-10, to see how far the tolerance holds. Some cases of each kind then
 run for six periods from rest, by our solver and by SciPy on the same law in plain Python, and the displacements are compared. Where they
-differ, SciPy is asked once more, with another tolerance or method: if it differs from itself by a third as much, the case is too sensitive
+differ, SciPy is asked once more, by another method: if it differs from itself by a third as much, the case is too sensitive
 to tell and counts as open. What is left, and is not accompanied by a status, is a silent disagreement: it is printed with the numbers of
 the model (`drawn_models.case_of` makes it again), and the exit code is 1.
 
@@ -158,7 +158,7 @@ def _judged(case: Any, unit: float, ours: tuple[int, float], tolerance: float, p
     """A verdict, the error, and how it came about."""
     status, moved = ours
     periods = 2 if plain else JUDGED_PERIODS
-    first, second = (("lsoda", 1e-9), ("radau", 1e-9)) if plain else (("dop853", 1e-11), ("dop853", 1e-12))
+    first, second = (("lsoda", 1e-9), ("radau", 1e-9)) if plain else (("dop853", 1e-11), ("radau", 1e-11))
     try:
         theirs = _asked(case, unit, periods, *first)
         if (status == LOST) == (theirs[0] == LOST) and status <= 1 and abs(moved - theirs[1]) <= tolerance:
