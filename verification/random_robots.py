@@ -89,10 +89,14 @@ def _span(model: Any, periods: int) -> dict[str, Any]:
     return {"periods": periods} if model.period is not None else {"duration": periods * TURN}
 
 
+def _free_velocity(model: Any) -> Any:
+    """What the body would do without friction, or a velocity of the mechanism [m/s]."""
+    return getattr(model, "free_velocity", model.velocity_scale)
+
+
 def _unit(model: Any) -> Any:
     """What the body would move in 1/omega if it were free [m]."""
-    velocity = model.free_velocity if hasattr(model, "free_velocity") else model.velocity_scale
-    return velocity * ((1.0 if model.period is None else model.period) / TURN)
+    return _free_velocity(model) * ((1.0 if model.period is None else model.period) / TURN)
 
 
 # all of them -------------------------------------------------------------------------------------------------------
@@ -118,7 +122,7 @@ def _drifts(run: Any, model: Any) -> list[float]:
     """How far means that are said to be steady are from those of a run three times as long, where that is more than a little."""
     later = ss.solve(model, periods=3 * PERIODS, settle=3 * PERIODS - (PERIODS - SETTLE))
     steady = (run.steadiness == 0) & (later.steadiness == 0)
-    allowed = DRIFT[is_dynamic(model.friction)] * np.maximum(abs(later.mean_velocity), 0.05 * model.free_velocity)
+    allowed = DRIFT[is_dynamic(model.friction)] * np.maximum(abs(later.mean_velocity), 0.05 * _free_velocity(model))
     part = np.abs(run.mean_velocity - later.mean_velocity) / allowed
     return [float(p) for p in part[steady & (part > 1.0)]]
 
