@@ -40,7 +40,7 @@ from drawn_models import Kind, kinds, model_of
 PERIODS, SETTLE, JUDGED_PERIODS = 30, 20, 6
 TURN = 2 * np.pi  # [s], about one period of the mechanisms that have none
 LOST = 6  # status: the contact was lost
-#: Largest difference of displacements, in what the body would move in 1/omega if it were free. Steps of a dynamic law are held to
+#: Largest difference of displacements, in what the body would move in 1/omega if it were free, or relative where it moves further. Steps of a dynamic law are held to
 #: 1e-10 each; a table has corners, which SciPy steps over: between its tolerances 1e-11 and 1e-12 it differs from itself by 1e-8.
 EXACT, STEPS, CORNERS = 1e-9, 1e-6, 1e-7
 #: How far a mean that is said to be steady may move on, relative to it or to a twentieth of the velocity of a free body: ten times what is
@@ -161,6 +161,7 @@ def _against_the_judge(model: Any, count: int, tolerance: float, plain: bool) ->
 def _judged(case: Any, unit: float, ours: tuple[int, float], tolerance: float, plain: bool) -> tuple[str, float, str]:
     """A verdict, the error, and how it came about."""
     status, moved = ours
+    tolerance *= max(1.0, abs(moved))
     periods = 2 if plain else JUDGED_PERIODS
     first, second = (("lsoda", 1e-9), ("radau", 1e-9)) if plain else (("dop853", 1e-11), ("radau", 1e-11))
     try:

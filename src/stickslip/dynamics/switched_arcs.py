@@ -101,6 +101,8 @@ def arc(flow: Any, mode: Any, t: float, y: Array, end: float, rtol: float) -> Ar
             found = _first(watched, solver, n)
             stop = solver.t if found is None else found[1]
             low, high = extremes(solver.dense_output()(points(solver.t_old, stop))[:n], low, high)
+            if found is not None and stop - t <= _ROUNDING * (end - t):  # at once: where rounding puts it decides nothing
+                return Arc(t, y, M, found[0], y, y)
             if found is not None:
                 at, u = _onto(watched[found[0]], rates, *_again(rates, solver.t_old, before, stop, rtol, scale), n)
                 return Arc(at, u[:n], u[n:].reshape(n, n), found[0], np.minimum(low, u[:n]), np.maximum(high, u[:n]))
