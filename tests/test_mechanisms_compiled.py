@@ -101,3 +101,14 @@ def test_three_phase_drives_move_as_on_paper(numbers):
     assert found == pytest.approx(float(three_phase(drive, 0.1315, 0.15, 0.25)), rel=1e-12)
     if numbers[1] == 60.0:
         assert found == pytest.approx(0.015990705704, abs=5e-13)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-6])
+def test_a_mass_that_friction_holds_to_rounding_goes_on(damping):
+    """Its position is 1e-30 m for a while, which a tolerance relative to it cannot resolve; at rest until k u t reaches static friction."""
+    law = ss.Karnopp(mu_plus=4.4e-4, mu_minus=4.4e-4, f_plus=6.9e-4, f_minus=6.9e-4, width=5.9e-4)
+    bench = ss.PulledMass(mass=1.72, stiffness=0.788, speed=0.0402, friction=law, load=3.4, damping=damping)
+    at = law.f_plus * bench.load / (bench.stiffness * bench.speed)
+    assert abs(ss.solve(bench, duration=0.99 * at).x[-1]) < 1e-15
+    run, judge = ss.solve(bench, duration=10.0, rtol=1e-9), ss.solve(bench, duration=10.0, method="radau", rtol=1e-10)
+    assert run.x[-1] == pytest.approx(judge.x[-1], rel=1e-5)

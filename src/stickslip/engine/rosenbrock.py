@@ -236,6 +236,8 @@ class _StepWriter(EventWriter):
                 floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i - 1], self.start)}"
             else:
                 floor = f"{literal(k.inner_floor)} * _m{i}"
+            if i == self.n - 1 and not self.eq.cyclic:  # a position need not be known better than the velocity makes it
+                floor = f"fma({literal(k.velocity_floor)} * {self.scale_v}, _hh, {floor})"
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
             w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
             w.line(f"_l{i}", f"(as_bits(_e{i}) - as_bits(_s{i})) * {LOG_OF_BITS}")
