@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.benching.probe import Probe
 from stickslip.fields import leaves
-from stickslip.friction.probe import Probe
+from stickslip.friction.adapter import adapted, mirrored
 from stickslip.maths import where
 from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken
@@ -118,6 +119,86 @@ def test_a_law_that_is_wrong_in_many_ways_is_told_all_of_them():
         check_law(Wrong(stiffness=1e4))
     told = {problem.split(":")[0] for problem in raised.value.problems}
     assert told == {"rest at v = 0", "mirror symmetry", "change of units"}
+
+
+@dataclass(frozen=True)
+class Leaning:
+    """Dry friction that leans to one side, which is the other side for who looks from there: its mirror image is its own affair.
+
+    Parameters
+    ----------
+    mu : float
+        Friction coefficient [-].
+    lean : float
+        Force on the body for each newton of load [-].
+    """
+
+    mu: float
+    lean: float
+
+    def sliding(self, v, load):
+        return (where(v > 0, self.mu, -self.mu) + self.lean) * load
+
+    def breakaway(self, load):
+        return (self.lean - self.mu) * load, (self.lean + self.mu) * load
+
+    def mirrored(self):
+        return Leaning(self.mu, -self.lean)
+
+
+def test_there_is_one_mirror_image_of_a_law():
+    law = Leaning(mu=0.2, lean=0.05)
+    assert check_law(law)["mirror symmetry"].value == 0.0
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law)
+    assert ss.mirrored(robot).friction == Leaning(0.2, -0.05)
+    both = ss.Sum(law, ss.Viscous(0.1, 0.3))
+    assert mirrored(both) == ss.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
+    assert mirrored(mirrored(both)) == both
+
+
+@every_law
+def test_a_law_is_asked_in_one_way_whatever_its_sort(law):
+    """The adapter's states are a tuple; what it gives is what the law gives when it is called by hand."""
+    known = adapted(law)
+    z = tuple(0.3 * size for size in known.scale(0.7) or ()) if known.states else ()
+    mode, v = (0,) * known.modes, 2e-3
+    force, rates = known.response(v, z, 0.7, mode, applied=0.05)
+    assert len(rates) == len(z) == len(known.start(0.7)) == known.states
+    if not known.dynamic:
+        assert force == law.sliding(v, 0.7) and known.limits(0.7) == tuple(law.breakaway(0.7))
+        return
+    own = z[0] if len(z) == 1 else z
+    rate = law.rate(v, own, 0.7, *([mode] if known.switching else []))
+    more = [*([mode] if known.switching else []), *([0.05] if known.needs_applied else [])]
+    assert rates == (rate if isinstance(rate, tuple) else (rate,))
+    assert force == law.force(v, own, rate, 0.7, *more)
+
+
+def test_memories_that_nothing_switches_are_refused():
+    @dataclass(frozen=True)
+    class Forgotten(ss.Dahl):
+        modes = 2
+
+    with pytest.raises(ss.InputError, match="modes = 2 and no switches"):
+        ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=Forgotten(0.2, 0.2, 1e4))
+
+
+def test_a_wrong_number_of_inner_states_is_told_by_every_method():
+    @dataclass(frozen=True)
+    class Doubled:
+        k: float
+        states = 2
+
+        def rate(self, v, z, load):
+            return v
+
+        def force(self, v, z, zdot, load):
+            return self.k * z[0]
+
+    pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=Doubled(1e2))
+    for method in ("auto", "dop853"):
+        with pytest.raises(ss.InputError, match="rate gives 1 values; the law has 2 inner states"):
+            ss.solve(pulled, duration=0.1, method=method)
 
 
 def test_a_motor_is_no_friction():

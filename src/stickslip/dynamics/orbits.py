@@ -26,7 +26,7 @@ from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 
@@ -81,7 +81,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        return multipliers_of(self.monodromy, not is_dynamic(self.model.friction) and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
+        return multipliers_of(self.monodromy, not law_of(self.model).dynamic and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
 
     @cached_property
     def differences(self) -> Array:

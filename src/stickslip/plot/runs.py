@@ -11,7 +11,8 @@ from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.forces import normal_load
+from stickslip.friction.adapter import law_of
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 
@@ -73,7 +74,7 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
 
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
     """Where the contact sticks: exactly under a set-valued law, by the rule of `motion` under a dynamic one that is driven."""
-    if not is_dynamic(run.model.friction):
+    if not law_of(run.model).dynamic:
         t, mode = run.pieces.t, np.asarray(run.pieces.mode)
         found = [(t[i], t[i + 1]) for i in np.flatnonzero(mode == 0)]
     elif run.model.period is None:
@@ -314,10 +315,6 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
 
 def limits(run: Any, t: Any) -> tuple[Any, ...]:
     """Break-away forces at instants: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
-    law, load = run.model.friction, normal_load(run.model, t, 0.0) + 0.0 * t
-    if not is_dynamic(law):
-        return tuple(limit + 0.0 * t for limit in law.breakaway(load))
-    if not hasattr(law, "f_plus"):
-        return ()
-    plus, minus = (law.f_plus if law.f_plus is not None else law.mu_plus), (law.f_minus if law.f_minus is not None else law.mu_minus)
-    return -minus * load, plus * load
+    law, load = law_of(run.model), normal_load(run.model, t, 0.0) + 0.0 * t
+    limits = law.limits(load) if not law.dynamic or hasattr(law.law, "f_plus") else None
+    return () if limits is None else tuple(limit + 0.0 * t for limit in limits)

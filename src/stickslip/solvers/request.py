@@ -14,7 +14,7 @@ from stickslip.batch import Labels, labels_of, spread
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
-from stickslip.forces import memories_of, states_of
+from stickslip.friction.adapter import law_of
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
@@ -176,7 +176,7 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
 
 def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
     """Start values as a table (cases, 2 + inner states + memories)."""
-    inner, memories = states_of(model.friction), memories_of(model.friction)
+    inner, memories = law_of(model).states, law_of(model).modes
     cases = int(np.prod(labels.shape, dtype=np.int64))
     table = np.zeros((cases, 2 + inner + memories))
     if start is None:

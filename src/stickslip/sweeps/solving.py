@@ -12,6 +12,7 @@ from stickslip.batch import numbers_by_name, shape_of, some_of
 from stickslip.engine.closed import steady_force
 from stickslip.errors import InputError, StickslipError
 from stickslip.fields import leaves, replace_leaf
+from stickslip.friction.adapter import law_of
 from stickslip.solvers import orbits
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
@@ -178,7 +179,7 @@ def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dic
 def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> Array:
     """Mean power that Coulomb friction takes [W]: constant forces along both ways."""
     shape = np.shape(columns["mean_velocity"])
-    load, law = robot.load(0.0, 0.0), robot.friction
+    load, law = robot.load(0.0, 0.0), law_of(robot)
     ahead, back = (np.reshape(more[name], shape) for name in ("forward_way", "backward_way"))
     return (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / (robot.period * np.maximum(columns["period"], 1))
 
