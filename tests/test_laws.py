@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.benching.contact import Contact
 from stickslip.benching.probe import Probe
+from stickslip.dynamics.attractors import on_grid
+from stickslip.dynamics.mapping import at_rest
+from stickslip.dynamics.orbits import states_of
 from stickslip.fields import leaves
+from stickslip.forces import inner_start
 from stickslip.friction.adapter import adapted, mirrored
+from stickslip.identifying.driven import Motion, driven_force
 from stickslip.maths import where
 from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken
@@ -172,6 +178,68 @@ def test_a_law_is_asked_in_one_way_whatever_its_sort(law):
     more = [*([mode] if known.switching else []), *([0.05] if known.needs_applied else [])]
     assert rates == (rate if isinstance(rate, tuple) else (rate,))
     assert force == law.force(v, own, rate, 0.7, *more)
+
+
+BENT = 0.4  # of what it is in steady sliding
+
+
+@dataclass(frozen=True)
+class LuGre(ss.LuGre):
+    """The bristle model whose bristles are bent before anything moves; of the same name, so that its kernels are LuGre's."""
+
+    def start(self, load):
+        return BENT * self.mu_plus * load / self.sigma0
+
+
+BENT_LAW = LuGre(0.15, 0.21, 0.18, 0.24, sigma0=2e4, sigma1=20.0, sigma2=0.4, v_s=2e-3)
+BENT_ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=BENT_LAW)
+
+
+@pytest.mark.parametrize("method", ["auto", "radau"])
+def test_a_run_from_rest_begins_where_the_law_says(method):
+    begun = BENT_LAW.start(BENT_ROBOT.load(0.0, 0.0))
+    free = ss.solve(BENT_ROBOT, periods=2, method=method, rtol=1e-8)
+    assert free.z[0] == begun > 0
+    given = ss.solve(BENT_ROBOT, periods=2, method=method, rtol=1e-8, start={"z": begun})
+    assert np.array_equal(free.v, given.v)
+    assert ss.solve(BENT_ROBOT, periods=2, method=method, start={"z": 0.0}).z[0] == 0.0
+    assert ss.solve(BENT_ROBOT, periods=2, method=method, start={"v": 0.01}).z[0] == begun
+
+
+def test_every_case_of_a_batch_begins_where_its_own_law_says():
+    robots = BENT_ROBOT.replace({"friction.mu_plus": np.array([0.12, 0.15]), "body_mass": np.array([[0.05], [0.06], [0.07]])})
+    loads = np.broadcast_to(robots.load(0.0, 0.0), (3, 2)).ravel()
+    wanted = BENT * np.tile([0.12, 0.15], 3) * loads / BENT_LAW.sigma0
+    np.testing.assert_allclose(inner_start(robots)[:, 0], wanted, rtol=1e-15)
+    np.testing.assert_array_equal(at_rest(robots)[:, 1], inner_start(robots)[:, 0])
+    assert not at_rest(robots)[:, 0].any()
+
+
+def test_dynamics_bench_and_sums_begin_where_the_law_says():
+    begun = BENT_LAW.start(BENT_ROBOT.load(0.0, 0.0))
+    assert states_of(None, BENT_ROBOT).tolist() == [[0.0, begun]]
+    assert states_of({"v": 0.01}, BENT_ROBOT).tolist() == [[0.01, begun]]
+    assert states_of({"z": 0.0}, BENT_ROBOT).tolist() == [[0.0, 0.0]]
+    assert on_grid({"v": np.array([0.0, 0.1])}, BENT_ROBOT).tolist() == [[0.0, begun], [0.1, begun]]
+    assert Contact(Probe(BENT_LAW, 0.7), 1e-3).z == (BENT_LAW.start(0.7),)
+    assert adapted(BENT_LAW + ss.Viscous.example()).start(0.7) == (BENT_LAW.start(0.7),)
+    assert adapted(ss.LuGre.example() + ss.Viscous.example()).start(0.7) == (0.0,)
+    at_rest_all_the_time = Motion(np.array([0.0, 1.0]), np.zeros(2), np.full(2, 0.7), np.zeros(2), 0, False, "still")
+    held = BENT_LAW.sigma0 * BENT_LAW.start(0.7)
+    assert driven_force(BENT_LAW, at_rest_all_the_time).ravel().tolist() == pytest.approx([held, held], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("begun", "told"), [(math.nan, "finite numbers"), ((0.0, 1.0), "start gives 2 values"), ("bent", "cannot be computed")]
+)
+def test_a_start_that_is_none_is_told(begun, told):
+    class Wrong(ss.LuGre):
+        def start(self, load):
+            return begun
+
+    numbers = {f.name: getattr(BENT_LAW, f.name) for f in fields(BENT_LAW)}
+    with pytest.raises(ss.InputError, match=told):
+        ss.solve(BENT_ROBOT.replace(friction=Wrong(**numbers)), periods=2)
 
 
 def test_memories_that_nothing_switches_are_refused():

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import Problems
-from stickslip.fields import is_array, leaves
+from stickslip.batch import labels_of, numbers_by_name
+from stickslip.errors import InputError, Problems
+from stickslip.fields import is_array, leaves, replace_leaf
 from stickslip.friction.adapter import TINY, adapted, is_law, law_of
 
 __all__ = [
-    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "normal_load", "offered_force", "rest_velocity",
+    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "inner_start", "normal_load", "offered_force",
+    "rest_velocity",
 ]  # fmt: skip
 
 _SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
@@ -81,6 +83,36 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
 def normal_load(model: Any, t: Any, x: Any) -> Any:
     """Normal force N on the contact [N]; a model's `load` is a number, or a function of time and place."""
     return model.load(t, x) if callable(model.load) else model.load
+
+
+def inner_start(model: Any, x: Any = 0.0) -> Any:
+    """Inner states with which a run from rest begins, where the law says them, else zeros: array (cases, states).
+
+    Parameters
+    ----------
+    x : float or array
+        Where the body is at t = 0, flat in the order of the cases [m].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> inner_start(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
+    [[0.0], [0.0]]
+    """
+    cases = math.prod(labels_of(model).shape)
+    if not law_of(model).says_start:
+        return np.zeros((cases, law_of(model).states))
+    flat = replace_leaf(model, numbers_by_name(model))
+    law = law_of(flat)
+    try:
+        start = law.start(normal_load(flat, 0.0, x))
+        found = np.array([np.broadcast_to(np.asarray(z, float), cases) for z in start]).reshape(len(start), cases).T
+    except (TypeError, ValueError, ArithmeticError) as error:
+        hint = "it gives as many numbers as the law has inner states; take functions from stickslip.maths"
+        raise InputError(law.name, [f"start(load) cannot be computed ({error}); {hint}"]) from error
+    if not np.all(np.isfinite(found)):
+        raise InputError(law.name, [f"start(load) gives {start!r}; allowed are finite numbers"])
+    return found
 
 
 def rest_velocity(model: Any) -> Any:

@@ -13,12 +13,12 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import normal_load, rest_velocity
+from stickslip.forces import inner_start, normal_load, rest_velocity
 from stickslip.friction.adapter import law_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 
-__all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
+__all__ = ["Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
 Array = Any
 
@@ -84,6 +84,21 @@ def coordinates(model: Any) -> Coordinates:
         typical = law.scale(normal_load(model, 0.0, 0.0))
         scales += [_largest(s) for s in ((speed * time,) * count if typical is None else typical)]
     return Coordinates((*shift, "v", *inner), np.array(scales + [1.0] * memories), memories)
+
+
+def at_rest(model: Any) -> Array:
+    """The strobe state in which a run from rest begins: array (cases, coordinates); all zeros but for what the law itself says.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
+    [[0.0, 0.0], [0.0, 0.0]]
+    """
+    at, z = coordinates(model), inner_start(model)
+    found = np.zeros((len(z), len(at.names)))
+    found[:, at.smooth - z.shape[1] : at.smooth] = z
+    return found
 
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:

@@ -38,8 +38,6 @@ class LawAdapter:
         Number of inner states, and of whole-number memories.
     switching : bool
         Whether it has `switches`, and so takes its modes.
-    needs_applied : bool
-        Whether its force must know the friction force that would hold the body.
 
     Examples
     --------
@@ -54,7 +52,6 @@ class LawAdapter:
     states: int
     modes: int
     switching: bool
-    needs_applied: bool
 
     def rate(self, v: Any, z: States, load: Any, mode: States = ()) -> States:
         """Rates of the inner states."""
@@ -113,8 +110,7 @@ class LawAdapter:
 
     def start(self, load: Any) -> States:
         """Inner states of a contact that nobody has moved: what the law says, else zeros."""
-        own = getattr(self.law, "start", None)
-        return self._shaped(own(load), "start") if callable(own) and self.states else (0.0,) * self.states
+        return self._shaped(self.law.start(load), "start") if self.says_start else (0.0,) * self.states
 
     def velocity_scale(self) -> Any:
         """A velocity over which friction changes [m/s]; None where the law has none."""
@@ -125,6 +121,17 @@ class LawAdapter:
         """What the law says of its own numbers."""
         own = getattr(self.law, "notes", None)
         return [] if own is None else list(own(load))
+
+    @functools.cached_property
+    def needs_applied(self) -> bool:
+        """Whether its force must know the friction force that would hold the body."""
+        kind: Any = type(self.law)
+        return self.dynamic and _takes_applied(kind)
+
+    @property
+    def says_start(self) -> bool:
+        """Whether the law says in which inner states a contact is that nobody has moved."""
+        return bool(self.states) and callable(getattr(self.law, "start", None))
 
     @property
     def holds_velocity(self) -> bool:
@@ -187,7 +194,6 @@ def adapted(law: Law) -> LawAdapter:
         states=int(getattr(law, "states", 1)) if dynamic else 0,
         modes=int(getattr(law, "modes", 0)) if switching else 0,
         switching=switching,
-        needs_applied=dynamic and _takes_applied(type(law)),
     )
 
 

@@ -14,6 +14,7 @@ from stickslip.batch import Labels, labels_of, spread
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
+from stickslip.forces import inner_start
 from stickslip.friction.adapter import law_of
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
@@ -180,6 +181,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
     cases = int(np.prod(labels.shape, dtype=np.int64))
     table = np.zeros((cases, 2 + inner + memories))
     if start is None:
+        table[:, 2 : 2 + inner] = inner_start(model)
         return table
     if not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
@@ -207,6 +209,8 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
         except (TypeError, ValueError) as error:
             allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
             problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
+    if inner and "z" not in start and not problems.found:
+        table[:, 2 : 2 + inner] = inner_start(model, table[:, 0] if cases > 1 else float(table[0, 0]))
     if not np.all(np.isfinite(table)):
         problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
     elif not problems.found:
