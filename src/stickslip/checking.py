@@ -17,6 +17,7 @@ from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
 from stickslip.solvers.arcs import handles
@@ -208,7 +209,7 @@ def check(
 def _check_arguments(robot: Any, rk4_steps: Any) -> None:
     """Refuse what no judge can be asked about, all at once."""
     problems, name = Problems("check"), type(robot).__name__
-    if not (hasattr(robot, "friction") and hasattr(robot, "acceleration")):
+    if not is_machine(robot):
         problems.add(f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
     elif shape_of(robot):
         problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")

@@ -11,6 +11,7 @@ from stickslip.batch import labels_of, numbers_by_name
 from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves, replace_leaf
 from stickslip.friction.adapter import TINY, adapted, is_law, law_of
+from stickslip.machine import machine_of
 
 __all__ = [
     "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "inner_start", "normal_load", "offered_force",
@@ -127,7 +128,7 @@ def offered_force(model: Any, t: Any, x: Any) -> Any:
 
 def impulses_until(model: Any, end: float) -> list[tuple[float, float]]:
     """The impulses of a run up to and with `end`: (time [s], jump of v [m/s]), in order; none at the very start."""
-    jumps = getattr(model, "impulses", ()) or ()
+    jumps = machine_of(model).impulses
     if not jumps:
         return []
     T = float(model.period)
@@ -157,7 +158,7 @@ def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, me
     R = friction_force(model, mode, t, x, v, z, zdot, memory) * ones
     acceleration = np.where((mode == 0) & (not law_of(model).dynamic), 0.0, model.acceleration(t, x, v, R) * ones)
     found = {"acceleration": acceleration, "friction_force": R}
-    return found | _of_the_drive(model, t, acceleration, ones) if hasattr(model, "drive") else found
+    return found | _of_the_drive(model, t, acceleration, ones) if machine_of(model).drive is not None else found
 
 
 def _of_the_drive(model: Any, t: Any, acceleration: Any, ones: Any) -> dict[str, Any]:

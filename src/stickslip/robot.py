@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.drive import typical_velocity
+from stickslip.drives.adapter import NEEDS, drive_of
 from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves, positive
@@ -16,7 +16,7 @@ from stickslip.forces import check_law
 from stickslip.friction.adapter import law_of
 from stickslip.friction.adapter import mirrored as mirrored_law
 from stickslip.tables import from_toml, record_html, to_toml
-from stickslip.tracks import Level
+from stickslip.tracks import Level, grip_of
 
 __all__ = ["Robot", "mirrored"]
 
@@ -67,7 +67,7 @@ class Robot(Frozen):
     }
 
     def _check(self, problems: Problems) -> None:
-        for name, needs in (("drive", ("position", "velocity", "acceleration", "period")), ("track", ("across", "along"))):
+        for name, needs in (("drive", NEEDS), ("track", ("across", "along"))):
             part = getattr(self, name)
             lacking = [n for n in needs if not hasattr(part, n)]
             if isinstance(part, type) or lacking:
@@ -100,7 +100,7 @@ class Robot(Frozen):
     @property
     def velocity_scale(self) -> Any:
         """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
-        return typical_velocity(self.drive)
+        return drive_of(self.drive).velocity_scale
 
     @property
     def free_velocity(self) -> Any:
@@ -110,12 +110,12 @@ class Robot(Frozen):
     @property
     def breaks(self) -> Any:
         """Instants in (0, period) at which the drive is not smooth [s]."""
-        return getattr(self.drive, "breaks", ())
+        return drive_of(self.drive).breaks
 
     @property
     def impulses(self) -> tuple[tuple[Any, Any], ...]:
         """Jumps of the body's velocity: (instant in [0, period) [s], jump [m/s])."""
-        return tuple((instant, -self.mass_ratio * jump) for instant, jump in getattr(self.drive, "jumps", ()))
+        return tuple((instant, -self.mass_ratio * jump) for instant, jump in drive_of(self.drive).jumps)
 
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
@@ -128,7 +128,7 @@ class Robot(Frozen):
         friction varies in time.
         """
         weight = self.total_mass * self.track.across(self.gravity)
-        lift, grip = getattr(self.drive, "vertical_acceleration", None), getattr(self.track, "grip", None)
+        lift, grip = drive_of(self.drive).vertical_acceleration, grip_of(self.track)
         force = weight if lift is None else weight + self.inner_mass * lift(t)
         return force if grip is None else force * grip(t, self.period)
 
@@ -143,7 +143,7 @@ class Robot(Frozen):
     @property
     def notes(self) -> list[str]:
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
-        found = [*(getattr(self.drive, "notes", None) or ()), *law_of(self).notes(self.load(0.0, 0.0))]
+        found = [*drive_of(self.drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
         return found + _unfolded(self) + _slides(self) + _lifted(self)
 
     def to_toml(self) -> str:
@@ -214,7 +214,7 @@ def _any(condition: Any) -> bool:
 
 def _lifted(robot: Robot) -> list[str]:
     """A remark if a vertical vibration takes the body off the track."""
-    if getattr(robot.drive, "vertical_acceleration", None) is None:
+    if drive_of(robot.drive).vertical_acceleration is None:
         return []
     import numpy as np
 

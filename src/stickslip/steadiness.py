@@ -10,6 +10,7 @@ import numpy as np
 from stickslip import recurrence
 from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = [
@@ -189,7 +190,7 @@ def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bo
 
 def free_velocity(model: Any) -> Any:
     """What the drive does to a body without friction [m/s]."""
-    return getattr(model, "free_velocity", model.velocity_scale)
+    return machine_of(model).free_velocity
 
 
 def window_count(done: int, settle: int, period: int) -> int:

@@ -14,6 +14,7 @@ from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
 from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, of_run
@@ -204,7 +205,7 @@ class Trajectory:
 
     def _within(self, t: Any, index: Any) -> Any:
         """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
-        if not (getattr(self.model, "breaks", ()) or self._impulses):
+        if not (machine_of(self.model).breaks or self._impulses):
             return t
         aside, nodes = 1e-12 * self.period_time, self.pieces.t
         return np.clip(t, nodes[index] + aside, np.maximum(nodes[index + 1] - aside, nodes[index] + aside))

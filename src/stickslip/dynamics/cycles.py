@@ -20,6 +20,7 @@ from stickslip.dynamics.sections import halved
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["LimitCycle", "clock", "ends_of", "limit_cycle", "misses_of", "states_on", "unknowns"]
@@ -219,7 +220,7 @@ def misses_of(model: Any, at: Coordinates, U: Array, memory: Array, rtol: float,
 
 def _far_end(model: Any) -> Any:
     """Velocity of the spring's far end [m/s]."""
-    return getattr(model, "far_end_velocity", 0.0)
+    return machine_of(model).far_end_velocity
 
 
 # ---- guesses ----
@@ -229,7 +230,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
 
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration
-    if getattr(model, "time_scale", None) is None:
+    if machine_of(model).time_scale is None:
         raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so nobody knows how long to look for a cycle"])
     run = guess
     if not hasattr(run, "pieces"):

@@ -15,6 +15,7 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import inner_start, normal_load, rest_velocity
 from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine, machine_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 
@@ -76,9 +77,9 @@ def coordinates(model: Any) -> Coordinates:
     law = law_of(model)
     count, memories = law.states, law.modes
     inner = (*_numbered("z", count), *_numbered("memory", memories))
-    speed = _largest(getattr(model, "free_velocity", model.velocity_scale)) or _largest(model.velocity_scale) or 1.0
+    speed = _largest(machine_of(model).free_velocity) or _largest(model.velocity_scale) or 1.0
     shift = ("x",) if knows_position(model) else ()
-    time = _largest(model.time_scale if model.period is None else model.period)
+    time = _largest(machine_of(model).time_scale)
     scales = [speed * time / (2 * np.pi)] * len(shift) + [speed]
     if count:
         typical = law.scale(normal_load(model, 0.0, 0.0))
@@ -275,7 +276,7 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
 
 def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False) -> None:
     """Say what to type where something else than one robot (or, with `batch`, than one or many) was given."""
-    if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
+    if not is_machine(model):
         raise InputError(
             what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
         )
@@ -283,6 +284,6 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False)
         raise InputError(
             what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
         )
-    if driven and getattr(model, "period", None) is None:
+    if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
         raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])

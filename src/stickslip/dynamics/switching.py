@@ -22,6 +22,7 @@ from stickslip.dynamics.flows import offer_slopes
 from stickslip.errors import InputError
 from stickslip.forces import normal_load, offered_force
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]
@@ -84,7 +85,7 @@ def _force(model: Any) -> float:
 
 
 def _speed(model: Any) -> float:
-    return float(getattr(model, "free_velocity", model.velocity_scale))
+    return float(machine_of(model).free_velocity)
 
 
 def _slide(model: Any, mode: int, begin: float, times: Array) -> Array:

@@ -10,6 +10,7 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import normal_load
 from stickslip.friction.adapter import LawAdapter, adapted, is_law
+from stickslip.machine import is_machine
 
 __all__ = ["latex", "written"]
 
@@ -143,7 +144,7 @@ def latex(model: LawOrModel) -> str:
     - N \mu_{-} \le R &\le N \mu_{+}, && v = 0
     \end{aligned}
     """
-    moves = hasattr(model, "friction") and hasattr(model, "acceleration")
+    moves = is_machine(model)
     law = model.friction if moves else model
     if not is_law(law):
         given = f"{type(model).__name__} given; allowed is a friction law or a robot"

@@ -11,6 +11,7 @@ from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.maths import maximum
 from stickslip.position import knows_position
 
@@ -92,8 +93,8 @@ class Equations:
 
 def label(model: Any) -> str:
     """What a model's kind is called: ``LuGre × Harmonic``."""
-    parts = [type(model.friction).__name__] + ([type(model.drive).__name__] if hasattr(model, "drive") else [type(model).__name__])
-    track = getattr(model, "track", None)
+    drive, track = machine_of(model).drive, machine_of(model).track
+    parts = [type(model.friction).__name__, type(model if drive is None else drive).__name__]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)
     return " × ".join(parts)
@@ -179,7 +180,7 @@ def _trace(model: Any) -> Equations:
     switches = {len(graph.guards) + k: switch for k, (_, switch) in enumerate(events)}
     if motion.at_rest is not None:
         switches[0] = motion.at_rest
-    impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in getattr(m.model, "impulses", ()) or ())
+    impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in machine_of(m.model).impulses)
     return Equations(
         graph=graph, names=m.names, t=m.t, y=y, f=f, offset=m.offset,
         jacobian=tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f),
@@ -189,7 +190,7 @@ def _trace(model: Any) -> Equations:
         clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks), impulses=impulses,
         period=m.period(model),
         velocity_scale=scale,
-        free_velocity=_velocity_scale(m, getattr(m.model, "free_velocity", m.model.velocity_scale), speed),
+        free_velocity=_velocity_scale(m, machine_of(m.model).free_velocity, speed),
         scales=(*motion.scales, *(() if m.cyclic else (None,))),
         stribeck_velocity=None if speed is None else m.lift(speed),
         cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
@@ -277,7 +278,8 @@ def _check_contact(model: Any) -> None:
 
 def _inertia(m: _Mechanics) -> Sym | None:
     """The drive force, -m d²xi/dt²."""
-    return -(m.model.inner_mass * m.lift(m.model.drive.acceleration(m.t))) if hasattr(m.model, "drive") else None
+    drive = machine_of(m.model).drive
+    return None if drive is None else -(m.model.inner_mass * m.lift(drive.acceleration(m.t)))
 
 
 def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:

@@ -13,6 +13,7 @@ from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.errors import InputError
 from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 
@@ -227,7 +228,7 @@ def phase(
 def _displacement(model: Any) -> str:
     if model.period is not None:
         return "displacement without drift $x - Vt$"
-    return "displacement from the pulled end $x - ut$" if hasattr(model, "far_end_velocity") else "displacement $x$"
+    return "displacement from the pulled end $x - ut$" if machine_of(model).is_pulled else "displacement $x$"
 
 
 def _strobe_word() -> Any:
@@ -251,7 +252,7 @@ def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
     if run.model.period is None:
         t, v = sampled(run, start, end, "v")
         none = np.empty(0)
-        return sampled(run, start, end, "x")[1] - getattr(run.model, "far_end_velocity", 0.0) * t, v, none, none
+        return sampled(run, start, end, "x")[1] - machine_of(run.model).far_end_velocity * t, v, none, none
     count = max(round((end - start) / run.period_time), 1)
     events = np.array([e.t for e in run.events if start < e.t < end])
     t = np.unique(np.concatenate([np.linspace(start, end, 400 * count + 1), events]))
@@ -292,7 +293,7 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
     shown = {"friction force $R$": "friction_force"}
-    if hasattr(run.model, "drive"):
+    if machine_of(run.model).drive is not None:
         shown = {"drive force $-m\\ddot\\xi$": "drive_force", **shown}
     curves = {name: sampled(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)

@@ -16,6 +16,7 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_w
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine, machine_of
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
@@ -55,7 +56,7 @@ def request(
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")
-    if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
+    if not is_machine(model):
         raise InputError(
             "solve",
             [
@@ -229,7 +230,8 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
     if worst > LARGEST_START:
         problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
         return
-    moved = spread(model.velocity_scale * (getattr(model, "time_scale", 1.0) if model.period is None else model.period), labels)
+    time = machine_of(model).time_scale
+    moved = spread(model.velocity_scale * (1.0 if time is None else time), labels)
     lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
     if np.any(lost):
         case = int(np.argmax(lost))

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 from stickslip.solvers import exact, orbits, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
@@ -60,7 +61,7 @@ def _position(todo: Request, x: Array) -> dict[str, Array]:
     """Where the next case is on its spring: time begins anew there, and with it the way of the spring's far end."""
     if not knows_position(todo.model):
         return {}
-    return {"x": x - spread(getattr(todo.model, "far_end_velocity", 0.0), todo.labels) * todo.span}
+    return {"x": x - spread(machine_of(todo.model).far_end_velocity, todo.labels) * todo.span}
 
 
 def _named(state: dict[str, Array]) -> dict[str, Array]:

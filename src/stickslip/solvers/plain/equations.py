@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.forces import normal_load, rest_velocity
 from stickslip.friction.adapter import Switches, law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = ["LEAST", "LOAD", "SLIP", "Equations"]
@@ -113,4 +114,4 @@ class Equations:
 
 def time_scale(model: Any) -> float:
     """A time in which something happens [s]: the period, or what the mechanism says."""
-    return float(model.time_scale if model.period is None and hasattr(model, "time_scale") else model.period or 1.0)
+    return float(machine_of(model).time_scale or 1.0)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import SolveError
+from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain.dense import Part, joined, resting
 from stickslip.solvers.plain.equations import LEAST, LOAD, SLIP, Equations, Memory
@@ -43,9 +44,9 @@ def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[
 
 def _known(model: Any, end: float) -> list[tuple[float, float]]:
     """The instants that are known beforehand, with the impulse at each: start, breaks, impulses, borders of their periods, end."""
-    breaks = _breaks(model)
+    breaks = machine_of(model).breaks
     jumps: dict[float, float] = {}
-    for s, jump in getattr(model, "impulses", ()) or ():
+    for s, jump in machine_of(model).impulses:
         jumps[float(s)] = jumps.get(float(s), 0.0) + float(jump)
     if not breaks and not jumps:
         return [(0.0, 0.0), (end, 0.0)]
@@ -53,12 +54,6 @@ def _known(model: Any, end: float) -> list[tuple[float, float]]:
     inside = sorted({0.0, *breaks, *jumps})
     known = [(k * T + s, jumps.get(s, 0.0)) for k in range(math.ceil(end / T)) for s in inside]
     return [*((t, jump) for t, jump in known if t < end - 1e-12 * T), (end, 0.0)]
-
-
-def _breaks(model: Any) -> set[float]:
-    """Instants in (0, T) at which the acceleration is not smooth."""
-    parts = (model, getattr(model, "drive", None), getattr(model, "track", None))
-    return {float(s) for part in parts for s in (getattr(part, "breaks", ()) or ())}
 
 
 class _Run:
