@@ -15,10 +15,11 @@ from stickslip.machine import machine_of
 
 __all__ = [
     "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "inner_start", "normal_load", "offered_force",
-    "rest_velocity",
+    "rest_velocity", "slip_ratio_of",
 ]  # fmt: skip
 
 _SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
+_LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 _LIMITS = "return the friction forces that rest can bear backwards (negative) and forwards (positive)"
 
 
@@ -140,6 +141,15 @@ def impulses_until(model: Any, end: float) -> list[tuple[float, float]]:
 def held_velocity(v: Any, mode: Any, least: Any = TINY) -> Any:
     """The velocity on the side that `mode` holds, at least `least` in size: laws are evaluated inside one branch."""
     return mode * np.maximum(mode * v, least)
+
+
+def slip_ratio_of(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, memory: Any = ()) -> Any:
+    """Slip ratio 1 - (dz/dt)/v of the first inner state on the side that `mode` holds: 0 while it bends with the body, 1 in sliding.
+
+    It is the elastic part of the friction over its steady sliding value; z is an array (n, states).
+    """
+    slip = held_velocity(model.contact_velocity(v), mode, _LEAST * float(model.velocity_scale) or _LEAST)
+    return 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
 
 
 def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> Any:

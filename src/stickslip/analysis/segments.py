@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import held_velocity, normal_load, offered_force
+from stickslip.forces import normal_load, offered_force, slip_ratio_of
 from stickslip.friction.adapter import law_of
 from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
@@ -16,7 +16,6 @@ __all__ = ["Intervals", "Segments", "intervals_of", "raw_segments", "shares", "s
 
 Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
-_LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 
 
 @sealed
@@ -63,9 +62,7 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
     """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
     x, v, z = run.pieces.evaluate(t, index)
-    slip = held_velocity(run.model.contact_velocity(v), np.asarray(run.pieces.mode)[index], _LEAST * run.model.velocity_scale or _LEAST)
-    memory = tuple(run.pieces.memory[index].T)
-    return 1 - law_of(run.model).rate(slip, tuple(z.T), normal_load(run.model, t, x), memory)[0] / slip
+    return slip_ratio_of(run.model, np.asarray(run.pieces.mode)[index], t, x, v, z, tuple(run.pieces.memory[index].T))
 
 
 def _elastic_segments(run: Any, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:

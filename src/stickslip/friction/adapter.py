@@ -95,13 +95,17 @@ class LawAdapter:
         found = self.law.switches(v, self._own(z), load, mode)
         return [(guard, tuple(after), None if new is None else self._shaped(new, "switches")) for guard, after, new in found]
 
-    def passed_zero(self, z: States, load: Any, mode: States) -> tuple[States, States]:
-        """Inner states and modes once v has passed zero: after the switch that waits for it and for nothing else."""
-        at, beside = (self.switches(v, z, load, mode) for v in (0.0, TINY))
-        for (guard, after, new), (ahead, _, _) in zip(at, beside, strict=True):
-            if guard <= 0 < ahead:
-                return (z if new is None else new), after
-        return z, mode
+    def passed_zero(self, z: States, load: Any, mode: States, side: int = 1) -> tuple[States, States]:
+        """Inner states and modes once v has come to zero from a side: after every switch that waits for it and for nothing else."""
+        done: set[int] = set()
+        while True:
+            at, beside = (self.switches(v, z, load, mode) for v in (0.0, side * TINY))
+            due = [k for k, (here, ahead) in enumerate(zip(at, beside, strict=True)) if here[0] <= 0 < ahead[0] and k not in done]
+            if not due:
+                return z, mode
+            _, mode, new = at[due[0]]
+            z = z if new is None else new
+            done.add(due[0])
 
     def scale(self, load: Any) -> States | None:
         """Typical size of each inner state, where the law says it."""

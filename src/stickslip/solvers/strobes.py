@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import held_velocity, normal_load
+from stickslip.forces import slip_ratio_of
 from stickslip.friction.adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
 from stickslip.steadiness import outcome_of, window_count
@@ -28,9 +28,7 @@ def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x
     """What the body does at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.segments`)."""
     if not law_of(model).states:
         return 2 * mode
-    slip = held_velocity(model.contact_velocity(v), mode, 1e-9 * float(model.velocity_scale) or 1e-9)
-    ratio = 1 - law_of(model).rate(slip, tuple(z.T), normal_load(model, t, x), memory)[0] / slip
-    return mode * np.where(ratio >= slip_ratio, 2, 1)
+    return mode * np.where(slip_ratio_of(model, mode, t, x, v, z, memory) >= slip_ratio, 2, 1)
 
 
 def reduced(model: Any, strobe: Any, settle: int, method: str, rtol: float) -> dict[str, Any]:

@@ -7,14 +7,13 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.forces import normal_load, rest_velocity
-from stickslip.friction.adapter import Switches, law_of
+from stickslip.friction.adapter import TINY, Switches, law_of
 from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
-__all__ = ["LEAST", "LOAD", "SLIP", "Equations"]
+__all__ = ["LOAD", "SLIP", "Equations"]
 
 SLIP, LOAD = 0, 1  # the first two guards; the others are the law's own
-LEAST = 1e-300  # a velocity that has a side and nothing else
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
@@ -47,12 +46,12 @@ class Equations:
 
     def _pressing(self, t: float, x: float) -> float:
         """Normal force, positive also a moment after the contact is lost: a step looks beyond its end."""
-        return max(normal_load(self.model, t, x), 1e-12 * self.first_load, LEAST)
+        return max(normal_load(self.model, t, x), 1e-12 * self.first_load, TINY)
 
     def slip(self, y: Any, side: int) -> float:
         """Velocity at the contact, held on its side [m/s]."""
         u = self.model.contact_velocity(float(y[1]))
-        return u if side * u > LEAST else side * LEAST
+        return u if side * u > TINY else side * TINY
 
     @staticmethod
     def state(y: Any) -> tuple[float, ...]:
@@ -91,6 +90,10 @@ class Equations:
     def switches(self, t: float, y: Any, slip: float, memory: Memory) -> Switches:
         """The law's switches: (guard, new memory, new inner states or None)."""
         return self.law.switches(slip, self.state(y), self._pressing(self._time(t), float(y[0])), memory) if self.law.switching else []
+
+    def passed_zero(self, t: float, y: Any, side: int, memory: Memory) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Inner states and memory after the switches that wait for the velocity at the contact to pass zero."""
+        return self.law.passed_zero(self.state(y), self._pressing(self._time(t), float(y[0])), memory, side)
 
     def excess(self, t: Any, x: Any) -> tuple[Any, Any]:
         """How far the offered force is above the forward limit, and below the backward one [N]; negative while they hold."""

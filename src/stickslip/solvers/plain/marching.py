@@ -12,7 +12,7 @@ from stickslip.errors import SolveError
 from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain.dense import Part, joined, resting
-from stickslip.solvers.plain.equations import LEAST, LOAD, SLIP, Equations, Memory
+from stickslip.solvers.plain.equations import LOAD, SLIP, Equations, Memory
 from stickslip.solvers.plain.stretch import Stretch, integrate
 from stickslip.solvers.request import Request
 
@@ -136,17 +136,9 @@ class _Run:
             self.y[2:] = z
 
     def _pass_zero(self) -> None:
-        """The velocity at the contact is zero: every switch that waits for it (and for nothing else), each once."""
-        done: set[int] = set()
-        side = self.mode or 1
-        while True:
-            at_zero = self.equations.switches(self.t, self.y, 0.0, self.memory)
-            beside = self.equations.switches(self.t, self.y, side * LEAST, self.memory)
-            waiting = [k for k, (a, b) in enumerate(zip(at_zero, beside, strict=True)) if a[0] <= 0 < b[0] and k not in done]
-            if not waiting:
-                return
-            self._switch(0.0, waiting[0])
-            done.add(waiting[0])
+        """The velocity at the contact is zero."""
+        z, memory = self.equations.passed_zero(self.t, self.y, self.mode or 1, self.memory)
+        self.y[2:], self.memory = z, tuple(map(int, memory))
 
     def _rest(self, end: float) -> None:
         """Stuck until the forces break it away, or the contact is lost."""
