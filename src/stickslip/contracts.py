@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol, TypeAlias
 
-__all__ = ["Drive", "DynamicLaw", "Law", "Machine", "SetValuedLaw", "Track"]
+__all__ = ["BalancingLaw", "Drive", "DynamicLaw", "Law", "Machine", "SetValuedLaw", "SwitchingLaw", "Track"]
 
 
 class SetValuedLaw(Protocol):
@@ -21,19 +21,39 @@ class SetValuedLaw(Protocol):
 
 
 class DynamicLaw(Protocol):
-    """A law with inner states. A law that has `switches` takes its whole-number memories too, as a last argument `mode`.
-
-    z is a number if there is one state (`states`, 1 if the law does not say), else a tuple; so is what `rate` returns.
-    """
+    """A law with inner states: z is a number if there is one (1 if the law has no `states`), else a tuple; so is what `rate` returns."""
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rates of the inner states [their unit / s]."""
 
     def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
-        """Friction force [N]; with an argument `applied`, that is the force [N] which would keep v constant."""
+        """Friction force [N]."""
 
 
-Law: TypeAlias = SetValuedLaw | DynamicLaw
+class BalancingLaw(Protocol):
+    """A dynamic law that must know the friction force which would keep v constant, `applied` [N]."""
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
+        """Friction force [N]."""
+
+
+class SwitchingLaw(Protocol):
+    """A dynamic law with whole-number memories: `mode` is a tuple of them, as many as `modes` says."""
+
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+        """Friction force [N]."""
+
+    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+        """What ends a mode: (guard, which is positive until then, mode after it, z after it or None if unchanged)."""
+
+
+Law: TypeAlias = SetValuedLaw | DynamicLaw | BalancingLaw | SwitchingLaw
 
 
 class Drive(Protocol):
@@ -66,8 +86,13 @@ class Track(Protocol):
 class Machine(Protocol):
     """What solvers ask of a robot or a mechanism: one body with one contact."""
 
-    friction: Any
-    load: Any  # normal force [N]: a number, or a function of time and place
+    @property
+    def friction(self) -> Any:
+        """The law of its contact."""
+
+    @property
+    def load(self) -> Any:
+        """Normal force on the contact [N]: a number, or a function of time [s] and place [m]."""
 
     @property
     def period(self) -> Any:

@@ -301,7 +301,7 @@ def switching_flow(model: Model) -> SwitchingFlow:
         -1: (Switch(lambda t, y: -model.contact_velocity(y[1]), after, rest),),
         0: (Switch(lambda t, y: room(t, y, 1), 1), Switch(lambda t, y: room(t, y, -1), -1)),
     }
-    return SwitchingFlow(fields, switches, getattr(model, "period", None) and float(model.period))
+    return SwitchingFlow(fields, switches, model.period and float(model.period))
 
 
 def exponents_of(

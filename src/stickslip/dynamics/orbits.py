@@ -28,6 +28,7 @@ from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
 from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 
@@ -168,7 +169,7 @@ def periodic_orbit(model: Model, period: int = 1, guess: Any = None, *, rtol: fl
     >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
     (False, -2.625)
     """
-    autonomous = hasattr(model, "friction") and getattr(model, "period", None) is None
+    autonomous = is_machine(model) and model.period is None
     needs_model("periodic_orbit", model, driven=not autonomous)
     problems = Problems("periodic_orbit")
     problems.whole("period", period, 1, example=1, what=" of drive periods")
