@@ -12,6 +12,7 @@ import pytest
 import stickslip as ss
 from stickslip.benching.contact import Contact
 from stickslip.benching.probe import Probe
+from stickslip.benching.setup import Setup
 from stickslip.dynamics.attractors import on_grid
 from stickslip.dynamics.mapping import at_rest
 from stickslip.dynamics.orbits import states_of
@@ -19,7 +20,7 @@ from stickslip.fields import leaves
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import adapted, mirrored
 from stickslip.identifying.driven import Motion, driven_force
-from stickslip.maths import where
+from stickslip.maths import asinh, exp, log, where
 from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken
 
@@ -240,6 +241,46 @@ def test_a_start_that_is_none_is_told(begun, told):
     numbers = {f.name: getattr(BENT_LAW, f.name) for f in fields(BENT_LAW)}
     with pytest.raises(ss.InputError, match=told):
         ss.solve(BENT_ROBOT.replace(friction=Wrong(**numbers)), periods=2)
+
+
+@dataclass(frozen=True)
+class Ageing:
+    """Rate-and-state friction, aging law, with the logarithm of the contact's age as its state (Rice et al. 2001)."""
+
+    a: float
+    b: float
+    mu: float
+    v_0: float
+    length: float
+
+    def rate(self, v, z, load):
+        return (self.v_0 * exp(-z) - abs(v)) / self.length
+
+    def force(self, v, z, zdot, load):
+        return self.a * load * asinh(v / (2 * self.v_0) * exp((self.mu + self.b * z) / self.a))
+
+    def start(self, load):
+        return log(self.v_0 / 0.1)
+
+    def scale(self, load):
+        return 1.0
+
+
+AGEING = Ageing(a=0.02, b=0.015, mu=0.3, v_0=0.01, length=0.01)
+
+
+def test_a_state_may_be_an_age():
+    report = check_law(AGEING)
+    assert report["rest at v = 0"].value == 0.0 and report["mirror symmetry"].value < 1e-12
+    assert Setup(AGEING, 1.0, 1.0).typical_speed == 0.01  # it has no stiffness to ring on
+
+
+def test_steady_sliding_from_the_start_that_the_law_says_stays_steady():
+    """At 0.1 m/s the age is length / speed, whose logarithm `start` gives, and friction is mu + (a - b) ln(v/v_0) of the load."""
+    force = (0.3 + 0.005 * math.log(10.0)) * 1.0
+    pulled = ss.PulledMass(mass=1.0, stiffness=20.0, speed=0.1, friction=AGEING, load=1.0)
+    run = ss.solve(pulled, duration=1.0, start={"v": 0.1, "x": -force / 20.0}, method="radau", rtol=1e-9)
+    assert abs(run.v - 0.1).max() < 1e-9 and abs(run.z - math.log(0.1)).max() < 1e-8  # rtol; asinh for a logarithm: exp(-2 mu/a) = 1e-13
 
 
 def test_memories_that_nothing_switches_are_refused():

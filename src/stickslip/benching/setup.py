@@ -72,7 +72,7 @@ class Setup:
     @property
     def typical_speed(self) -> float:
         """Velocity over which friction changes [m/s]; of a law that has none, that of the mass ringing on the contact."""
-        if self.remembers and self.probe.law.velocity_scale() is None:
+        if self.contact_stiffness > 0 and self.probe.law.velocity_scale() is None:
             return self.pace * self.length
         return self.probe.velocity_scale
 
