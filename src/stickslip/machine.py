@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
+from stickslip.friction.adapter import law_of
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
 
@@ -54,6 +55,13 @@ class MachineAdapter:
     def free_velocity(self) -> Any:
         """What its drive would do to the body without friction [m/s]."""
         return getattr(self.model, "free_velocity", self.model.velocity_scale)
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on its numbers: its own, or those of its law."""
+        own = getattr(self.model, "notes", None)
+        load = self.model.load
+        return list(law_of(self.model).notes(load(0.0, 0.0) if callable(load) else load) if own is None else own)
 
     @property
     def is_pulled(self) -> bool:

@@ -297,7 +297,7 @@ class Trajectory:
     @property
     def notes(self) -> list[str]:
         """Remarks on the robot's numbers, and on a motion that has not settled."""
-        return [*self.model.notes, *([self.steadiness.note] if self.steadiness.note else [])]
+        return [*machine_of(self.model).notes, *([self.steadiness.note] if self.steadiness.note else [])]
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""
