@@ -15,9 +15,9 @@ import pytest
 import stickslip as ss
 from stickslip.benching import EXPERIMENTS
 from stickslip.benching.contact import Contact, swing
+from stickslip.benching.probe import Probe
 from stickslip.benching.setup import Setup
 from stickslip.cli import main
-from stickslip.friction.probe import Probe
 
 #: Canudas de Wit et al. 1995, with a load of 1 N: Fc = 1 N, Fs = 1.5 N; their mass is 1 kg.
 LUGRE_1995 = ss.LuGre(1.0, 1.0, 1.5, 1.5, sigma0=1e5, sigma1=math.sqrt(1e5), sigma2=0.4, v_s=1e-3)

@@ -11,7 +11,7 @@ import stickslip as ss
 from kinds import DRIVES, LAWS, TRACKS, robot
 from stickslip.batch import rows_of
 from stickslip.engine import lanes, tableaux, trace
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import adapted
 
 COMPILED = [law for law in LAWS if not getattr(LAWS[law], "scalar_only", False)]
 #: Those whose example runs are sensitive to what is special about them, whatever is drawn.
@@ -25,7 +25,7 @@ def drawn(seed=20261122):
     """Every law, drive and track, as few kernels as that takes: both sorts of law go through all drives, in an order that is drawn."""
     rng, found = np.random.default_rng(seed), set(ALWAYS)
     for dynamic in (False, True):
-        laws = [law for law in COMPILED if is_dynamic(LAWS[law]) == dynamic and law not in {case[0] for case in ALWAYS}]
+        laws = [law for law in COMPILED if adapted(LAWS[law]).dynamic == dynamic and law not in {case[0] for case in ALWAYS}]
         count = max(len(laws), len(DRIVES))
         columns = [np.resize(rng.permutation(names), count) for names in (laws, list(DRIVES), list(TRACKS))]
         found |= {tuple(map(str, case)) for case in zip(*columns, strict=True)}
@@ -55,7 +55,7 @@ def test_compiled_is_plain(law, drive, track):
     The judge steps over the corners of a table: between its tolerances 1e-11 and 1e-12 it differs from itself by 1e-8.
     """
     model = robot(law, drive, track)
-    dynamic, corners = is_dynamic(model.friction), law == "tabulated"
+    dynamic, corners = adapted(model.friction).dynamic, law == "tabulated"
     run = ss.solve(model, periods=3, rtol=1e-9)
     judge = ss.solve(model, periods=3, method="dop853", rtol=1e-10 if dynamic and law != "karnopp" else 1e-12)  # it may step over a band
     t = instants(model, 3)

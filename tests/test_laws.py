@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.benching.contact import Contact
+from stickslip.benching.probe import Probe
+from stickslip.benching.setup import Setup
+from stickslip.dynamics.attractors import on_grid
+from stickslip.dynamics.mapping import at_rest
+from stickslip.dynamics.orbits import states_of
 from stickslip.fields import leaves
-from stickslip.friction.probe import Probe
-from stickslip.maths import where
+from stickslip.forces import inner_start
+from stickslip.friction.adapter import adapted, mirrored
+from stickslip.identifying.driven import Motion, driven_force
+from stickslip.maths import asinh, exp, log, where
 from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken
 
@@ -118,6 +126,188 @@ def test_a_law_that_is_wrong_in_many_ways_is_told_all_of_them():
         check_law(Wrong(stiffness=1e4))
     told = {problem.split(":")[0] for problem in raised.value.problems}
     assert told == {"rest at v = 0", "mirror symmetry", "change of units"}
+
+
+@dataclass(frozen=True)
+class Leaning:
+    """Dry friction that leans to one side, which is the other side for who looks from there: its mirror image is its own affair.
+
+    Parameters
+    ----------
+    mu : float
+        Friction coefficient [-].
+    lean : float
+        Force on the body for each newton of load [-].
+    """
+
+    mu: float
+    lean: float
+
+    def sliding(self, v, load):
+        return (where(v > 0, self.mu, -self.mu) + self.lean) * load
+
+    def breakaway(self, load):
+        return (self.lean - self.mu) * load, (self.lean + self.mu) * load
+
+    def mirrored(self):
+        return Leaning(self.mu, -self.lean)
+
+
+def test_there_is_one_mirror_image_of_a_law():
+    law = Leaning(mu=0.2, lean=0.05)
+    assert check_law(law)["mirror symmetry"].value == 0.0
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law)
+    assert ss.mirrored(robot).friction == Leaning(0.2, -0.05)
+    both = ss.Sum(law, ss.Viscous(0.1, 0.3))
+    assert mirrored(both) == ss.Sum(Leaning(0.2, -0.05), ss.Viscous(0.3, 0.1))
+    assert mirrored(mirrored(both)) == both
+
+
+@every_law
+def test_a_law_is_asked_in_one_way_whatever_its_sort(law):
+    """The adapter's states are a tuple; what it gives is what the law gives when it is called by hand."""
+    known = adapted(law)
+    z = tuple(0.3 * size for size in known.scale(0.7) or ()) if known.states else ()
+    mode, v = (0,) * known.modes, 2e-3
+    force, rates = known.response(v, z, 0.7, mode, applied=0.05)
+    assert len(rates) == len(z) == len(known.start(0.7)) == known.states
+    if not known.dynamic:
+        assert force == law.sliding(v, 0.7) and known.limits(0.7) == tuple(law.breakaway(0.7))
+        return
+    own = z[0] if len(z) == 1 else z
+    rate = law.rate(v, own, 0.7, *([mode] if known.switching else []))
+    more = [*([mode] if known.switching else []), *([0.05] if known.needs_applied else [])]
+    assert rates == (rate if isinstance(rate, tuple) else (rate,))
+    assert force == law.force(v, own, rate, 0.7, *more)
+
+
+BENT = 0.4  # of what it is in steady sliding
+
+
+@dataclass(frozen=True)
+class LuGre(ss.LuGre):
+    """The bristle model whose bristles are bent before anything moves; of the same name, so that its kernels are LuGre's."""
+
+    def start(self, load):
+        return BENT * self.mu_plus * load / self.sigma0
+
+
+BENT_LAW = LuGre(0.15, 0.21, 0.18, 0.24, sigma0=2e4, sigma1=20.0, sigma2=0.4, v_s=2e-3)
+BENT_ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=BENT_LAW)
+
+
+@pytest.mark.parametrize("method", ["auto", "radau"])
+def test_a_run_from_rest_begins_where_the_law_says(method):
+    begun = BENT_LAW.start(BENT_ROBOT.load(0.0, 0.0))
+    free = ss.solve(BENT_ROBOT, periods=2, method=method, rtol=1e-8)
+    assert free.z[0] == begun > 0
+    given = ss.solve(BENT_ROBOT, periods=2, method=method, rtol=1e-8, start={"z": begun})
+    assert np.array_equal(free.v, given.v)
+    assert ss.solve(BENT_ROBOT, periods=2, method=method, start={"z": 0.0}).z[0] == 0.0
+    assert ss.solve(BENT_ROBOT, periods=2, method=method, start={"v": 0.01}).z[0] == begun
+
+
+def test_every_case_of_a_batch_begins_where_its_own_law_says():
+    robots = BENT_ROBOT.replace({"friction.mu_plus": np.array([0.12, 0.15]), "body_mass": np.array([[0.05], [0.06], [0.07]])})
+    loads = np.broadcast_to(robots.load(0.0, 0.0), (3, 2)).ravel()
+    wanted = BENT * np.tile([0.12, 0.15], 3) * loads / BENT_LAW.sigma0
+    np.testing.assert_allclose(inner_start(robots)[:, 0], wanted, rtol=1e-15)
+    np.testing.assert_array_equal(at_rest(robots)[:, 1], inner_start(robots)[:, 0])
+    assert not at_rest(robots)[:, 0].any()
+
+
+def test_dynamics_bench_and_sums_begin_where_the_law_says():
+    begun = BENT_LAW.start(BENT_ROBOT.load(0.0, 0.0))
+    assert states_of(None, BENT_ROBOT).tolist() == [[0.0, begun]]
+    assert states_of({"v": 0.01}, BENT_ROBOT).tolist() == [[0.01, begun]]
+    assert states_of({"z": 0.0}, BENT_ROBOT).tolist() == [[0.0, 0.0]]
+    assert on_grid({"v": np.array([0.0, 0.1])}, BENT_ROBOT).tolist() == [[0.0, begun], [0.1, begun]]
+    assert Contact(Probe(BENT_LAW, 0.7), 1e-3).z == (BENT_LAW.start(0.7),)
+    assert adapted(BENT_LAW + ss.Viscous.example()).start(0.7) == (BENT_LAW.start(0.7),)
+    assert adapted(ss.LuGre.example() + ss.Viscous.example()).start(0.7) == (0.0,)
+    at_rest_all_the_time = Motion(np.array([0.0, 1.0]), np.zeros(2), np.full(2, 0.7), np.zeros(2), 0, False, "still")
+    held = BENT_LAW.sigma0 * BENT_LAW.start(0.7)
+    assert driven_force(BENT_LAW, at_rest_all_the_time).ravel().tolist() == pytest.approx([held, held], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("begun", "told"), [(math.nan, "finite numbers"), ((0.0, 1.0), "start gives 2 values"), ("bent", "cannot be computed")]
+)
+def test_a_start_that_is_none_is_told(begun, told):
+    class Wrong(ss.LuGre):
+        def start(self, load):
+            return begun
+
+    numbers = {f.name: getattr(BENT_LAW, f.name) for f in fields(BENT_LAW)}
+    with pytest.raises(ss.InputError, match=told):
+        ss.solve(BENT_ROBOT.replace(friction=Wrong(**numbers)), periods=2)
+
+
+@dataclass(frozen=True)
+class Ageing:
+    """Rate-and-state friction, aging law, with the logarithm of the contact's age as its state (Rice et al. 2001)."""
+
+    a: float
+    b: float
+    mu: float
+    v_0: float
+    length: float
+
+    def rate(self, v, z, load):
+        return (self.v_0 * exp(-z) - abs(v)) / self.length
+
+    def force(self, v, z, zdot, load):
+        return self.a * load * asinh(v / (2 * self.v_0) * exp((self.mu + self.b * z) / self.a))
+
+    def start(self, load):
+        return log(self.v_0 / 0.1)
+
+    def scale(self, load):
+        return 1.0
+
+
+AGEING = Ageing(a=0.02, b=0.015, mu=0.3, v_0=0.01, length=0.01)
+
+
+def test_a_state_may_be_an_age():
+    report = check_law(AGEING)
+    assert report["rest at v = 0"].value == 0.0 and report["mirror symmetry"].value < 1e-12
+    assert Setup(AGEING, 1.0, 1.0).typical_speed == 0.01  # it has no stiffness to ring on
+
+
+def test_steady_sliding_from_the_start_that_the_law_says_stays_steady():
+    """At 0.1 m/s the age is length / speed, whose logarithm `start` gives, and friction is mu + (a - b) ln(v/v_0) of the load."""
+    force = (0.3 + 0.005 * math.log(10.0)) * 1.0
+    pulled = ss.PulledMass(mass=1.0, stiffness=20.0, speed=0.1, friction=AGEING, load=1.0)
+    run = ss.solve(pulled, duration=1.0, start={"v": 0.1, "x": -force / 20.0}, method="radau", rtol=1e-9)
+    assert abs(run.v - 0.1).max() < 1e-9 and abs(run.z - math.log(0.1)).max() < 1e-8  # rtol; asinh for a logarithm: exp(-2 mu/a) = 1e-13
+
+
+def test_memories_that_nothing_switches_are_refused():
+    @dataclass(frozen=True)
+    class Forgotten(ss.Dahl):
+        modes = 2
+
+    with pytest.raises(ss.InputError, match="modes = 2 and no switches"):
+        ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=Forgotten(0.2, 0.2, 1e4))
+
+
+def test_a_wrong_number_of_inner_states_is_told_by_every_method():
+    @dataclass(frozen=True)
+    class Doubled:
+        k: float
+        states = 2
+
+        def rate(self, v, z, load):
+            return v
+
+        def force(self, v, z, zdot, load):
+            return self.k * z[0]
+
+    pulled = ss.PulledMass(mass=1.0, stiffness=2.0, speed=0.1, friction=Doubled(1e2))
+    for method in ("auto", "dop853"):
+        with pytest.raises(ss.InputError, match="rate gives 1 values; the law has 2 inner states"):
+            ss.solve(pulled, duration=0.1, method=method)
 
 
 def test_a_motor_is_no_friction():

@@ -409,3 +409,42 @@ def test_thirty_robots_of_random_methods_move_as_plain_python_says(seed):
     assert run.strobe_x == pytest.approx(plain.strobe_x, abs=6 * CLOSE * scale * robot.period), chosen
     grid = ss.sweep(robot, periods=6, settle=0)
     assert float(grid.mean_velocity) == pytest.approx(way_of(plain) / (6 * robot.period), abs=6 * CLOSE * scale), chosen
+
+
+@record
+class Sled:
+    """A pushed mass of a user's own, with nothing but what the contract asks for (`stickslip.contracts.Machine`)."""
+
+    mass: float
+    push: float
+    omega: float
+    friction: Any
+    load = 1.0
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    @property
+    def total_mass(self):
+        return self.mass
+
+    @property
+    def velocity_scale(self):
+        return self.push / (self.mass * self.omega)
+
+    def acceleration(self, t, x, v, R):
+        return (self.push * sin(self.omega * t) - R) / self.mass
+
+    def contact_velocity(self, v):
+        return v
+
+
+def test_a_machine_with_nothing_but_the_contract_is_taken_like_a_robot():
+    sled = Sled(mass=1.0, push=0.5, omega=10.0, friction=ss.Coulomb(0.15, 0.21))
+    run, judge = ss.solve(sled, periods=40), ss.solve(sled, periods=40, method="dop853", rtol=1e-11)
+    assert run.method == "exact" and judge.x[-1] == pytest.approx(run.x[-1], abs=40 * CLOSE * sled.velocity_scale * sled.period)
+    assert run.notes == [] and ss.motion(run).type == ss.motion(judge).type
+    assert ss.energy(run).worst < 1e-9
+    found = ss.sweep(lambda push=0.5: Sled(1.0, push, 10.0, sled.friction), push=[0.5, 0.6], periods=40)
+    assert float(found.mean_velocity[0]) == pytest.approx(ss.mean_velocity(run), rel=1e-9)

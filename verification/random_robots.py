@@ -32,7 +32,8 @@ import numpy as np
 import stickslip as ss
 from stickslip.batch import rows_of
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from drawn_models import Kind, kinds, model_of
@@ -80,7 +81,7 @@ def _looked_at(task: Task) -> dict[str, Any]:
     plain = "bristle" in task.kind.law
     model = model_of(task.kind, min(task.cases, SLOW_CASES) if plain else task.cases, task.seed)
     found |= _all_of(model, plain)
-    tolerance = STEPS if is_dynamic(model.friction) else CORNERS if "tabulated" in task.kind.law else EXACT
+    tolerance = STEPS if law_of(model).dynamic else CORNERS if "tabulated" in task.kind.law else EXACT
     found |= _against_the_judge(model, min(task.judged, SLOW_JUDGED if plain else found["cases"]), tolerance, plain)
     return {**found, "seconds": round(time.process_time() - began, 1)}
 
@@ -89,14 +90,9 @@ def _span(model: Any, periods: int) -> dict[str, Any]:
     return {"periods": periods} if model.period is not None else {"duration": periods * TURN}
 
 
-def _free_velocity(model: Any) -> Any:
-    """What the body would do without friction, or a velocity of the mechanism [m/s]."""
-    return getattr(model, "free_velocity", model.velocity_scale)
-
-
 def _unit(model: Any) -> Any:
     """What the body would move in 1/omega if it were free [m]."""
-    return _free_velocity(model) * ((1.0 if model.period is None else model.period) / TURN)
+    return machine_of(model).free_velocity * ((1.0 if model.period is None else model.period) / TURN)
 
 
 # all of them -------------------------------------------------------------------------------------------------------
@@ -109,7 +105,7 @@ def _all_of(model: Any, plain: bool) -> dict[str, Any]:
     run = ss.solve(model, **span)
     found: dict[str, Any] = {"cases": int(np.size(run.status)), "statuses": run.status_counts, "broken": _broken(run, model)}
     found["drifts"] = [] if model.period is None or plain else _drifts(run, model)
-    if is_dynamic(model.friction) and not plain:
+    if law_of(model).dynamic and not plain:
         tight = ss.solve(model, rtol=1e-10, **span)
         good = (run.status <= 1) & (tight.status <= 1)
         repeats = good if model.period is None else good & (run.steadiness == 0) & (tight.steadiness == 0)
@@ -122,7 +118,7 @@ def _drifts(run: Any, model: Any) -> list[float]:
     """How far means that are said to be steady are from those of a run three times as long, where that is more than a little."""
     later = ss.solve(model, periods=3 * PERIODS, settle=3 * PERIODS - (PERIODS - SETTLE))
     steady = (run.steadiness == 0) & (later.steadiness == 0)
-    allowed = DRIFT[is_dynamic(model.friction)] * np.maximum(abs(later.mean_velocity), 0.05 * _free_velocity(model))
+    allowed = DRIFT[law_of(model).dynamic] * np.maximum(abs(later.mean_velocity), 0.05 * machine_of(model).free_velocity)
     part = np.abs(run.mean_velocity - later.mean_velocity) / allowed
     return [float(p) for p in part[steady & (part > 1.0)]]
 

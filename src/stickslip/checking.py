@@ -16,7 +16,8 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
 from stickslip.solvers.arcs import handles
@@ -183,7 +184,7 @@ def check(
     """
     _check_arguments(robot, rk4_steps)
     court = _Court(robot, periods, start)
-    dynamic = is_dynamic(robot.friction)
+    dynamic = law_of(robot).dynamic
     tell = _told(progress, 1 + scipy + len(rk4_steps))
     tell("our own methods")
     run, judges = court.ladder(rtol) if dynamic else court.exact()
@@ -208,14 +209,14 @@ def check(
 def _check_arguments(robot: Any, rk4_steps: Any) -> None:
     """Refuse what no judge can be asked about, all at once."""
     problems, name = Problems("check"), type(robot).__name__
-    if not (hasattr(robot, "friction") and hasattr(robot, "acceleration")):
+    if not is_machine(robot):
         problems.add(f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
     elif shape_of(robot):
         problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")
     elif robot.period is None:
         problems.add(
             f"{name} has no period, and the judges compare means over drive periods; allowed is a Robot or a ForcedOscillator; "
-            f'type for example ss.solve(bench, duration=60.0), and beside it the same with method="{SCIPY[is_dynamic(robot.friction)][0]}"'
+            f'type for example ss.solve(bench, duration=60.0), and beside it the same with method="{SCIPY[law_of(robot).dynamic][0]}"'
         )
     if not isinstance(rk4_steps, (tuple, list)) or not all(map(rk4.allows, rk4_steps)):
         example = f"({rk4_steps},)" if rk4.allows(rk4_steps) else "(2000, 10000)"

@@ -8,13 +8,15 @@ from typing import Any, ClassVar
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.drive import typical_velocity
+from stickslip.drives.adapter import NEEDS, drive_of
 from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves, positive
-from stickslip.forces import check_law, is_dynamic, is_set_valued, static_limits
+from stickslip.forces import check_law
+from stickslip.friction.adapter import law_of
+from stickslip.friction.adapter import mirrored as mirrored_law
 from stickslip.tables import from_toml, record_html, to_toml
-from stickslip.tracks import Level
+from stickslip.tracks import Level, grip_of
 
 __all__ = ["Robot", "mirrored"]
 
@@ -65,7 +67,7 @@ class Robot(Frozen):
     }
 
     def _check(self, problems: Problems) -> None:
-        for name, needs in (("drive", ("position", "velocity", "acceleration", "period")), ("track", ("across", "along"))):
+        for name, needs in (("drive", NEEDS), ("track", ("across", "along"))):
             part = getattr(self, name)
             lacking = [n for n in needs if not hasattr(part, n)]
             if isinstance(part, type) or lacking:
@@ -98,7 +100,7 @@ class Robot(Frozen):
     @property
     def velocity_scale(self) -> Any:
         """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
-        return typical_velocity(self.drive)
+        return drive_of(self.drive).velocity_scale
 
     @property
     def free_velocity(self) -> Any:
@@ -108,12 +110,12 @@ class Robot(Frozen):
     @property
     def breaks(self) -> Any:
         """Instants in (0, period) at which the drive is not smooth [s]."""
-        return getattr(self.drive, "breaks", ())
+        return drive_of(self.drive).breaks
 
     @property
     def impulses(self) -> tuple[tuple[Any, Any], ...]:
         """Jumps of the body's velocity: (instant in [0, period) [s], jump [m/s])."""
-        return tuple((instant, -self.mass_ratio * jump) for instant, jump in getattr(self.drive, "jumps", ()))
+        return tuple((instant, -self.mass_ratio * jump) for instant, jump in drive_of(self.drive).jumps)
 
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
@@ -126,7 +128,7 @@ class Robot(Frozen):
         friction varies in time.
         """
         weight = self.total_mass * self.track.across(self.gravity)
-        lift, grip = getattr(self.drive, "vertical_acceleration", None), getattr(self.track, "grip", None)
+        lift, grip = drive_of(self.drive).vertical_acceleration, grip_of(self.track)
         force = weight if lift is None else weight + self.inner_mass * lift(t)
         return force if grip is None else force * grip(t, self.period)
 
@@ -141,8 +143,7 @@ class Robot(Frozen):
     @property
     def notes(self) -> list[str]:
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
-        law_notes = getattr(self.friction, "notes", None)
-        found = [*(getattr(self.drive, "notes", None) or ()), *([] if law_notes is None else law_notes(self.load(0.0, 0.0)))]
+        found = [*drive_of(self.drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
         return found + _unfolded(self) + _slides(self) + _lifted(self)
 
     def to_toml(self) -> str:
@@ -194,7 +195,7 @@ def _same_both_ways(law: Any) -> bool:
 def _slides(robot: Robot) -> list[str]:
     """A remark if gravity alone moves the body."""
     load, pull = robot.load(0.0, 0.0), robot.total_mass * robot.track.along(robot.gravity)
-    limits = static_limits(robot.friction, load) if _any(pull != 0) else None
+    limits = law_of(robot).limits(load) if _any(pull != 0) else None
     if limits is None or not (_any(pull > limits[1]) or _any(pull < limits[0])):
         return []
     import numpy as np
@@ -213,7 +214,7 @@ def _any(condition: Any) -> bool:
 
 def _lifted(robot: Robot) -> list[str]:
     """A remark if a vertical vibration takes the body off the track."""
-    if getattr(robot.drive, "vertical_acceleration", None) is None:
+    if drive_of(robot.drive).vertical_acceleration is None:
         return []
     import numpy as np
 
@@ -247,7 +248,7 @@ def mirrored(robot: Model) -> Robot:
     (True, True)
     """
     drive = robot.drive.drive if isinstance(robot.drive, Reversed) else Reversed(robot.drive)
-    found = dataclasses.replace(robot, drive=drive, friction=_swapped(robot.friction), track=_uphill(robot.track))
+    found = dataclasses.replace(robot, drive=drive, friction=mirrored_law(robot.friction), track=_uphill(robot.track))
     wrong = _unmirrored(robot, found)
     if wrong:
         why = f"the mirror image of its parts is not its mirror image: {wrong} is another one"
@@ -259,7 +260,7 @@ def mirrored(robot: Model) -> Robot:
 
 def _unmirrored(robot: Robot, found: Robot) -> str:
     """What of a robot is not mirrored by its parts, asked at a few instants; "" where all is."""
-    law, other, T = robot.friction, found.friction, robot.period
+    law, other, T = law_of(robot), law_of(found), robot.period
     for s, v in ((0.13, 0.02), (0.57, 3e-4), (0.81, -7e-3)):
         N, back = robot.load(s * T, 0.0), found.load(s * T, 0.0)
         a, b = robot.acceleration(s * T, 0.0, v, 0.1 * N), found.acceleration(s * T, 0.0, -v, -0.1 * N)
@@ -267,32 +268,13 @@ def _unmirrored(robot: Robot, found: Robot) -> str:
             return "the load"
         if not _opposite(a, b, robot.gravity):
             return "the acceleration"
-        if is_set_valued(law) and not is_dynamic(law) and not _opposite(law.sliding(v, N), other.sliding(-v, N), N):
+        if not law.dynamic and not _opposite(law.sliding(v, N), other.sliding(-v, N), N):
             return "the sliding friction"
     return ""
 
 
 def _opposite(a: Any, b: Any, size: Any = 0.0) -> bool:
     return not _any(abs(a + b) > 1e-9 * (abs(a) + size))
-
-
-def _swapped(law: Any) -> Any:
-    """A law with forwards and backwards exchanged, and its parts likewise."""
-    if hasattr(law, "mirrored"):
-        return law.mirrored()
-    changes: dict[str, Any] = {}
-    for f in dataclasses.fields(law):
-        value = getattr(law, f.name)
-        if f.name.endswith("_plus") and hasattr(law, f.name[:-5] + "_minus"):
-            other = f.name[:-5] + "_minus"
-            changes |= {f.name: getattr(law, other), other: value}
-        elif hasattr(law, f.name + "_minus") and getattr(law, f.name + "_minus") is not None:  # None: as forwards
-            changes |= {f.name: getattr(law, f.name + "_minus"), f.name + "_minus": value}
-        elif isinstance(value, tuple) and any(dataclasses.is_dataclass(v) for v in value):
-            changes[f.name] = tuple(_swapped(v) if dataclasses.is_dataclass(v) else v for v in value)
-        elif dataclasses.is_dataclass(value) and not isinstance(value, type):
-            changes[f.name] = _swapped(value)
-    return dataclasses.replace(law, **changes)
 
 
 def _uphill(track: Any) -> Any:

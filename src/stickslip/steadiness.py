@@ -9,6 +9,8 @@ import numpy as np
 
 from stickslip import recurrence
 from stickslip.forces import normal_load
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = [
@@ -151,9 +153,8 @@ def scales_of(model: Any, strobe: Any, with_position: bool) -> Any:
     Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
     """
     speed = float(free_velocity(model))
-    scale, inner = getattr(model.friction, "scale", None), np.full(strobe.shape[1] - 2, np.nan)
-    if scale is not None and len(inner):
-        inner = np.broadcast_to(np.asarray(scale(normal_load(model, 0.0, 0.0)), float), len(inner))
+    typical = law_of(model).scale(normal_load(model, 0.0, 0.0))
+    inner = np.full(strobe.shape[1] - 2, np.nan) if typical is None else np.asarray(typical, float)
     inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
     shift = [speed * float(model.period or 2 * np.pi) / (2 * np.pi)] if with_position else []
     scales = np.concatenate([[speed], inner, shift])
@@ -189,7 +190,7 @@ def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bo
 
 def free_velocity(model: Any) -> Any:
     """What the drive does to a body without friction [m/s]."""
-    return getattr(model, "free_velocity", model.velocity_scale)
+    return machine_of(model).free_velocity
 
 
 def window_count(done: int, settle: int, period: int) -> int:

@@ -22,8 +22,8 @@ import numpy as np
 from stickslip import hdf5
 from stickslip.datasets import attributes, trajectory_columns, write_csv
 from stickslip.errors import InputError, as_path, is_one_of
-from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS, Coulomb
+from stickslip.friction.adapter import adapted
 from stickslip.jsontext import plain
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
@@ -134,7 +134,7 @@ def _model_attributes(model: Any) -> dict[str, str]:
     except InputError as error:
         raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
     numbers = {f.name: plain(getattr(law, f.name)) for f in dataclasses.fields(law)}
-    return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": is_dynamic(law), "fields": numbers})}
+    return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})}
 
 
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -124,8 +125,13 @@ class VaryingFriction(Frozen):
     def grip(self, t: Any, period: Any) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""
         own = 1 + self.depth * sin(self.harmonic * (2 * pi / period) * t + self.phase)
-        inner = getattr(self.track, "grip", None)
+        inner = grip_of(self.track)
         return own if inner is None else own * inner(t, period)
+
+
+def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
+    """The factor on the friction of a track, as a function of time and of the drive's period; None where friction does not vary."""
+    return getattr(track, "grip", None)
 
 
 TRACKS = {"level": Level, "incline": Incline, "varyingfriction": VaryingFriction}

@@ -13,6 +13,8 @@ import numpy as np
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
 from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, of_run
@@ -198,13 +200,12 @@ class Trajectory:
 
     def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
         rates = inner_rates(self.pieces, t, index)
-        inner, inner_rate = (z[:, 0], rates[:, 0]) if z.shape[1] == 1 else (tuple(z.T), tuple(rates.T))
         memory = tuple(self.pieces.memory[index].T) if hasattr(self.pieces, "memory") else ()
-        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], self._within(t, index), x, v, inner, inner_rate, memory)
+        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], self._within(t, index), x, v, z.T, rates.T, memory)
 
     def _within(self, t: Any, index: Any) -> Any:
         """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
-        if not (getattr(self.model, "breaks", ()) or self._impulses):
+        if not (machine_of(self.model).breaks or self._impulses):
             return t
         aside, nodes = 1e-12 * self.period_time, self.pieces.t
         return np.clip(t, nodes[index] + aside, np.maximum(nodes[index + 1] - aside, nodes[index] + aside))
@@ -263,7 +264,7 @@ class Trajectory:
         slip = float(self.model.contact_velocity(float(v[-1])))
         if memory.shape[1] and slip * (slip + jump) < 0:
             load = forces.normal_load(self.model, float(t[-1]), float(x[-1]))
-            z[-1], memory[-1] = forces.passed_zero(self.model.friction, z[-1], load, memory[-1])
+            z[-1], memory[-1] = law_of(self.model).passed_zero(tuple(map(float, z[-1])), load, tuple(map(int, memory[-1])))
         v[-1] += jump
         return x, v, z, memory
 
@@ -296,7 +297,7 @@ class Trajectory:
     @property
     def notes(self) -> list[str]:
         """Remarks on the robot's numbers, and on a motion that has not settled."""
-        return [*self.model.notes, *([self.steadiness.note] if self.steadiness.note else [])]
+        return [*machine_of(self.model).notes, *([self.steadiness.note] if self.steadiness.note else [])]
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

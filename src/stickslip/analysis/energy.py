@@ -10,6 +10,7 @@ import numpy as np
 from stickslip import forces
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
+from stickslip.machine import machine_of
 from stickslip.pieces import HarmonicArcs
 from stickslip.sealing import sealed
 
@@ -146,7 +147,7 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}
-    if not hasattr(model, "drive"):
+    if machine_of(model).drive is None:
         return {**_of_mechanism(model, t, x, v, R), **friction, "gravity": none, "actuator": none}
     gravity = forces.offered_force(model, t, x) - column["drive_force"]
     works = {"drive": column["drive_force"] * v, "gravity": gravity * v, **friction, "damping": none}
@@ -184,5 +185,5 @@ def _residual(run: Any, works: dict[str, Array]) -> Array:
     largest = np.max([abs(works[n]) for n in ("drive", "gravity", "friction", "damping", "kinetic", "potential")], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         given = np.where(abs(works["gravity"]) > abs(works["drive"]), works["gravity"], works["drive"])
-        base = np.where(given != 0, given, largest) if hasattr(run.model, "drive") else np.max(largest)
+        base = np.where(given != 0, given, largest) if machine_of(run.model).drive is not None else np.max(largest)
         return np.where(missing == 0, 0.0, missing / base)

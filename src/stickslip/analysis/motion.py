@@ -14,8 +14,8 @@ from stickslip.analysis.steady import needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import everywhere
-from stickslip.forces import is_dynamic
 from stickslip.friction import Coulomb
+from stickslip.friction.adapter import adapted, law_of
 from stickslip.summary import Summary
 
 __all__ = ["DWELL", "SLIP_RATIO", "Motion", "coulomb_twin", "motion", "threshold_table"]
@@ -120,7 +120,7 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     period = period_number(run)
     raw = raw_segments(run, period or 1, slip_ratio)
     told = _typed(run, raw, period, dwell)
-    dynamic = is_dynamic(run.model.friction)
+    dynamic = law_of(run.model).dynamic
     return Motion(
         type=str(told["motion_type"][0]),
         pattern=str(told["pattern"][0]),
@@ -153,9 +153,9 @@ def _typed(run: Any, raw: Segments, period: int | None, dwell: float) -> dict[st
     count, model = period or 1, run.model
     net = run.strobe_x[-1] - run.strobe_x[max(len(run.strobe_x) - 1 - count, 0)]
     scale = model.velocity_scale * run.period_time
-    floor = (float(run.rtol) if is_dynamic(model.friction) else 1e-12) * scale * count
+    floor = (float(run.rtol) if law_of(model).dynamic else 1e-12) * scale * count
     v = run.v[run.t >= run.pieces.t[-1] - count * run.period_time]
-    moving = np.ptp(v) > (0.0 if is_dynamic(model.friction) else 1e-9 * model.velocity_scale)
+    moving = np.ptp(v) > (0.0 if law_of(model).dynamic else 1e-9 * model.velocity_scale)
     return type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
 
 
@@ -186,10 +186,10 @@ def _has_kinetic(law: Any) -> bool:
     named: list[Any] = [getattr(law, name, None) for name in ("mu_plus", "mu_minus")]
     if any(mu is None or isinstance(mu, tuple) for mu in named):
         return False
-    if is_dynamic(law):
+    if adapted(law).dynamic:
         return True
     sides = ((_FAST, named[0]), (-_FAST, -named[1]))
-    return all(everywhere(abs(law.sliding(v, 2.0) - law.sliding(v, 1.0) - mu) <= _KINETIC) for v, mu in sides)
+    return all(everywhere(abs(adapted(law).sliding(v, 2.0) - adapted(law).sliding(v, 1.0) - mu) <= _KINETIC) for v, mu in sides)
 
 
 def _twin_type(run: Any) -> str | None:
@@ -220,7 +220,7 @@ def threshold_table(
     list of dict
         One row for each pair: slip_ratio, dwell, type, pattern. A set-valued law needs no thresholds and gives one row, with None for both.
     """
-    if not is_dynamic(run.model.friction):
+    if not law_of(run.model).dynamic:
         m = motion(run)
         return [{"slip_ratio": None, "dwell": None, "type": m.type, "pattern": m.pattern}]
     period, rows = period_number(run), []

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load, offered_force, states_of
+from stickslip.forces import normal_load, offered_force, slip_ratio_of
+from stickslip.friction.adapter import law_of
 from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
 
@@ -15,7 +16,6 @@ __all__ = ["Intervals", "Segments", "intervals_of", "raw_segments", "shares", "s
 
 Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
-_LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 
 
 @sealed
@@ -36,11 +36,11 @@ def raw_segments(run: Any, period: int, slip_ratio: float) -> Segments:
     """Segments of the last `period` drive periods of a run."""
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
-    if is_dynamic(run.model.friction) and states_of(run.model.friction):
+    if law_of(run.model).states:
         edges, code = _elastic_segments(run, start, end, slip_ratio)
         return Segments(np.diff(edges) / run.period_time, code, np.inf)
     edges, index = clipped(run.pieces, start, end)
-    margin = np.inf if is_dynamic(run.model.friction) else _force_margin(run, edges, index)
+    margin = np.inf if law_of(run.model).dynamic else _force_margin(run, edges, index)
     return Segments(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), margin)
 
 
@@ -62,11 +62,7 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
     """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
     x, v, z = run.pieces.evaluate(t, index)
-    inner = z[:, 0] if z.shape[1] == 1 else tuple(z.T)
-    slip = held_velocity(run.model.contact_velocity(v), np.asarray(run.pieces.mode)[index], _LEAST * run.model.velocity_scale or _LEAST)
-    memory = tuple(run.pieces.memory[index].T)
-    rate = law_rate(run.model.friction, slip, inner, normal_load(run.model, t, x), memory)
-    return 1 - (rate if z.shape[1] == 1 else np.asarray(rate)[0]) / slip
+    return slip_ratio_of(run.model, np.asarray(run.pieces.mode)[index], t, x, v, z, tuple(run.pieces.memory[index].T))
 
 
 def _elastic_segments(run: Any, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
@@ -113,7 +109,7 @@ def _force_margin(run: Any, edges: Array, index: Array) -> float:
         return float("inf")
     x = run.pieces.evaluate(t, run._index(t))[0]
     offered = np.broadcast_to(offered_force(run.model, t, x), t.shape)
-    limits = [np.broadcast_to(limit, t.shape) for limit in run.model.friction.breakaway(normal_load(run.model, t, x))]
+    limits = [np.broadcast_to(limit, t.shape) for limit in law_of(run.model).breakaway(normal_load(run.model, t, x))]
     with np.errstate(divide="ignore", invalid="ignore"):
         distances = [abs(offered / limit - 1) for limit in limits]
     return float(np.nanmin(np.minimum(*distances), initial=np.inf))

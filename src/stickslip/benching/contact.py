@@ -7,8 +7,9 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
-from stickslip.friction.probe import Probe
+from stickslip.friction.adapter import TINY
 
 __all__ = ["Contact", "Motion", "steady", "swing"]
 
@@ -16,7 +17,6 @@ __all__ = ["Contact", "Motion", "steady", "swing"]
 Motion = Callable[[float], float]
 #: Evaluations after which a stretch between two switches is given to an integrator for stiff equations.
 CALLS = 20_000
-_TINY = 1e-300  # a velocity that has a sign and nothing else
 
 
 def steady(speed: float) -> Motion:
@@ -58,8 +58,10 @@ class Contact:
 
     def force(self, v: float, z: tuple[float, ...] | None = None) -> float:
         """Friction force at a velocity, on the side on which the contact was moved last [N]."""
-        held = self._side * max(self._side * v, _TINY)
-        return float(self.probe.force(held, self.z if z is None else z, self.mode))
+        return float(self.probe.force(self._held(v), self.z if z is None else z, self.mode))
+
+    def _held(self, v: float) -> float:
+        return self._side * max(self._side * v, TINY)
 
     def follow(self, length: float, velocity: Motion, samples: int = 0) -> list[tuple[float, float, float, float]]:
         """Go through one stretch; returns about as many samples of (time, position, velocity, force) as asked for."""
@@ -83,7 +85,7 @@ class Contact:
     def _idle(self, count: int) -> int:
         """How many stretches in a row took no time; an error if the memories of the law switch for ever."""
         if count > 100:
-            raise SolveError(f"{type(self.probe.law).__name__} switches its memories for ever at one instant; check its switches")
+            raise SolveError(f"{self.probe.law.name} switches its memories for ever at one instant; check its switches")
         return count
 
     def _run(self, t: float, length: float, velocity: Motion, dense: bool) -> Any:
@@ -101,7 +103,7 @@ class Contact:
         atol = [*(0.01 * self.rtol * size for size in self.probe.scale), self.rtol * path, *(0.01 * self.rtol * self.work,) * 2]
         return solve_ivp(
             self._slope(velocity, budget=CALLS if method == "LSODA" else None), (t, end), [*self.z, self.x, self.done, self.turned],
-            method=method, rtol=self.rtol, atol=atol, max_step=end / 50, events=self._guard(velocity) if self.probe.modes else None,
+            method=method, rtol=self.rtol, atol=atol, max_step=end / 50, events=self._guard(velocity) if self.probe.law.modes else None,
             dense_output=dense,
         )  # fmt: skip
 
@@ -111,15 +113,16 @@ class Contact:
         def slope(t: float, y: Any) -> list[float]:
             if next(calls) == budget:
                 raise _TooStiff
-            v, z = velocity(t), tuple(map(float, y[: self.probe.states]))
-            power = self.force(v, z) * v
-            return [*self.probe.rate(v, z, self.mode), v, power, abs(power)]
+            v, z = velocity(t), tuple(map(float, y[: self.probe.law.states]))
+            force, rates = self.probe.response(self._held(v), z, self.mode)
+            power = float(force) * v
+            return [*rates, v, power, abs(power)]
 
         return slope
 
     def _guard(self, velocity: Motion) -> Any:
         def guard(t: float, y: Any) -> float:
-            z = tuple(map(float, y[: self.probe.states]))
+            z = tuple(map(float, y[: self.probe.law.states]))
             return min(float(g) for g, _, _ in self.probe.switches(velocity(t), z, self.mode))
 
         guard.terminal, guard.direction = True, -1  # type: ignore[attr-defined]

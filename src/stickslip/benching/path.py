@@ -46,7 +46,7 @@ def _gap(bench: Setup, marks: list[tuple[float, float]]) -> float:
 def _path_remark(bench: Setup) -> str:
     if bench.set_valued:
         return HELD + "there is no pre-sliding, force jumps from one side to the other at a reversal, and no reversal is remembered"
-    if bench.probe.needs_applied:
+    if bench.probe.law.needs_applied:
         return "moved at ten times its band; inside the band the law asks for the other forces, and counts as zero force here"
     return "" if bench.remembers else "a film: force follows the velocity, not the way, and slow motion costs almost nothing"
 

@@ -42,7 +42,7 @@ def breakaway(bench: Setup) -> Experiment:
 def _breakaway_remark(bench: Setup) -> str:
     if bench.set_valued:
         return HELD + "break-away is the static limit, at every force rate"
-    return "" if bench.remembers or bench.probe.needs_applied else (
+    return "" if bench.remembers or bench.probe.law.needs_applied else (
         f"the law holds nothing: this is the friction at which the creep has become faster than {FAST * bench.typical_speed:.3g} m/s"
     )  # fmt: skip
 

@@ -19,6 +19,7 @@ from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import is_array, leaves
 from stickslip.forces import check_law
 from stickslip.friction import LAWS
+from stickslip.friction.adapter import adapted
 
 __all__ = ["EXPERIMENTS", "bench"]
 
@@ -105,7 +106,7 @@ def bench(
                 progress(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)
             with finite(one):
                 done.append(EXPERIMENTS[name](setup))
-        notes = one.notes(float(load)) if hasattr(one, "notes") else []
+        notes = adapted(one).notes(float(load))
         found.append(Bench(one, float(load), float(mass), tuple(done), tuple(notes)))
     if progress is not None:
         progress("measured", whole, whole)

@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.benching.contact import Contact, steady
+from stickslip.benching.probe import Probe
 from stickslip.benching.records import Experiment
 from stickslip.errors import SolveError
-from stickslip.friction.probe import Probe
 from stickslip.solvers import solve
 
 __all__ = ["FAST", "HELD", "SLOW", "Setup", "shorter"]
@@ -57,40 +57,40 @@ class Setup:
     @property
     def random(self) -> bool:
         """Whether the law cannot be compiled and is moved less far."""
-        return bool(getattr(self.law, "scalar_only", False))
+        return not self.probe.law.compiles
 
     @property
     def set_valued(self) -> bool:
         """Whether rest is exact."""
-        return not self.probe.dynamic
+        return not self.probe.law.dynamic
 
     @property
     def remembers(self) -> bool:
         """Whether the law has inner states."""
-        return self.probe.states > 0
+        return self.probe.law.states > 0
 
     @property
     def typical_speed(self) -> float:
         """Velocity over which friction changes [m/s]; of a law that has none, that of the mass ringing on the contact."""
-        if self.remembers and not hasattr(self.law, "velocity_scale"):
+        if self.contact_stiffness > 0 and self.probe.law.velocity_scale() is None:
             return self.pace * self.length
         return self.probe.velocity_scale
 
     @property
     def crawl(self) -> float:
         """Velocity of quasi-static motions [m/s]; outside the band of a law that asks in it for the other forces."""
-        return (10.0 if self.probe.needs_applied else SLOW) * self.typical_speed
+        return (10.0 if self.probe.law.needs_applied else SLOW) * self.typical_speed
 
     @cached_property
     def length(self) -> float:
         """Typical pre-sliding deflection [m]."""
-        return math.fsum(self.probe.scale) / self.probe.states if self.remembers else LENGTH
+        return math.fsum(self.probe.scale) / self.probe.law.states if self.remembers else LENGTH
 
     @cached_property
     def holds(self) -> tuple[float, float]:
         """What the contact bears before it slides: (backward, forward) forces [N]."""
         if self.set_valued:
-            low, high = self.law.breakaway(self.load)
+            low, high = self.probe.law.breakaway(self.load)
             return float(low), float(high)
         if self.remembers:
             return self.steady_force(-SLOW * self.typical_speed), self.steady_force(SLOW * self.typical_speed)

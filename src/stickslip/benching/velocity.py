@@ -44,7 +44,7 @@ def _at_rest(bench: Setup, place: float) -> tuple[Curve, ...]:
 
 def _shown(bench: Setup, v: float) -> float:
     """Steady force; nan where the law asks for the other forces instead of giving one."""
-    if bench.probe.needs_applied:
+    if bench.probe.law.needs_applied:
         low, high = (float(bench.probe.force(v, (), (), side * 1e12)) for side in (-1.0, 1.0))
         return low if low == high else math.nan
     return bench.steady_force(v)
@@ -57,7 +57,7 @@ def _holding(bench: Setup) -> str:
 
 
 def _steady_remark(bench: Setup) -> str:
-    if bench.probe.needs_applied:
+    if bench.probe.law.needs_applied:
         return f"inside its band, |v| <= {bench.typical_speed:.3g} m/s, the law balances the other forces; there is no curve there"
     if bench.random:
         return "bonds form at random places: means over a short way, which scatter"

@@ -10,6 +10,7 @@ from stickslip.cli import show
 from stickslip.cli.arguments import names_of, parser, settings, subject
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.friction.adapter import is_law
 
 __all__ = ["act"]
 
@@ -96,9 +97,8 @@ def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, lis
 def _own(word: str, typed: dict[str, str]) -> tuple[Any, list[str]]:
     """A law, a law from its class and what was typed, or the law of a robot."""
     make = found(word).make
-    from stickslip.forces import is_dynamic, is_set_valued
 
-    if is_set_valued(make) or is_dynamic(make):
+    if is_law(make):
         return (_instance(make, typed) if isinstance(make, type) else make), []
     taken = [name for name in typed if name in names_of(make)[1]]
     return subject(word, [typed[name] for name in taken]).robot().friction, taken

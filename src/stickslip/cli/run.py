@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.cli import show, timed
 from stickslip.cli.arguments import parser, subject
+from stickslip.machine import machine_of
 
 __all__ = ["DATA", "act", "written_to"]
 
@@ -67,7 +68,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         **run.provenance["settings"],
         **({"rtol": None} if "steps_per_period" in run.counts else {}),  # steps of fixed length know no tolerance
         "counts": run.counts,
-        "notes": [*run.notes, *([show.no_period(run.periods)] if m.period is None and run.notes == run.model.notes else [])],
+        "notes": [*run.notes, *([show.no_period(run.periods)] if m.period is None and run.notes == machine_of(run.model).notes else [])],
         "steadiness": _steadiness(run.steadiness),
         "provenance": run.provenance,
         "written": written,

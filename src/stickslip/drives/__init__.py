@@ -1,5 +1,6 @@
 """Drives: how the inner mass is shaken. One drive, one file; `DRIVES` lists them by name."""
 
+from stickslip.contracts import Drive
 from stickslip.drives.bang_bang import BangBang
 from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.harmonic import Harmonic
@@ -27,15 +28,7 @@ __all__ = [
     "cantilever_eigenvalues",
 ]
 
-DRIVES = {
-    "harmonic": Harmonic,
-    "multiharmonic": MultiHarmonic,
-    "twophase": TwoPhase,
-    "threephase": ThreePhase,
-    "bangbang": BangBang,
-    "trapezoid": Trapezoid,
-    "recorded": Recorded,
-    "verticalvibration": VerticalVibration,
-    "reversed": Reversed,
-}
+_ALL = (Harmonic, MultiHarmonic, TwoPhase, ThreePhase, BangBang, Trapezoid, Recorded, VerticalVibration, Reversed)
+_KEEPING_THE_CONTRACT: tuple[type[Drive], ...] = _ALL  # mypy compares their methods
+DRIVES = {drive.__name__.lower(): drive for drive in _ALL}
 """Every drive by its name in lower case. A `PiezoBeam` is not among them: it makes a `Harmonic` from volts and hertz."""

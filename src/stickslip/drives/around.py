@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.drives.drive import Drive, typical_velocity
+from stickslip.drives.adapter import NEEDS, drive_of, lacking
+from stickslip.drives.drive import Drive
 from stickslip.errors import Problems
 from stickslip.maths import pi
 
 __all__ = ["Around"]
-
-_NEEDS = ("position", "velocity", "acceleration", "period")
 
 
 class Around(Drive):
@@ -19,10 +18,9 @@ class Around(Drive):
     drive: Any
 
     def _check(self, problems: Problems) -> None:
-        lacking = [name for name in _NEEDS if not hasattr(self.drive, name)]
-        if isinstance(self.drive, type) or lacking:
+        if lacking(self.drive):
             problems.add(
-                f"drive = {self.drive!r}; allowed is a drive, an object with {', '.join(_NEEDS)}; "
+                f"drive = {self.drive!r}; allowed is a drive, an object with {', '.join(NEEDS)}; "
                 "type for example drive=ss.Harmonic(amplitude=5e-4, omega=205.46)"
             )
 
@@ -39,23 +37,22 @@ class Around(Drive):
     @property
     def breaks(self) -> Any:
         """Where the acceleration is not smooth [s]."""
-        return getattr(self.drive, "breaks", ())
+        return drive_of(self.drive).breaks
 
     @property
     def jumps(self) -> Any:
         """Jumps of the relative velocity: (instant [s], jump [m/s])."""
-        return getattr(self.drive, "jumps", ())
+        return drive_of(self.drive).jumps
 
     @property
     def velocity_scale(self) -> Any:
         """A typical relative velocity along the track [m/s]."""
-        return typical_velocity(self.drive)
+        return drive_of(self.drive).velocity_scale
 
     @property
     def specific_energy(self) -> Any:
         """Largest kinetic energy of the relative motion along the track for each kilogram of the inner mass [J/kg]."""
-        named = getattr(self.drive, "specific_energy", None)
-        return 0.5 * self.velocity_scale**2 if named is None else named
+        return drive_of(self.drive).specific_energy
 
     @property
     def stroke(self) -> Any:
@@ -65,7 +62,7 @@ class Around(Drive):
     @property
     def notes(self) -> tuple[str, ...]:
         """Remarks of the drive."""
-        return tuple(getattr(self.drive, "notes", None) or ())
+        return drive_of(self.drive).notes
 
     def position(self, t: Any) -> Any:
         """Relative position along the track [m]."""

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems
 from stickslip.fields import LARGEST, Frozen, describe, everywhere, is_array, number
-from stickslip.maths import maximum, pi
+from stickslip.maths import pi
 
-__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown", "typical_velocity"]
-
-_SAMPLES = 64  # instants of a period at which a drive that does not name its velocity scale is asked for its velocity
+__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown"]
 
 
 class Drive(Frozen):
@@ -47,26 +45,6 @@ class PeriodicDrive(Drive):
     def frequency(self) -> Any:
         """Frequency 1/T [Hz]."""
         return 1 / self.period
-
-
-def typical_velocity(drive: Any) -> Any:
-    """A relative velocity of the size of the largest one [m/s]: what the drive says itself, or the largest of a few instants.
-
-    Errors are measured against it. Of a sum of harmonics it is the root of 2 times the r.m.s., which is not the largest velocity.
-
-    Examples
-    --------
-    >>> from stickslip.drives import Harmonic
-    >>> typical_velocity(Harmonic(amplitude=5e-4, omega=200.0))
-    0.1
-    """
-    named = getattr(drive, "velocity_scale", None)
-    if named is not None:
-        return named
-    largest = abs(drive.velocity(0.0))
-    for k in range(1, _SAMPLES):
-        largest = maximum(largest, abs(drive.velocity(drive.period * (k / _SAMPLES))))
-    return largest
 
 
 def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.drives.two_phase import TwoPhase
 
@@ -33,12 +34,12 @@ class Reversed(Around):
     @property
     def jumps(self) -> Any:
         """Jumps of the relative velocity: (instant [s], jump [m/s])."""
-        return tuple((instant, -jump) for instant, jump in getattr(self.drive, "jumps", ()))
+        return tuple((instant, -jump) for instant, jump in drive_of(self.drive).jumps)
 
     @property
     def vertical_acceleration(self) -> Any:
         """That of the drive, or None if it has none."""
-        return getattr(self.drive, "vertical_acceleration", None)
+        return drive_of(self.drive).vertical_acceleration
 
     def position(self, t: Any) -> Any:
         """Relative position [m]."""

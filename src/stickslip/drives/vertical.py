@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
 from stickslip.errors import Problems
@@ -59,7 +60,7 @@ class VerticalVibration(Around):
 
     def vertical_acceleration(self, t: Any) -> Any:
         """Relative acceleration of the inner mass across the track [m/s^2]."""
-        omega, inner = self.harmonic * self.omega, getattr(self.drive, "vertical_acceleration", None)
+        omega, inner = self.harmonic * self.omega, drive_of(self.drive).vertical_acceleration
         own = -self.amplitude * omega**2 * sin(omega * t + self.phase)
         return own if inner is None else own + inner(t)
 

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity, whole_motions
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import at_rest, coordinates, needs_model, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import number
@@ -142,10 +142,16 @@ def basins(
     axes = start_axes("basins", at, starts, settle, workers)
     grid = np.meshgrid(*axes.values(), indexing="ij")
     table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
-    states = np.column_stack([table.get(name, np.zeros(grid[0].size)) for name in at.names])
+    states = on_grid(table, model)
     batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     ends = settled_points(batch, states, settle, rtol, workers, progress)
     return _gathered(model, axes, *ends, at, rtol, "phase" in table)
+
+
+def on_grid(table: dict[str, Array], model: Any) -> Array:
+    """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
+    rest, count = at_rest(model)[0], len(next(iter(table.values())))
+    return np.column_stack([table.get(name, np.full(count, value)) for name, value in zip(coordinates(model).names, rest, strict=True)])
 
 
 def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any) -> dict[str, Array]:

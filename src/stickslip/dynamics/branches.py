@@ -19,7 +19,7 @@ from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
 from stickslip.dynamics.special import Located, located
 from stickslip.errors import InputError, Problems, SolveError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 from stickslip.sealing import sealed
 
 __all__ = ["Branch", "Special", "continuation"]
@@ -252,7 +252,7 @@ def _known(special: list[Special], seen: Special) -> bool:
 def _special(path: Path, a: Point, b: Point, s: Located) -> Special:
     """A special point between two others. Where a cycle loses its rest it is better known from the cycles that have some."""
     value, accuracy = s.point.value, s.accuracy
-    if isinstance(path, CyclePath) and not is_dynamic(s.point.orbit.model.friction) and s.kind == "type-border":
+    if isinstance(path, CyclePath) and not law_of(s.point.orbit.model).dynamic and s.kind == "type-border":
         resting = [p for p in (a, b) if "0" in p.orbit.pattern]
         spread = max(_BESIDE * path.span, 10 * accuracy)
         value, accuracy = (border_of_rest(path, resting[0], value, spread) if len(resting) == 1 else None) or (value, accuracy)

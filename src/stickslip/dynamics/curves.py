@@ -19,7 +19,7 @@ from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import tangent_of
 from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.errors import InputError, SolveError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 from stickslip.sealing import sealed
 
 __all__ = ["Curve", "Meeting", "special_curve"]
@@ -158,7 +158,7 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
     origin, span = np.array([special.value, begin]), np.array([np.ptp(branch.values) or 1.0, abs(stop - begin)])
     if special.kind in ("flip", "fold"):
         problem, u = _multiplier_problem(both, special, origin, span)
-    elif special.kind == "type-border" and not is_dynamic(special.orbit.model.friction):
+    elif special.kind == "type-border" and not law_of(special.orbit.model).dynamic:
         problem, u = _border_problem(both, branch, special, origin, span)
     else:
         raise InputError(

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.dynamics.cycles import LimitCycle, ends_of, misses_of, states_on, unknowns
 from stickslip.dynamics.newton import Found
 from stickslip.dynamics.paths import Path, Point
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 
 __all__ = ["CyclePath", "border_of_rest", "vanishing"]
 
@@ -58,7 +58,7 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     continued to zero, from the last points, and then from more cycles among them, whose scatter says how sure that is.
     """
     last = points[-1]
-    if not isinstance(path, CyclePath) or is_dynamic(last.orbit.model.friction):
+    if not isinstance(path, CyclePath) or law_of(last.orbit.model).dynamic:
         return None
     kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:

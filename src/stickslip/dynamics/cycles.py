@@ -19,7 +19,8 @@ from stickslip.dynamics.newton import newton_within
 from stickslip.dynamics.sections import halved
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["LimitCycle", "clock", "ends_of", "limit_cycle", "misses_of", "states_on", "unknowns"]
@@ -78,7 +79,7 @@ class LimitCycle(ClosedMotion):
         """Once around, with its dense output."""
         from stickslip.solvers import solve
 
-        options: dict[str, Any] = {"rtol": max(self.rtol, _RUNS)} if is_dynamic(self.model.friction) else {}
+        options: dict[str, Any] = {"rtol": max(self.rtol, _RUNS)} if law_of(self.model).dynamic else {}
         return solve(self.model, duration=self.duration, start=self.start, keep="trajectory", **options)
 
     @cached_property
@@ -123,7 +124,7 @@ class LimitCycle(ClosedMotion):
             return "stick-slip"
         if len(self.pattern) == 1:
             return "slip"
-        return "stick-slip" if is_dynamic(self.model.friction) else "reversing"
+        return "stick-slip" if law_of(self.model).dynamic else "reversing"
 
     def __repr__(self) -> str:
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
@@ -219,7 +220,7 @@ def misses_of(model: Any, at: Coordinates, U: Array, memory: Array, rtol: float,
 
 def _far_end(model: Any) -> Any:
     """Velocity of the spring's far end [m/s]."""
-    return getattr(model, "far_end_velocity", 0.0)
+    return machine_of(model).far_end_velocity
 
 
 # ---- guesses ----
@@ -229,7 +230,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
 
     if isinstance(guess, LimitCycle):
         return guess.state, guess.duration
-    if getattr(model, "time_scale", None) is None:
+    if machine_of(model).time_scale is None:
         raise InputError(type(model).__name__, ["it has neither a period nor a time_scale, so nobody knows how long to look for a cycle"])
     run = guess
     if not hasattr(run, "pieces"):
@@ -237,7 +238,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
             raise InputError(
                 "periodic_orbit", [f"guess = {guess!r}; allowed is a start, a run or a cycle; type guess=dict(x=0.5), or leave it out"]
             )
-        options: dict[str, Any] = {"rtol": 1e-8} if is_dynamic(model.friction) else {}
+        options: dict[str, Any] = {"rtol": 1e-8} if law_of(model).dynamic else {}
         run = solve(model, duration=_SETTLING * clock(model), start=guess, samples=_SAMPLES, **options)
     t = _turns(run)
     steady = len(t) < 2 or float(np.ptp(run.at(np.linspace(t[-2], t[-1], 64))["v"])) <= _STEADY * float(np.max(model.velocity_scale))

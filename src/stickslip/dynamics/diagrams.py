@@ -85,7 +85,7 @@ def bifurcation(
     values = _check(values, settle, points, workers)
     needs_model("bifurcation", robots.robot(values[0]))
     at = coordinates(robots.robots(values))
-    first = states_of(start, at)
+    first = states_of(start, robots.robots(values))
     if follow:
         found = _hysteresis(robots, values, first, settle, points, rtol, progress)
     else:
@@ -122,12 +122,12 @@ def _check(values: Any, settle: Any, points: Any, workers: Any) -> Array:
 
 
 def _anew(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, workers: int, progress: Any) -> list[Array]:
-    """Every value from the same start."""
-    n, d = len(values), len(first)
+    """Every value from its own start."""
+    n, d = first.shape
     whole = [np.full((1, n, *rest), np.nan) for rest in ((points, d), (points,), (1,), (1,))]
 
     def part_of(part: slice, tell: Callable[[float], None]) -> list[Array]:
-        return _batch(robots, values[part], np.tile(first, (part.stop - part.start, 1)), settle, points, rtol, tell)
+        return _batch(robots, values[part], first[part], settle, points, rtol, tell)
 
     for part, found in shared(n, part_of, workers, progress):
         for column, rows in zip(whole, found, strict=True):
@@ -148,11 +148,11 @@ def _batch(robots: Family, values: Array, states: Array, settle: int, points: in
 
 def _hysteresis(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, progress: Any) -> list[Array]:
     """Upwards and downwards side by side, each value from the end of the one before."""
-    n, states, watch = len(values), np.tile(first, (2, 1)), Watch(len(values), progress)
+    n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
     rows: list[list[Array]] = []
     for k in range(n):
         found = _batch(robots, values[[k, n - 1 - k]], states, settle, points, rtol)
-        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], first)
+        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], first[[k, n - 1 - k]])
         rows.append(found)
         watch.finished(k, np.zeros(1, int))
         if watch.stopped:

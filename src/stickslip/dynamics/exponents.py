@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import coordinates, flight, needs_model, strobe_map, strobe_states
+from stickslip.dynamics.mapping import at_rest, coordinates, flight, needs_model, strobe_map, strobe_states
 from stickslip.dynamics.variational import transfers
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number
@@ -92,7 +92,7 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
     """The strobe state after some periods: array (1, coordinates)."""
     from stickslip.dynamics.orbits import states_of
 
-    state = states_of(start, coordinates(model))[None, :]
+    state = states_of(start, model)
     return strobe_map(model, state, settle, rtol).state if settle else state
 
 
@@ -213,7 +213,7 @@ def largest_exponents(
     problems.whole("workers", workers, 1, example=2)
     problems.check()
     cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
-    state = _states_given(start, cases, at.names)
+    state = _states_given(start, model, at.names)
     means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
 
     def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
@@ -227,10 +227,12 @@ def largest_exponents(
     return means, errors
 
 
-def _states_given(start: Any, cases: int, names: tuple[str, ...]) -> Array:
+def _states_given(start: Any, model: Any, names: tuple[str, ...]) -> Array:
     """The strobe states that the cases begin in: an array (cases, states), or one state for all; rest from None."""
+    rest = at_rest(model)
+    cases = len(rest)
     try:
-        states = np.atleast_2d(np.zeros(len(names)) if start is None else np.asarray(number(start), float))
+        states = rest if start is None else np.atleast_2d(np.asarray(number(start), float))
         if not np.all(abs(states) <= LARGEST_START):
             raise ValueError(f"its numbers are not finite, or larger than {LARGEST_START:.0e}")
         return np.broadcast_to(states, (cases, len(names))).copy()

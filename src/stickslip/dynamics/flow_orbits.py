@@ -12,7 +12,8 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError, is_whole
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.forces import normal_load
+from stickslip.friction.adapter import law_of
 from stickslip.sealing import sealed
 
 __all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "switching_flow"]
@@ -272,9 +273,9 @@ def switching_flow(model: Model) -> SwitchingFlow:
     >>> [after for _, _, after in done.events]
     [1, -1]
     """
-    law = model.friction
-    if is_dynamic(law):
-        raise InputError("switching_flow", [f"{type(law).__name__} has inner states; allowed are laws with sliding and breakaway"])
+    law = law_of(model)
+    if law.dynamic:
+        raise InputError("switching_flow", [f"{law.name} has inner states; allowed are laws with sliding and breakaway"])
     still = -float(model.contact_velocity(0.0))
 
     def slide(side: int) -> Callable[[Any, Any], Any]:
@@ -300,7 +301,7 @@ def switching_flow(model: Model) -> SwitchingFlow:
         -1: (Switch(lambda t, y: -model.contact_velocity(y[1]), after, rest),),
         0: (Switch(lambda t, y: room(t, y, 1), 1), Switch(lambda t, y: room(t, y, -1), -1)),
     }
-    return SwitchingFlow(fields, switches, getattr(model, "period", None) and float(model.period))
+    return SwitchingFlow(fields, switches, model.period and float(model.period))
 
 
 def exponents_of(

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.duals import Dual, Truth, slopes_of, variables
-from stickslip.forces import held_velocity, is_dynamic, law_force, law_rate, normal_load, offered_force
+from stickslip.forces import held_velocity, normal_load, offered_force
+from stickslip.friction.adapter import law_of
 from stickslip.position import knows_position
 
 __all__ = ["memory_of", "offer_slopes", "rates"]
@@ -49,15 +50,11 @@ def rates(model: Any, mode: Array, t: Array, y: Array, memory: Array = ()) -> tu
     cyclic = not knows_position(model)
     whole: list[Any] = [*([np.zeros_like(t)] if cyclic else []), *variables(*y)]
     x, v, z = whole[0], whole[1], whole[2:]
-    law, load = model.friction, normal_load(model, t, x)
-    if is_dynamic(law):
+    law, load = law_of(model), normal_load(model, t, x)
+    if law.dynamic:
         contact = _held(model, v, mode)
-        inner = z[0] if len(z) == 1 else tuple(z)
-        kept = memory_of(memory)
-        found = law_rate(law, contact, inner, load, kept)
-        zdot = tuple(found) if isinstance(found, (tuple, list)) else (found,)
         applied = model.total_mass * model.acceleration(t, x, v, 0.0)
-        R = law_force(law, contact, inner, zdot[0] if len(z) == 1 else zdot, load, kept, applied)
+        R, zdot = law.response(contact, tuple(z), load, memory_of(memory), applied)
         f: list[Any] = [model.acceleration(t, x, v, R), *zdot]
     else:
         slide = model.acceleration(t, x, v, law.sliding(_held(model, v, np.where(mode == 0, 1, mode)), load))
@@ -87,7 +84,7 @@ def offer_slopes(model: Any, t: float, x: float, side: int) -> tuple[float, floa
     """How the distance of the offered force to the break-away force of one side changes: by t and by x."""
     at, moved = variables(np.array([t]), np.array([x]))
     where: Any = moved if knows_position(model) else np.array([x])
-    offered, limits = offered_force(model, at, where), model.friction.breakaway(normal_load(model, at, where))
+    offered, limits = offered_force(model, at, where), law_of(model).breakaway(normal_load(model, at, where))
     gap = offered - limits[1 if side > 0 else 0]
     by_t, by_x = (float(np.ravel(s)[0]) for s in slopes_of(gap, 2))
     return by_t, by_x

@@ -13,12 +13,13 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, memories_of, normal_load, rest_velocity
-from stickslip.forces import states_of as inner_states
+from stickslip.forces import inner_start, normal_load, rest_velocity
+from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine, machine_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 
-__all__ = ["Coordinates", "Ends", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
+__all__ = ["Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
 Array = Any
 
@@ -73,18 +74,32 @@ def coordinates(model: Any) -> Coordinates:
     >>> coordinates(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)).names
     ('v', 'z')
     """
-    law = model.friction
-    count, memories = inner_states(law), memories_of(law)
+    law = law_of(model)
+    count, memories = law.states, law.modes
     inner = (*_numbered("z", count), *_numbered("memory", memories))
-    speed = _largest(getattr(model, "free_velocity", model.velocity_scale)) or _largest(model.velocity_scale) or 1.0
+    speed = _largest(machine_of(model).free_velocity) or _largest(model.velocity_scale) or 1.0
     shift = ("x",) if knows_position(model) else ()
-    time = _largest(model.time_scale if model.period is None else model.period)
+    time = _largest(machine_of(model).time_scale)
     scales = [speed * time / (2 * np.pi)] * len(shift) + [speed]
     if count:
-        scale = getattr(law, "scale", None)
-        typical = speed * time if scale is None else scale(normal_load(model, 0.0, 0.0))
-        scales += [_largest(s) for s in (typical if isinstance(typical, tuple) else (typical,) * count)]
+        typical = law.scale(normal_load(model, 0.0, 0.0))
+        scales += [_largest(s) for s in ((speed * time,) * count if typical is None else typical)]
     return Coordinates((*shift, "v", *inner), np.array(scales + [1.0] * memories), memories)
+
+
+def at_rest(model: Any) -> Array:
+    """The strobe state in which a run from rest begins: array (cases, coordinates); all zeros but for what the law itself says.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
+    [[0.0, 0.0], [0.0, 0.0]]
+    """
+    at, z = coordinates(model), inner_start(model)
+    found = np.zeros((len(z), len(at.names)))
+    found[:, at.smooth - z.shape[1] : at.smooth] = z
+    return found
 
 
 def _numbered(name: str, count: int) -> tuple[str, ...]:
@@ -126,18 +141,18 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
-    if getattr(model.friction, "random", False):
+    if law_of(model).random:
         raise InputError(
             type(model.friction).__name__,
             ["its bonds form again at random places, so no two drive periods are alike and there is no strobe map that orbits, "
              "exponents or basins could belong to; allowed are laws without chance, such as ss.GMS or ss.LuGre; for this one type "
              "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
         )  # fmt: skip
-    if getattr(model.friction, "scalar_only", False):
+    if not law_of(model).compiles:
         return _one_by_one(model, states, periods, rtol)
     from stickslip.solvers.arcs import handles
 
-    if not is_dynamic(model.friction) and handles(model) is None:
+    if not law_of(model).dynamic and handles(model) is None:
         return _by_arcs(model, states, periods)
     return _in_lanes(model, states, periods, rtol)
 
@@ -154,7 +169,7 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
     from stickslip.solvers.rosenbrock import LOOSE, SAFETY
     from stickslip.solvers.stepping import BUDGET
 
-    cyclic, dynamic = not knows_position(model), is_dynamic(model.friction)
+    cyclic, dynamic = not knows_position(model), law_of(model).dynamic
     tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
     check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=False)
@@ -163,7 +178,7 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
     rows = rows if span is None else np.column_stack([rows, np.broadcast_to(span, len(states))])
     offset = np.broadcast_to(np.asarray(rest_velocity(model), float), len(states))[:, None]
     whole = np.hstack([np.zeros((len(states), 1)), states]) if cyclic else states
-    x, v, z, memory = np.split(whole, [1, 2, 2 + inner_states(model.friction)], axis=1)
+    x, v, z, memory = np.split(whole, [1, 2, 2 + law_of(model).states], axis=1)
     table = np.hstack([x, v - offset, z, *(() if cyclic else (x,)), np.round(memory)])
     job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)
     found = lanes.run(kernel, rows, table, job)
@@ -184,7 +199,7 @@ def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> End
     >>> flow_map(belt, [[0.0, 0.1], [0.0, 0.1]], [1.0, 2.0]).state.round(12).tolist()  # it rides along
     [[0.1, 0.1], [0.2, 0.1]]
     """
-    if getattr(model.friction, "scalar_only", False):
+    if not law_of(model).compiles:
         raise InputError(
             type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
         )
@@ -222,7 +237,7 @@ def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any
     """The trajectory from a strobe state, with its dense output and its events."""
     from stickslip.solvers import solve
 
-    options = {"rtol": rtol} if is_dynamic(model.friction) else {}
+    options = {"rtol": rtol} if law_of(model).dynamic else {}
     return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)
 
 
@@ -261,7 +276,7 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
 
 def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False) -> None:
     """Say what to type where something else than one robot (or, with `batch`, than one or many) was given."""
-    if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
+    if not is_machine(model):
         raise InputError(
             what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
         )
@@ -269,6 +284,6 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False)
         raise InputError(
             what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
         )
-    if driven and getattr(model, "period", None) is None:
+    if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
         raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])

@@ -127,7 +127,7 @@ def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, per
     cases = len(values[0])
     model = spread_over(robots.robots(*values), cases)
     at, first = coordinates(robots.robot(*(column[0] for column in values))), min(settle, _FIRST)
-    state = strobe_map(model, np.tile(states_of(start, at), (cases, 1)), first, rtol).state
+    state = strobe_map(model, states_of(start, model), first, rtol).state
     tell(0.25)
     period, state, velocity = _repeats(model, state, at.scales, _LOOK, rtol)
     late = np.flatnonzero(period == 0)

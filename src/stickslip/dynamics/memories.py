@@ -22,6 +22,7 @@ from stickslip.dynamics.duals import Dual, slopes_of, variables
 from stickslip.dynamics.flows import memory_of, rates
 from stickslip.errors import SolveError
 from stickslip.forces import held_velocity, normal_load
+from stickslip.friction.adapter import law_of
 from stickslip.position import knows_position
 
 __all__ = ["remembered"]
@@ -59,11 +60,8 @@ class _Instant:
         contact = self.model.contact_velocity(v)
         slip = _Slip(held_velocity(contact.value, side), contact.slopes)
         load = normal_load(self.model, t, x)
-        found = self.model.friction.switches(slip, z[0] if len(z) == 1 else tuple(z), load, memory_of(memory[None, :]))
-        return [
-            (guard, np.array([_number(m) for m in after]), None if new is None else list(new) if isinstance(new, tuple) else [new])
-            for guard, after, new in found
-        ]
+        found = law_of(self.model).switches(slip, tuple(z), load, memory_of(memory[None, :]))
+        return [(guard, np.array([_number(m) for m in after]), None if new is None else list(new)) for guard, after, new in found]
 
     def contact(self, y: Array) -> Dual:
         """Velocity at the contact, by time and state."""

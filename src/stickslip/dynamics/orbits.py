@@ -14,6 +14,7 @@ from stickslip.dynamics.closed import ClosedMotion, largest_first
 from stickslip.dynamics.cycles import limit_cycle
 from stickslip.dynamics.mapping import (
     Coordinates,
+    at_rest,
     coordinates,
     difference_jacobian,
     flight,
@@ -26,7 +27,8 @@ from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 
@@ -81,7 +83,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        return multipliers_of(self.monodromy, not is_dynamic(self.model.friction) and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
+        return multipliers_of(self.monodromy, not law_of(self.model).dynamic and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
 
     @cached_property
     def differences(self) -> Array:
@@ -167,7 +169,7 @@ def periodic_orbit(model: Model, period: int = 1, guess: Any = None, *, rtol: fl
     >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
     (False, -2.625)
     """
-    autonomous = hasattr(model, "friction") and getattr(model, "period", None) is None
+    autonomous = is_machine(model) and model.period is None
     needs_model("periodic_orbit", model, driven=not autonomous)
     problems = Problems("periodic_orbit")
     problems.whole("period", period, 1, example=1, what=" of drive periods")
@@ -224,19 +226,26 @@ def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
 
 
 def _guesses(model: Any, period: int, guess: Any, at: Coordinates) -> list[Array]:
-    return _from_rest(model, period, at) if guess is None else [states_of(guess, at)]
+    return _from_rest(model, period, at) if guess is None else [states_of(guess, model)[0]]
 
 
-def states_of(start: Any, at: Coordinates) -> Array:
-    """A strobe state from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None."""
+def states_of(start: Any, model: Any) -> Array:
+    """Strobe states from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
+    at, rest = coordinates(model), at_rest(model)
     if start is None:
-        return np.zeros(len(at.names))
+        return rest
+    if isinstance(start, dict):
+        columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
+        return _checked(start, np.stack(columns, axis=1), at)
+    return np.tile(_one_state(start, at), (len(rest), 1))
+
+
+def _one_state(start: Any, at: Coordinates) -> Array:
+    """The strobe state of an orbit, of a run's end, or as it was given."""
     if isinstance(start, PeriodicOrbit):
         return start.state
     if hasattr(start, "strobe_v"):
         return strobe_states(start)[-1]
-    if isinstance(start, dict):
-        return _checked(start, np.array([_named(start, name) for name in at.names]), at)
     try:
         state = np.asarray(number(start), float).ravel()
     except (TypeError, ValueError):
@@ -254,13 +263,15 @@ def _checked(start: Any, state: Array, at: Coordinates) -> Array:
     return state
 
 
-def _named(start: dict[str, Any], name: str) -> float:
-    """One number of a start; z0, z1, ... are entries of z, memory0, ... of memory."""
+def _named(start: dict[str, Any], name: str, rest: Array) -> Array:
+    """One number of a start, for each case; z0, z1, ... are entries of z, memory0, ... of memory. What is not named is as at rest."""
     whole = name.rstrip("0123456789")
     given = name if name in start or name == whole else whole
+    if given not in start:
+        return rest
     try:
-        values = np.ravel(number(start.get(given, 0.0)))
-        return float(values[int(name[len(whole) :]) if given != name and len(values) > 1 else 0])
+        values = np.ravel(number(start[given]))
+        return np.full(len(rest), values[int(name[len(whole) :]) if given != name and len(values) > 1 else 0], float)
     except (ValueError, IndexError):
         raise InputError(
             "start", [f"{given} = {start[given]!r}; allowed is a number, or as many as the law has; type {given}=0.0"]
@@ -269,7 +280,7 @@ def _named(start: dict[str, Any], name: str) -> float:
 
 def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
     """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
-    settled = strobe_map(model, np.zeros((1, len(at.names))), _SETTLING, 1e-6).state
+    settled = strobe_map(model, at_rest(model), _SETTLING, 1e-6).state
     points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]
     means = 0.5 * (points[1:] + points[:-1])
     means[:, at.smooth :] = points[1:, at.smooth :]

@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.dynamics.duals import variables
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen
 from stickslip.forces import normal_load
+from stickslip.machine import machine_of
+from stickslip.tracks import grip_of
 
 __all__ = ["ShiftedDrive", "ShiftedTrack", "shifted"]
 
@@ -45,7 +48,7 @@ class ShiftedDrive(Around):
     @property
     def vertical_acceleration(self) -> Any:
         """That of the drive, as much ahead, or None if it has none."""
-        lift = getattr(self.drive, "vertical_acceleration", None)
+        lift = drive_of(self.drive).vertical_acceleration
         return None if lift is None else lambda t: lift(self._ahead(t))
 
     def _ahead(self, t: Any) -> Any:
@@ -109,8 +112,8 @@ def shifted(what: str, model: Any, phase: Any) -> Any:
     >>> bool(later.drive.position(0.0) == robot.drive.position(robot.period / 4))
     True
     """
-    problems, track = Problems(what), getattr(model, "track", None)
-    if not hasattr(model, "drive"):
+    problems, track = Problems(what), machine_of(model).track
+    if machine_of(model).drive is None:
         raise InputError(what, [f"phase is that of a drive, and {type(model).__name__} has none; leave phase out"])
     for part in (model.drive, track):
         if getattr(part, "breaks", ()) or getattr(part, "jumps", ()):
@@ -119,7 +122,7 @@ def shifted(what: str, model: Any, phase: Any) -> Any:
             problems.add(f"phase is for smooth drives; {type(part).__name__} begins anew with every period; leave phase out")
     problems.check()
     found = model.replace(drive=ShiftedDrive(model.drive, phase))
-    found = found.replace(track=ShiftedTrack(track, phase)) if hasattr(track, "grip") else found
+    found = found.replace(track=ShiftedTrack(track, phase)) if grip_of(track) is not None else found
     if not _is_later(found, model, phase):
         kind = type(model).__name__
         raise InputError(what, [f"phase is that of the drive, and {kind} keeps the time in its own equations as well; leave phase out"])
@@ -139,7 +142,7 @@ def _is_later(found: Any, model: Any, phase: Any) -> bool:
 def _of_time(part: Any, period: Any) -> list[Callable[[Any], Any]]:
     """What the equations of motion ask a drive or a track at a time."""
     found = [getattr(part, name, None) for name in ("acceleration", "vertical_acceleration")]
-    grip = getattr(part, "grip", None)
+    grip = grip_of(part)
     return [f for f in found if f is not None] + ([] if grip is None else [lambda t: grip(t, period)])
 
 

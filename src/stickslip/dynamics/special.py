@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.dynamics.marked import certain
 from stickslip.dynamics.paths import Path, Point
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 
 __all__ = ["Located", "located", "root"]
 
@@ -46,7 +46,7 @@ def located(path: Path, a: Point, b: Point) -> list[Located]:
         found.append(Located("flip", there, (), _accuracy(path, there, _flip, b)))
     if a.turning * b.turning < 0:
         found += _turning(path, a, b)
-    found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if is_dynamic(a.orbit.model.friction) else []
+    found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if law_of(a.orbit.model).dynamic else []
     found += _changes(path, a, b, _word, _kind_of_change, _said_of_words)
     return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
 
@@ -123,7 +123,7 @@ def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Poin
 def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Located]:
     """Where a word for the motion changes, however often: bisection for each change."""
     found: list[Located] = []
-    low, end, near, first = 0.0, _length(a, b), _NEAR[is_dynamic(a.orbit.model.friction)], a
+    low, end, near, first = 0.0, _length(a, b), _NEAR[law_of(a.orbit.model).dynamic], a
     last = word(a.orbit)
     while last != word(b.orbit):
         inner, outer, here, before = low, end, b, a
@@ -149,7 +149,7 @@ def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: A
 
 def _word(orbit: Any) -> str:
     """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds."""
-    return orbit.type if is_dynamic(orbit.model.friction) else orbit.pattern
+    return orbit.type if law_of(orbit.model).dynamic else orbit.pattern
 
 
 def _reversals(orbit: Any) -> int:

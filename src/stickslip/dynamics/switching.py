@@ -20,7 +20,9 @@ import numpy as np
 
 from stickslip.dynamics.flows import offer_slopes
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, normal_load, offered_force
+from stickslip.forces import normal_load, offered_force
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]
@@ -57,7 +59,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     >>> found.pattern, times.round(6).tolist()
     ('0+-', [0.050631, 0.07294, 0.634425])
     """
-    if is_dynamic(orbit.model.friction) or knows_position(orbit.model):
+    if law_of(orbit.model).dynamic or knows_position(orbit.model):
         raise InputError("sequence_of", ["an orbit as a sequence of arcs needs a set-valued law, and equations in which x does not appear"])
     pieces, T = orbit.run.pieces, float(orbit.model.period)
     t, mode = np.asarray(pieces.t), np.asarray(pieces.mode)
@@ -73,7 +75,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
 def gap(model: Any, t: Array, side: int) -> Array:
     """How far the offered force is beyond the break-away force of one side, in units of the drive's force: positive within."""
     t = np.asarray(t, float)
-    limits = model.friction.breakaway(normal_load(model, t, 0.0 * t))
+    limits = law_of(model).breakaway(normal_load(model, t, 0.0 * t))
     return side * (limits[1 if side > 0 else 0] - offered_force(model, t, 0.0 * t)) / _force(model)
 
 
@@ -83,7 +85,7 @@ def _force(model: Any) -> float:
 
 
 def _speed(model: Any) -> float:
-    return float(getattr(model, "free_velocity", model.velocity_scale))
+    return float(machine_of(model).free_velocity)
 
 
 def _slide(model: Any, mode: int, begin: float, times: Array) -> Array:
@@ -108,7 +110,7 @@ def _integrated(model: Any, mode: int, begin: float, times: Array) -> Array:
 
     def rate(t: float, y: Array) -> list[float]:
         v = mode * max(mode * y[0], least)
-        return [float(model.acceleration(t, 0.0, y[0], model.friction.sliding(model.contact_velocity(v), normal_load(model, t, 0.0))))]
+        return [float(model.acceleration(t, 0.0, y[0], law_of(model).sliding(model.contact_velocity(v), normal_load(model, t, 0.0))))]
 
     last = float(times[-1])
     if last <= begin:

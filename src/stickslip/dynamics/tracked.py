@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
-from stickslip.dynamics.attractors import Attractor, settled_points, start_axes, told_apart, wilson
+from stickslip.dynamics.attractors import Attractor, on_grid, settled_points, start_axes, told_apart, wilson
 from stickslip.dynamics.diagrams import UNDONE, checked_values, strobe_attrs
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report
@@ -93,23 +93,30 @@ def attractors(
     axes = start_axes("attractors", at, starts or {}, settle, workers)
     grid = np.meshgrid(*axes.values(), indexing="ij")
     table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
-    first = np.column_stack([table.get(name, np.zeros(grid[0].size)) for name in at.names])
     tracks: list[_Track] = []
     lost, watch = np.full(len(values), UNDONE), Watch(len(values), progress)
     for k in range(len(values)):
-        lost[k] = _at_value(robots, float(values[k]), k, first, tracks, at, settle, rtol, workers)
+        lost[k] = _at_value(robots, float(values[k]), k, table, tracks, at, settle, rtol, workers)
         watch.finished(k, np.zeros(1, int))
         if watch.stopped:
             break
-    return _dataset(robots, parameter, values, tracks, lost, at, len(first))
+    return _dataset(robots, parameter, values, tracks, lost, at, grid[0].size)
 
 
 def _at_value(
-    robots: Family, value: float, k: int, first: Array, tracks: list[_Track], at: Coordinates, settle: int, rtol: float, workers: int
+    robots: Family,
+    value: float,
+    k: int,
+    table: dict[str, Array],
+    tracks: list[_Track],
+    at: Coordinates,
+    settle: int,
+    rtol: float,
+    workers: int,
 ) -> int:
     """Go on with the tracks at one value, and begin new ones. Returns how many starts lead nowhere."""
     model = robots.robot(value)
-    alive = [track for track in tracks if k - 1 in track.found]
+    first, alive = on_grid(table, model), [track for track in tracks if k - 1 in track.found]
     states = np.vstack([*(track.state[None, :] for track in alive), first])
     points, ways, good = settled_points(spread_over(model, len(states)), states, settle, rtol, workers, None)
     period, V, number = told_apart(float(model.period), points, ways, good, at, rtol)

@@ -22,7 +22,7 @@ import numpy as np
 
 from stickslip.dynamics.flows import offer_slopes, rates
 from stickslip.dynamics.memories import remembered
-from stickslip.forces import is_dynamic, memories_of
+from stickslip.friction.adapter import law_of
 from stickslip.position import knows_position
 
 __all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
@@ -77,11 +77,11 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
     grid = (t[:-1, None] + (np.arange(parts) / parts) * np.diff(t)[:, None]).ravel()
     h, index = np.repeat(np.diff(t) / parts, parts), np.repeat(np.arange(len(mode)), parts)
     matrices, areas = _steps(run, grid, h, index)
-    if not is_dynamic(model.friction):
+    if not law_of(model).dynamic:
         stuck = mode[index] == 0
         matrices[stuck, _place_of_v(model), :], areas[stuck] = 0.0, -np.inf
     changed = np.diff(mode) != 0
-    if memories_of(model.friction):
+    if law_of(model).modes:
         changed |= np.any(np.diff(pieces.memory, axis=0) != 0, axis=1)
     for i in np.flatnonzero(changed):
         last, S = (int(i) + 1) * parts - 1, saltation(run, int(i) + 1)
@@ -104,7 +104,7 @@ def _states(run: Any, t: Array, index: Array) -> Array:
 def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:
     """Radau IIA over every step at once: transfer matrices, and integrals of the trace."""
     mode, stages = np.asarray(run.pieces.mode)[index], len(NODES)
-    memory = run.pieces.memory[index] if memories_of(run.model.friction) else ()
+    memory = run.pieces.memory[index] if law_of(run.model).modes else ()
     times = [t + min(c, _INSIDE) * h for c in NODES]
     J = [rates(run.model, mode, s, _states(run, s, index), memory)[1] for s in times]
     n, d = len(t), J[0].shape[1]
@@ -158,7 +158,7 @@ def saltation(run: Any, node: int) -> Array:
     t, before, after = float(pieces.t[node]), int(pieces.mode[node - 1]), int(pieces.mode[node])
     at, v = np.array([t]), _place_of_v(model)
     old, new = (_states(run, at, np.array([i])) for i in (node - 1, node))
-    if memories_of(model.friction):
+    if law_of(model).modes:
         return remembered(model, t, old[:, 0], new[:, 0], (before, after), pieces.memory[node - 1 : node + 1])
     S = np.eye(len(old))
     if abs(new[v, 0] - old[v, 0]) > 1e-9 * float(np.max(model.velocity_scale)):
@@ -166,7 +166,7 @@ def saltation(run: Any, node: int) -> Array:
     f_old = rates(model, np.array([before]), at, old)[0][:, 0]
     f_new = rates(model, np.array([after]), at, old)[0][:, 0]
     jump = f_new - f_old
-    if is_dynamic(model.friction):
+    if law_of(model).dynamic:
         if np.any(abs(jump) > 1e-9 * abs(f_old).max()) and f_old[v] != 0.0:
             S[:, v] += jump / f_old[v]
     elif after == 0:

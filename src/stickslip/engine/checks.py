@@ -14,24 +14,10 @@ import numpy as np
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
+from stickslip.forces import normal_load
+from stickslip.friction.adapter import LawAdapter, adapted, law_of
 
-__all__ = ["as_tuple", "check_numbers", "check_signatures", "explained", "finite", "given"]
-
-
-def as_tuple(value: Any, count: int, what: str) -> tuple[Any, ...]:
-    """What a law gives for its inner states, as a tuple of that many."""
-    values = tuple(value) if isinstance(value, (tuple, list)) else (value,)
-    if len(values) != count:
-        raise TraceError(
-            f"{what} gives {len(values)} values; the law has {count} inner state{'' if count == 1 else 's'} (class attribute states)"
-        )
-    return values
-
-
-def given(values: tuple[Any, ...]) -> Any:
-    """Inner states as a law takes them: a number if there is one."""
-    return values[0] if len(values) == 1 else values
+__all__ = ["check_numbers", "check_signatures", "explained", "finite"]
 
 
 def explained(work: Any, model: Any) -> Any:
@@ -57,14 +43,15 @@ def explained(work: Any, model: Any) -> Any:
 
 ARGUMENTS = {
     "rate": ("v", "z", "load"), "force": ("v", "z", "zdot", "load"), "sliding": ("v", "load"), "breakaway": ("load",),
-    "switches": ("v", "z", "load"), "scale": ("load",), "velocity_scale": (),
+    "switches": ("v", "z", "load"), "scale": ("load",), "start": ("load",), "velocity_scale": (),
 }  # fmt: skip
 
 
 def _arguments(law: Any, name: str) -> tuple[str, ...]:
     """What a method of a law takes: a law with modes is given them, and one that asks for it what would hold the body."""
-    remembers = ("mode",) if hasattr(law, "switches") and name in ("rate", "force", "switches") else ()
-    return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and wants_applied(law) else ())
+    known = adapted(law)
+    remembers = ("mode",) if known.switching and name in ("rate", "force", "switches") else ()
+    return ARGUMENTS[name] + remembers + (("applied",) if name == "force" and known.needs_applied else ())
 
 
 def check_signatures(law: Any) -> None:
@@ -112,36 +99,39 @@ def _check_numbers(model: Any) -> None:
     names = tuple(name for name, _ in leaves(model))
     case: Any = replace_leaf(model, dict(zip(names, (float(c) for c in rows_of(model, names)[0]), strict=True)))
     load, speed = float(normal_load(case, 0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
-    look = _values_of_dynamic if is_dynamic(case.friction) else _values_of_set_valued
+    law = law_of(case)
+    look = _values_of_dynamic if law.dynamic else _values_of_set_valued
     for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
         try:
-            values = look(case.friction, v, load)
+            values = look(law, v, load)
         except (ValueError, ZeroDivisionError, OverflowError) as error:
-            values = {"rate or force" if is_dynamic(case.friction) else "sliding or breakaway": f"no number ({error})"}
+            values = {"rate or force" if law.dynamic else "sliding or breakaway": f"no number ({error})"}
         for what, value in values.items():
             if not isinstance(value, (int, float)) or not abs(value) < _LARGEST:
-                law = case.friction
-                numbers = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
+                numbers = {f.name: getattr(law.law, f.name) for f in dataclasses.fields(law.law)}
                 raise InputError(
-                    type(law).__name__,
+                    law.name,
                     [
-                        f"{what}(v={v:.6g}, {'z=0, ' if is_dynamic(law) else ''}load={load:.6g}) is {value} with {numbers}; "
+                        f"{what}(v={v:.6g}, {_told(law.start(load)) if law.dynamic else ''}load={load:.6g}) is {value} with {numbers}; "
                         f"allowed is a finite number; check the law's formula and fields. {_BOTH}"
                     ],
                 )
 
 
-def _values_of_dynamic(law: Any, v: float, load: float) -> dict[str, Any]:
-    count, memory = states_of(law), ((0,) * int(getattr(law, "modes", 0)),) if hasattr(law, "switches") else ()
-    z = (0.0,) * count
-    rate = as_tuple(law.rate(v, given(z), load, *memory), count, "rate")
+def _told(z: tuple[Any, ...]) -> str:
+    """The inner states of a start, as an argument."""
+    return f"z={z[0] if len(z) == 1 else z}, " if any(z) else "z=0, "
+
+
+def _values_of_dynamic(law: LawAdapter, v: float, load: float) -> dict[str, Any]:
+    modes, z = (0,) * law.modes, law.start(load)
+    rate = law.rate(v, z, load, modes)
     bad = [r for r in rate if not isinstance(r, (int, float))]
     if bad:
         return {"rate": bad[0]}
-    applied = (0.0,) if wants_applied(law) else ()
-    return {"rate": max(map(abs, rate), default=0.0), "force": law.force(v, given(z), given(rate), load, *memory, *applied)}
+    return {"rate": max(map(abs, rate), default=0.0), "force": law.force(v, z, rate, load, modes)}
 
 
-def _values_of_set_valued(law: Any, v: float, load: float) -> dict[str, Any]:
+def _values_of_set_valued(law: LawAdapter, v: float, load: float) -> dict[str, Any]:
     backward, forward = law.breakaway(load)
     return {"breakaway": forward if not math.isfinite(forward) else backward} | ({"sliding": law.sliding(v, load)} if v else {})

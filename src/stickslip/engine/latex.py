@@ -8,7 +8,9 @@ from typing import Any
 from stickslip.arguments import LawOrModel, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
+from stickslip.forces import normal_load
+from stickslip.friction.adapter import LawAdapter, adapted, is_law
+from stickslip.machine import is_machine
 
 __all__ = ["latex", "written"]
 
@@ -142,9 +144,9 @@ def latex(model: LawOrModel) -> str:
     - N \mu_{-} \le R &\le N \mu_{+}, && v = 0
     \end{aligned}
     """
-    moves = hasattr(model, "friction") and hasattr(model, "acceleration")
+    moves = is_machine(model)
     law = model.friction if moves else model
-    if not (is_dynamic(law) or hasattr(law, "sliding")):
+    if not is_law(law):
         given = f"{type(model).__name__} given; allowed is a friction law or a robot"
         raise InputError("latex", [f"{given}; type for example ss.latex(robot.friction)"])
     lines, load, slip = _of_motion(model) if moves else ([], _symbol("N"), "v")
@@ -203,7 +205,7 @@ def _letters_of(names: list[str]) -> dict[str, _Tex]:
 
 def _of_law(law: Any, load: _Tex, slip: str) -> list[str]:
     """The lines of a law."""
-    traced = replace_leaf(law, {name: _symbol(symbol_text(name)) for name, _ in leaves(law)})
+    traced = adapted(replace_leaf(law, {name: _symbol(symbol_text(name)) for name, _ in leaves(law)}))
     sides = [_equations(traced, _symbol(slip, **{sign: True}), load) for sign in ("positive", "negative")]
     lines = []
     for (left, plus), (_, minus) in zip(*sides, strict=True):
@@ -211,7 +213,7 @@ def _of_law(law: Any, load: _Tex, slip: str) -> list[str]:
             lines.append(f"{left} &= {_text(plus)}")
         else:
             lines += [f"{left} &= {_text(plus)}, && {slip} > 0", f"{left} &= {_text(minus)}, && {slip} < 0"]
-    if not is_dynamic(law):
+    if not traced.dynamic:
         low, high = traced.breakaway(load)
         lines.append(rf"{_text(low)} \le R &\le {_text(high)}, && {slip} = 0")
     return lines
@@ -223,20 +225,12 @@ def _text(expression: Any) -> str:
     return str(sympy.latex(_bare(expression)))
 
 
-def _equations(law: Any, v: _Tex, load: _Tex) -> list[tuple[str, Any]]:
+def _equations(law: LawAdapter, v: _Tex, load: _Tex) -> list[tuple[str, Any]]:
     """Left and right sides on one side of v = 0."""
     import sympy
 
-    if not is_dynamic(law):
-        return [("R", law.sliding(v, load))]
-    count = states_of(law)
-    memory = [_Tex(sympy.Symbol(f"m_{{{i + 1}}}", integer=True)) for i in range(int(getattr(law, "modes", 0)))]
-    more = (tuple(memory),) if hasattr(law, "switches") else ()
-    applied = (_Tex(sympy.Symbol("R_{0}", real=True)),) if wants_applied(law) else ()
-    names = ["z"] if count == 1 else [f"z_{{{i + 1}}}" for i in range(count)]
-    z = [_Tex(sympy.Symbol(name, real=True)) for name in names]
-    dots = [_Tex(sympy.Symbol(rf"\dot {name}", real=True)) for name in names]
-    rate = law.rate(v, z[0] if count == 1 else tuple(z), load, *more)
-    force = law.force(v, z[0] if count == 1 else tuple(z), dots[0] if count == 1 else tuple(dots), load, *more, *applied)
-    rates = [rate] if count == 1 else list(rate)
-    return [("R", force), *((rf"\dot {name}", r) for name, r in zip(names, rates, strict=True))]
+    modes = tuple(_Tex(sympy.Symbol(f"m_{{{i + 1}}}", integer=True)) for i in range(law.modes))
+    names = ["z"] if law.states == 1 else [f"z_{{{i + 1}}}" for i in range(law.states)]
+    z, dots = (tuple(_symbol(dot + name, real=True) for name in names) for dot in ("", r"\dot "))
+    force = law.force(v, z, dots, load, modes, _symbol("R_{0}", real=True))
+    return [("R", force), *((rf"\dot {name}", rate) for name, rate in zip(names, law.rate(v, z, load, modes), strict=True))]

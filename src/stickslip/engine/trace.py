@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.engine.checks import as_tuple, explained, given
+from stickslip.engine.checks import explained
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import is_dynamic, normal_load, states_of, wants_applied
+from stickslip.forces import normal_load
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.maths import maximum
 from stickslip.position import knows_position
 
@@ -91,8 +93,8 @@ class Equations:
 
 def label(model: Any) -> str:
     """What a model's kind is called: ``LuGre × Harmonic``."""
-    parts = [type(model.friction).__name__] + ([type(model.drive).__name__] if hasattr(model, "drive") else [type(model).__name__])
-    track = getattr(model, "track", None)
+    drive, track = machine_of(model).drive, machine_of(model).track
+    parts = [type(model.friction).__name__, type(model if drive is None else drive).__name__]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)
     return " × ".join(parts)
@@ -136,7 +138,7 @@ class _Mechanics:
         self.load = self.lift(normal_load(self.model, self.t, self.x))
         zero = graph.constant(0.0)
         self.first_load = self.lift(normal_load(self.model, zero, zero))  # a typical load, where it varies
-        self.law = self.model.friction
+        self.law = law_of(self.model)
 
     def lift(self, value: Any) -> Sym:
         return value if isinstance(value, Sym) else self.graph.constant(value)
@@ -167,10 +169,10 @@ def _trace(model: Any) -> Equations:
     _check_contact(model)
     m = _Mechanics(model)
     graph = m.graph
-    speed = getattr(m.law, "velocity_scale", None)
+    speed = m.law.velocity_scale()
     scale = _velocity_scale(m, m.model.velocity_scale, speed)
     graph.units["v"] = graph.select(scale, scale, graph.constant(1.0))
-    motion = _dynamic(m) if is_dynamic(model.friction) else _set_valued(m)
+    motion = _dynamic(m) if m.law.dynamic else _set_valued(m)
     y = (m.slip, *motion.inner, *(() if m.cyclic else (m.x,)))
     f = (*motion.f, *(() if m.cyclic else (m.v,)))
     events = [*motion.events, *_lost(m, len(y), motion.modes)]
@@ -178,7 +180,7 @@ def _trace(model: Any) -> Equations:
     switches = {len(graph.guards) + k: switch for k, (_, switch) in enumerate(events)}
     if motion.at_rest is not None:
         switches[0] = motion.at_rest
-    impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in getattr(m.model, "impulses", ()) or ())
+    impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in machine_of(m.model).impulses)
     return Equations(
         graph=graph, names=m.names, t=m.t, y=y, f=f, offset=m.offset,
         jacobian=tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f),
@@ -188,27 +190,26 @@ def _trace(model: Any) -> Equations:
         clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks), impulses=impulses,
         period=m.period(model),
         velocity_scale=scale,
-        free_velocity=_velocity_scale(m, getattr(m.model, "free_velocity", m.model.velocity_scale), speed),
+        free_velocity=_velocity_scale(m, machine_of(m.model).free_velocity, speed),
         scales=(*motion.scales, *(() if m.cyclic else (None,))),
-        stribeck_velocity=None if speed is None else m.lift(speed()),
+        stribeck_velocity=None if speed is None else m.lift(speed),
         cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
-        balances=is_dynamic(m.model.friction) and wants_applied(m.model.friction),
+        balances=m.law.needs_applied,
         free=m.acceleration(0.0), inertia=_inertia(m),
     )  # fmt: skip
 
 
 def _dynamic(m: _Mechanics) -> _Motion:
     """A law with inner states: rate and force; its memory of whole numbers, if it has one, changes by switches."""
-    law, graph, count = m.law, m.graph, states_of(m.law)
-    z = tuple(graph.variable(f"z{i}") for i in range(count))
-    modes = tuple(graph.mode(f"mode{i}") for i in range(int(getattr(law, "modes", 0)))) if hasattr(law, "switches") else ()
-    memory = (modes,) if hasattr(law, "switches") else ()
-    zdot = tuple(m.lift(r) for r in as_tuple(law.rate(m.slip, given(z), m.load, *memory), count, "rate"))
-    applied = (m.model.total_mass * m.acceleration(0.0),) if wants_applied(law) else ()
-    force = law.force(m.slip, given(z), given(zdot), m.load, *memory, *applied)
-    events, at_rest = _switches(m, z, modes) if memory else ([], None)
-    scale = getattr(law, "scale", None)
-    scales = (None,) * count if scale is None else tuple(m.lift(s) for s in as_tuple(scale(m.first_load), count, "scale"))
+    law, graph = m.law, m.graph
+    z = tuple(graph.variable(f"z{i}") for i in range(law.states))
+    modes = tuple(graph.mode(f"mode{i}") for i in range(law.modes))
+    zdot = tuple(map(m.lift, law.rate(m.slip, z, m.load, modes)))
+    applied = m.model.total_mass * m.acceleration(0.0) if law.needs_applied else None
+    force = law.force(m.slip, z, zdot, m.load, modes, applied)
+    events, at_rest = _switches(m, z, modes)
+    typical = law.scale(m.first_load)
+    scales = (None,) * law.states if typical is None else tuple(map(m.lift, typical))
     zero = graph.constant(0.0)
     return _Motion(z, (m.acceleration(force), *zdot), events, at_rest, modes, (zero,) * len(modes), scales)
 
@@ -216,11 +217,9 @@ def _dynamic(m: _Mechanics) -> _Motion:
 def _switches(m: _Mechanics, z: tuple[Sym, ...], modes: tuple[Sym, ...]) -> tuple[list[tuple[Sym, Switch]], Switch | None]:
     """The law's switches; those at the instant when v passes zero belong to the guard that is there already."""
     events, at_rest, passing = [], None, abs(m.slip)
-    for guard, new_modes, new_z in m.law.switches(m.slip, given(z), m.load, modes):
-        states: tuple[Sym | None, ...] = (None,) * (1 + len(z))
-        if new_z is not None:
-            states = (None, *(m.lift(s) for s in as_tuple(new_z, len(z), "switches")))
-        states += () if m.cyclic else (None,)
+    for guard, new_modes, new_z in m.law.switches(m.slip, z, m.load, modes):
+        inner: tuple[Sym | None, ...] = (None,) * len(z) if new_z is None else tuple(map(m.lift, new_z))
+        states = (None, *inner, *(() if m.cyclic else (None,)))
         switch = Switch(tuple(m.lift(new) for new in new_modes), states)
         if guard is passing:
             at_rest = switch
@@ -279,7 +278,8 @@ def _check_contact(model: Any) -> None:
 
 def _inertia(m: _Mechanics) -> Sym | None:
     """The drive force, -m d²xi/dt²."""
-    return -(m.model.inner_mass * m.lift(m.model.drive.acceleration(m.t))) if hasattr(m.model, "drive") else None
+    drive = machine_of(m.model).drive
+    return None if drive is None else -(m.model.inner_mass * m.lift(drive.acceleration(m.t)))
 
 
 def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:
@@ -310,7 +310,7 @@ def _at_zero(graph: Graph, node: Sym, t: Sym) -> Sym:
 def _velocity_scale(m: _Mechanics, driven: Any, speed: Any) -> Sym:
     """A velocity of the drive, and something positive where the drive is off."""
     driven = m.lift(driven)
-    return driven if speed is None else maximum(driven, 1e-9 * m.lift(speed()))
+    return driven if speed is None else maximum(driven, 1e-9 * m.lift(speed))
 
 
 def _spread(node: Sym, factor: Sym | None = None) -> Sym:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.mapping import coordinates, strobe_map
+from stickslip.dynamics.mapping import at_rest, coordinates, strobe_map
 from stickslip.errors import InputError
 from stickslip.explorer.asked import Message, Plane, State
 from stickslip.explorer.effort import effort, too_much
@@ -122,7 +122,11 @@ def _strobed(robots: Any, count: int, tell: Callable[[int, int], None]) -> tuple
     swings, decays = (np.broadcast_to(a, count) for a in effort(robots))
     wanted = ~too_much(swings, decays)
     stride = int(np.clip(2000 / max(swings[wanted].max(initial=0.0), 1.0), 1, 8))  # short enough to be stopped soon
-    state, ways, strobes = np.zeros((count, len(coordinates(robots).names))), np.zeros(count), np.full((count, KEPT), np.nan)
+    state, ways, strobes = (
+        np.resize(at_rest(robots), (count, len(coordinates(robots).names))),
+        np.zeros(count),
+        np.full((count, KEPT), np.nan),
+    )
     periods = [stride] * (SETTLE // stride) + [1] * KEPT
     for i, step in enumerate(periods):
         tell(i, len(periods))

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import adapted
 
 __all__ = ["affordable", "effort", "too_much"]
 
@@ -32,7 +32,7 @@ def effort(robot: Any) -> tuple[Any, Any]:
 
     law, mass, period = robot.friction, robot.total_mass, robot.period
     swings = np.sqrt(getattr(law, "sigma0", 0.0) / mass) * period / (2 * math.pi)
-    damping = 0.0 if is_dynamic(law) else functools.reduce(np.maximum, (getattr(law, name, 0.0) for name in _DAMPINGS))
+    damping = 0.0 if adapted(law).dynamic else functools.reduce(np.maximum, (getattr(law, name, 0.0) for name in _DAMPINGS))
     return swings, damping / mass * period
 
 

@@ -23,6 +23,7 @@ from stickslip.drives import (
 )
 from stickslip.fields import is_number_field
 from stickslip.friction import LAWS, Tabulated
+from stickslip.friction.adapter import adapted
 from stickslip.maths import cos, exp, maximum, sin
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, VaryingFriction
@@ -177,7 +178,7 @@ def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
 FRICTION: dict[str, Part] = {
     name: Part("Tabulated (a Stribeck curve)", ("v_s",), _tabulated) if name == "tabulated" else _law(name)
     for name, law in LAWS.items()
-    if not getattr(law, "scalar_only", False)
+    if adapted(law.example()).compiles
 }
 """The laws of the page: all but those that cannot be compiled (the bristle model), whose runs take minutes and cannot be dragged."""
 

@@ -1,5 +1,6 @@
 """Friction laws: one law, one file. `LAWS` lists those that stand for themselves by name; `Sum` adds any of them up."""
 
+from stickslip.contracts import Law
 from stickslip.friction.bristle import Bristle
 from stickslip.friction.coulomb import Coulomb
 from stickslip.friction.coulomb_viscous import CoulombViscous
@@ -20,6 +21,7 @@ _ALL = (
     Coulomb, Viscous, CoulombViscous, Stribeck, Tabulated, Dahl, LuGre, ElastoPlastic, GMS, Bristle, ResetIntegrator, TanhCoulomb,
     DeadBand, Karnopp,
 )  # fmt: skip
+_KEEPING_THE_CONTRACT: tuple[type[Law], ...] = _ALL  # mypy compares their methods
 #: Every law by its name in lower case.
 LAWS = {law.__name__.lower(): law for law in _ALL}
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
 from dataclasses import dataclass
 from typing import Any
 
 from stickslip.errors import InputError, Problems
 from stickslip.fields import everywhere
+from stickslip.friction.adapter import LawAdapter, adapted, is_law
 from stickslip.friction.law import Law
 from stickslip.maths import minimum
 
@@ -72,7 +72,7 @@ class Sum(Law):
 
     def notes(self, load: Any) -> list[str]:
         """The notes of both parts."""
-        return [note for part in (self.first, self.second) if hasattr(part, "notes") for note in part.notes(load)]
+        return [note for part in (self.first, self.second) for note in adapted(part).notes(load)]
 
 
 class SlidingSum(Sum):
@@ -84,7 +84,7 @@ class SlidingSum(Sum):
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
         """Friction forces (backward, forward) that rest can bear [N]."""
-        held = [part.breakaway(load) for part in (self.first, self.second) if hasattr(part, "breakaway")]
+        held = [part.breakaway(load) for part in map(adapted, (self.first, self.second)) if not part.dynamic]
         return sum(low for low, _ in held), sum(high for _, high in held)
 
 
@@ -92,27 +92,33 @@ class DynamicSum(Sum):
     """The sum of a dynamic law and one that holds nothing at rest."""
 
     def _parts(self) -> tuple[Any, Any]:
-        return (self.first, self.second) if _memory(self.first) or not hasattr(self.second, "rate") else (self.second, self.first)
+        one, two = adapted(self.first), adapted(self.second)
+        return (self.first, self.second) if _remembers(one) or not two.dynamic else (self.second, self.first)
 
     @property
     def states(self) -> int:
         """Number of inner states."""
-        return int(getattr(self._parts()[0], "states", 1))
+        return adapted(self._parts()[0]).states
 
     @property
     def scalar_only(self) -> bool:
         """Whether the law cannot be compiled."""
-        return bool(getattr(self._parts()[0], "scalar_only", False))
+        return not adapted(self._parts()[0]).compiles
 
     @property
     def random(self) -> bool:
         """Whether the law draws by chance."""
-        return bool(getattr(self._parts()[0], "random", False))
+        return adapted(self._parts()[0]).random
 
     @property
     def scale(self) -> Any:
         """Typical size of the inner states; absent where the dynamic law has none."""
         return self._parts()[0].scale
+
+    @property
+    def start(self) -> Any:
+        """Inner states of a contact that nobody has moved; absent where the dynamic law has none of its own."""
+        return self._parts()[0].start
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rates of the inner states."""
@@ -130,7 +136,7 @@ class ModalSum(DynamicSum):
     @property
     def modes(self) -> int:
         """Number of memories."""
-        return int(self._parts()[0].modes)
+        return adapted(self._parts()[0]).modes
 
     def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:  # type: ignore[override]
         """Rates of the inner states."""
@@ -148,27 +154,28 @@ class ModalSum(DynamicSum):
 
 def _moving(law: Any, v: Any, load: Any) -> Any:
     """Force of a law without memory at velocity v [N]."""
-    return law.sliding(v, load) if hasattr(law, "sliding") else law.force(v, (), (), load)
+    return adapted(law).force(v, (), (), load)
 
 
-def _memory(law: Any) -> bool:
-    return hasattr(law, "rate") and (getattr(law, "states", 1) > 0 or getattr(law, "modes", 0) > 0)
+def _remembers(law: LawAdapter) -> bool:
+    return law.states > 0 or law.modes > 0
 
 
-def _sticks(law: Any) -> bool:
-    return hasattr(law, "breakaway") and not all(everywhere(force == 0) for force in law.breakaway(1.0))
+def _sticks(law: LawAdapter) -> bool:
+    return not law.dynamic and not all(everywhere(force == 0) for force in law.breakaway(1.0))
 
 
 def _kind(parts: list[Any]) -> type:
     """Which sum two laws make; `InputError` where they make none."""
     problems, names = Problems("Sum"), [type(part).__name__ for part in parts]
     for part, name in zip(parts, names, strict=True):
-        if isinstance(part, type) or (not (hasattr(part, "sliding") and hasattr(part, "breakaway")) and not hasattr(part, "force")):
+        if isinstance(part, type) or not is_law(part):
             problems.add(f"{part!r} is no friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)")
-        elif hasattr(part, "force") and "applied" in inspect.signature(part.force).parameters:
+        elif adapted(part).needs_applied:
             problems.add(f"{name} balances the other forces at rest, so nothing can be added to it; use ss.Coulomb, solved exactly")
     problems.check()
-    memory, sticks = [_memory(part) for part in parts], [_sticks(part) for part in parts]
+    known = [adapted(part) for part in parts]
+    memory, sticks = [_remembers(law) for law in known], [_sticks(law) for law in known]
     if all(memory):
         raise InputError("Sum", [f"{names[0]} and {names[1]} both have inner states; allowed is one such law; write one law with both"])
     if any(memory) and any(sticks):
@@ -177,6 +184,6 @@ def _kind(parts: list[Any]) -> type:
             [f"{names[0]} and {names[1]}: one has inner states and the other sticks; allowed beside a law with memory is one that holds "
              "nothing at rest, such as ss.Viscous"],
         )  # fmt: skip
-    if any(getattr(part, "modes", 0) for part in parts):
+    if any(law.modes for law in known):
         return ModalSum
-    return DynamicSum if any(hasattr(part, "rate") for part in parts) and not any(sticks) else SlidingSum
+    return DynamicSum if any(law.dynamic for law in known) and not any(sticks) else SlidingSum

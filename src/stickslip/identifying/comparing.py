@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.analysis.motion import coulomb_twin, motion
 from stickslip.arguments import Law, Measured, Model, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.forces import is_dynamic
 from stickslip.friction import LAWS
+from stickslip.friction.adapter import law_of
 from stickslip.identifying.problems import _best_phase, _curve
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
 from stickslip.identifying.targets import Target, target
@@ -280,7 +280,7 @@ def _notes(record: Record, robot: Any, seen: Target, curves: dict[str, SteadyCur
 
 def _words(measured: Row, rows: tuple[Row, ...]) -> list[str]:
     """Why a record and a law that fits it may have two words for one motion."""
-    other = [f"{row.label} {row.type}" for row in rows if is_dynamic(row.model.friction) and row.type != measured.type]
+    other = [f"{row.label} {row.type}" for row in rows if law_of(row.model).dynamic and row.type != measured.type]
     if not other:
         return []
     rule = "a record counts as at rest below a speed, a law with inner states below a part of its sliding force"

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, law_force, law_rate, memories_of, states_of
+from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.parameters import Parameters
 from stickslip.sealing import sealed
 
@@ -135,70 +135,60 @@ def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
     them; a law's discrete memory is switched at the end of a step. A law that holds a body (a set-valued one at rest, Karnopp's in its
     band) gives there whatever was measured, within its break-away.
     """
-    if not is_dynamic(law):
-        return _set_valued(law, motion, cases)
+    known = adapted(law)
+    if not known.dynamic:
+        return _set_valued(known, motion, cases)
     out = np.empty((len(motion.t), cases))
-    states = states_of(law)
-    z = np.zeros((states, cases)) if states != 1 else np.zeros(cases)
-    mode = tuple(np.zeros(cases) for _ in range(memories_of(law)))
-    nudge = _nudges(law, float(motion.load.mean()), z)
+    z = _wide(known.start(float(motion.load[0])), cases)
+    mode = tuple(np.zeros(cases) for _ in range(known.modes))
+    nudge = _nudges(known, float(motion.load.mean()), cases)
     steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
     columns = (a.tolist() for a in (motion.v, motion.load, steps, motion.force))
     for k, (v, N, h, measured) in enumerate(zip(*columns, strict=True)):
         if mode and v * side < 0:
-            z, mode = _switched(law, 0.0, N, z, mode, came=side)
+            z, mode = _switched(known, 0.0, N, z, mode, came=side)
         side = v or side
-        z, mode = _stepped(law, v, N, h, z, mode, nudge)
-        zdot = _rate(law, v, z, N, mode)
-        out[k] = law_force(law, v, _given(z), _given(zdot), N, mode, measured)
+        z, mode = _stepped(known, v, N, h, z, mode, nudge)
+        out[k] = known.response(v, tuple(z), N, mode, measured)[0]
     return out
 
 
-def _nudges(law: Any, load: float, z: Any) -> Any:
-    """Small steps of the inner states, in their shape."""
-    scale = law.scale(load) if hasattr(law, "scale") else 1e-6
-    parts = scale if isinstance(scale, (tuple, list)) else (scale,)
-    found = [_NUDGE * np.abs(np.asarray(part, float)) * np.ones(z.shape[-1]) for part in parts]
-    return found[0] if z.ndim == 1 else np.stack(found) if found else z
+def _nudges(law: LawAdapter, load: float, cases: int) -> Any:
+    """Small steps of the inner states: array (states, cases)."""
+    typical = law.scale(load)
+    return _NUDGE * abs(_wide((1e-6,) * law.states if typical is None else typical, cases))
 
 
-def _given(z: Any) -> Any:
-    """Inner states as a law takes them."""
-    return z if z.ndim == 1 else tuple(z)
+def _wide(parts: tuple[Any, ...], cases: int) -> Any:
+    """A number, or one for each case, of each inner state: array (states, cases)."""
+    return np.array([np.broadcast_to(part, cases) for part in parts], float).reshape(len(parts), cases)
 
 
-def _rate(law: Any, v: float, z: Any, N: float, mode: Any) -> Any:
-    found = law_rate(law, v, _given(z), N, mode)
-    return np.asarray(found) if z.ndim == 1 else np.stack([np.broadcast_to(part, z.shape[1:]) for part in found]) if len(found) else z
-
-
-def _stepped(law: Any, v: float, N: float, h: float, z: Any, mode: Any, nudge: Any) -> tuple[Any, Any]:
+def _stepped(law: LawAdapter, v: float, N: float, h: float, z: Any, mode: Any, nudge: Any) -> tuple[Any, Any]:
     """Inner states and memory after a step of length h at constant velocity."""
     if v != 0 and h > 0 and z.size:
-        f = _rate(law, v, z, N, mode)
-        slope = (_rate(law, v, z + nudge, N, mode) - f) / nudge
+        f, ahead = (_wide(law.rate(v, tuple(at), N, mode), z.shape[1]) for at in (z, z + nudge))
+        slope = (ahead - f) / nudge
         a = np.minimum(slope * h, 30.0)
         small = abs(a) < 1e-8
         z = z + h * f * np.where(small, 1.0, np.expm1(a) / np.where(small, 1.0, a))
     return _switched(law, v, N, z, mode) if mode else (z, mode)
 
 
-def _switched(law: Any, v: float, N: float, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
+def _switched(law: LawAdapter, v: float, N: float, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
     """The memory after every switch whose guard has fallen; where v passes zero, every one that falls only there."""
-    given = _given(z)
-    before = None if came is None else [guard for guard, _, _ in law.switches(came, given, N, mode)]
-    for i, (guard, new_mode, new_z) in enumerate(law.switches(v, given, N, mode)):
+    before = None if came is None else [guard for guard, _, _ in law.switches(came, tuple(z), N, mode)]
+    for i, (guard, new_mode, new_z) in enumerate(law.switches(v, tuple(z), N, mode)):
         fallen = np.asarray(guard) <= 0
         if before is not None:
             fallen = fallen & (np.asarray(before[i]) > 0)
         mode = tuple(np.where(fallen, new, old) for new, old in zip(new_mode, mode, strict=True))
         if new_z is not None:
-            parts = new_z if z.ndim == 1 else np.stack([np.broadcast_to(part, z.shape[1:]) for part in new_z])
-            z = np.where(fallen, parts, z)
+            z = np.where(fallen, _wide(new_z, z.shape[1]), z)
     return z, mode
 
 
-def _set_valued(law: Any, motion: Motion, cases: int) -> Any:
+def _set_valued(law: LawAdapter, motion: Motion, cases: int) -> Any:
     v, N, F = motion.v[:, None], motion.load[:, None], motion.force[:, None]
     moving = v != 0
     sliding = np.broadcast_to(law.sliding(np.where(moving, v, 1.0), N), (len(v), cases))

@@ -10,6 +10,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic, MultiHarmonic
 from stickslip.errors import Problems, is_one_of
 from stickslip.fields import between, checked_number
+from stickslip.machine import machine_of
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve
 
@@ -103,7 +104,7 @@ _LABEL = "SYNTHETIC: made by a virtual rig, not measured"
 def _check(
     noise: float, periods: int, settle: int, samples: float, channels: Any, bandwidth: Any, resolution: float, harmonics: Any, robot: Any
 ) -> None:
-    problems, drive, what = Problems("virtual_rig"), getattr(robot, "drive", None), type(robot).__name__
+    problems, drive, what = Problems("virtual_rig"), machine_of(robot).drive, type(robot).__name__
     for name, value, least in (("noise", noise, 0), ("periods", periods, 1), ("settle", settle, 0), ("samples", samples, 4)):
         if not isinstance(value, (int, float, np.number)) or not least <= value < np.inf:
             problems.add(f"{name} = {value!r}; allowed is {least} or more; type for example {name}={max(least, 20)}")

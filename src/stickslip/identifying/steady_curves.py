@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import SolveError
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import solve
 
@@ -75,7 +76,7 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
     Where the strobe points approach their limit geometrically, the limit is extrapolated and the run begins there again.
     """
     spent, periods = 0, _FIRST
-    scale = float(getattr(robot, "free_velocity", None) or robot.velocity_scale or 1.0)
+    scale = float(machine_of(robot).free_velocity or robot.velocity_scale or 1.0)
     tolerance = min(30 * rtol, 1e-5) * scale
     while True:
         try:

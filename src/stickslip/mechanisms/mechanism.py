@@ -9,6 +9,7 @@ from stickslip.batch import check_shape, shape_of
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, at_least, positive
 from stickslip.forces import check_law
+from stickslip.friction.adapter import law_of
 from stickslip.maths import pi, sqrt
 from stickslip.tables import from_toml, record_html, to_toml
 
@@ -54,8 +55,7 @@ class Mechanism(Frozen):
     @property
     def notes(self) -> list[str]:
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive."""
-        law_notes = getattr(self.friction, "notes", None)
-        return [] if law_notes is None else law_notes(self.load)
+        return law_of(self).notes(self.load)
 
     def to_toml(self) -> str:
         """The mechanism as TOML text, every digit kept; `from_toml` reads it back."""

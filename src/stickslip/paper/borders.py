@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.closed_form import coulomb_type
+from stickslip.friction.adapter import law_of
 from stickslip.paper.words import listed
 
 __all__ = ["Stretch", "exact_types", "longest", "stretches", "told"]
@@ -36,7 +37,7 @@ def exact_types(robot: Any) -> Any:
     >>> exact_types(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[3e-4, 8e-4], law="coulomb")).tolist()
     ['II', 'IV']
     """
-    law, load, push = robot.friction, robot.load(0.0, 0.0), robot.inner_mass * robot.drive.amplitude * robot.drive.omega**2
+    law, load, push = law_of(robot), robot.load(0.0, 0.0), robot.inner_mass * robot.drive.amplitude * robot.drive.omega**2
     return coulomb_type(law.sliding(1.0, load) / push, -law.sliding(-1.0, load) / push)
 
 

@@ -11,7 +11,9 @@ from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic, normal_load
+from stickslip.forces import normal_load
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 
@@ -73,7 +75,7 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
 
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
     """Where the contact sticks: exactly under a set-valued law, by the rule of `motion` under a dynamic one that is driven."""
-    if not is_dynamic(run.model.friction):
+    if not law_of(run.model).dynamic:
         t, mode = run.pieces.t, np.asarray(run.pieces.mode)
         found = [(t[i], t[i + 1]) for i in np.flatnonzero(mode == 0)]
     elif run.model.period is None:
@@ -226,7 +228,7 @@ def phase(
 def _displacement(model: Any) -> str:
     if model.period is not None:
         return "displacement without drift $x - Vt$"
-    return "displacement from the pulled end $x - ut$" if hasattr(model, "far_end_velocity") else "displacement $x$"
+    return "displacement from the pulled end $x - ut$" if machine_of(model).is_pulled else "displacement $x$"
 
 
 def _strobe_word() -> Any:
@@ -250,7 +252,7 @@ def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
     if run.model.period is None:
         t, v = sampled(run, start, end, "v")
         none = np.empty(0)
-        return sampled(run, start, end, "x")[1] - getattr(run.model, "far_end_velocity", 0.0) * t, v, none, none
+        return sampled(run, start, end, "x")[1] - machine_of(run.model).far_end_velocity * t, v, none, none
     count = max(round((end - start) / run.period_time), 1)
     events = np.array([e.t for e in run.events if start < e.t < end])
     t = np.unique(np.concatenate([np.linspace(start, end, 400 * count + 1), events]))
@@ -291,7 +293,7 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
     shown = {"friction force $R$": "friction_force"}
-    if hasattr(run.model, "drive"):
+    if machine_of(run.model).drive is not None:
         shown = {"drive force $-m\\ddot\\xi$": "drive_force", **shown}
     curves = {name: sampled(run, start, end, column) for name, column in shown.items()}
     time, seconds = prefix(end - start)
@@ -314,10 +316,6 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
 
 def limits(run: Any, t: Any) -> tuple[Any, ...]:
     """Break-away forces at instants: of a set-valued law its own, of a dynamic law the load times its static coefficients."""
-    law, load = run.model.friction, normal_load(run.model, t, 0.0) + 0.0 * t
-    if not is_dynamic(law):
-        return tuple(limit + 0.0 * t for limit in law.breakaway(load))
-    if not hasattr(law, "f_plus"):
-        return ()
-    plus, minus = (law.f_plus if law.f_plus is not None else law.mu_plus), (law.f_minus if law.f_minus is not None else law.mu_minus)
-    return -minus * load, plus * load
+    law, load = law_of(run.model), normal_load(run.model, t, 0.0) + 0.0 * t
+    limits = law.limits(load) if not law.dynamic or hasattr(law.law, "f_plus") else None
+    return () if limits is None else tuple(limit + 0.0 * t for limit in limits)

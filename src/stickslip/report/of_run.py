@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from stickslip.machine import machine_of
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.html import page
@@ -56,8 +57,8 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
         rows=_facts(run) if run.model.period is not None else _facts_of_mechanism(run),
         figures=_figures(run),
         library=chart_library(),
-        moments=moments(run) if hasattr(run.model, "drive") else None,
-        numbers=numbers(leaves(run.model), mechanism=not hasattr(run.model, "drive")),
+        moments=moments(run) if machine_of(run.model).drive is not None else None,
+        numbers=numbers(leaves(run.model), mechanism=machine_of(run.model).drive is None),
         notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
         toml=_toml(run),
         command=command,
@@ -73,7 +74,7 @@ def _figures(run: Any) -> list[Figure]:
 
     driven = run.model.period is not None
     speed = f"Velocity over {'three drive periods' if driven else 'the run'}; shaded where the contact sticks."
-    force = f"{'Drive force and friction' if hasattr(run.model, 'drive') else 'Friction'} force, with the forces of break-away."
+    force = f"{'Drive force and friction' if machine_of(run.model).drive is not None else 'Friction'} force, with the forces of break-away."
     phase = "Phase portrait without the drift; a circle at the start of each drive period." if driven else "Phase portrait."
     return [
         Figure(speed, svg(lambda ax: plot.velocity(run, ax=ax)), run_charts.velocity(run)),
@@ -177,7 +178,7 @@ def sources(model: Any) -> list[str]:
     import re
 
     found = []
-    for part in (model.friction, getattr(model, "drive", None)):
+    for part in (model.friction, machine_of(model).drive):
         text = re.search(r"^References\n-+\n(.*?)(?=\n\n\w|\Z)", inspect.getdoc(type(part)) or "", re.M | re.S)
         found += [" ".join(text[1].split())] if text else []
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.machine import machine_of
 from stickslip.plot.runs import limits, rests, sampled, span
 from stickslip.report.charts import chart, curve
 
@@ -27,7 +28,7 @@ def velocity(run: Any) -> dict[str, Any]:
 
 def forces(run: Any) -> dict[str, Any]:
     """Drive force, if there is one, and friction force over two drive periods [mN over ms]; over the whole run [s] where nothing drives."""
-    names = ("friction_force", "drive_force") if hasattr(run.model, "drive") else ("friction_force",)
+    names = ("friction_force", "drive_force") if machine_of(run.model).drive is not None else ("friction_force",)
     t, found, shade, across = _columns(run, 2, names)
     words = ("friction force R", "drive force −m d²ξ/dt²")
     curves = [curve(word, 1e3 * y, number=i) for i, (word, y) in enumerate(zip(words, found, strict=False))]

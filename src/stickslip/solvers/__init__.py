@@ -7,7 +7,7 @@ from typing import Any, Literal, overload
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 from stickslip.solvers.request import Request, request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
@@ -99,26 +99,23 @@ def solve(
 
 def _solver(todo: Request) -> Callable[[Request], Any]:
     """The function that does what was asked."""
-    name, law = todo.method, todo.model.friction
-    if getattr(law, "scalar_only", False) and name in ("rk4", "rodas4", "rodas5p"):
-        kind = type(law).__name__
-        raise InputError("solve", [f'method = {name!r} is compiled, and {kind} is written for plain numbers only; type method="auto"'])
+    name, law = todo.method, law_of(todo.model)
+    if not law.compiles and name in ("rk4", "rodas4", "rodas5p"):
+        raise InputError("solve", [f'method = {name!r} is compiled, and {law.name} is written for plain numbers only; type method="auto"'])
     if name == "auto":
-        name = "dop853" if getattr(law, "scalar_only", False) else "rosenbrock" if is_dynamic(law) else "exact"
+        name = "dop853" if not law.compiles else "rosenbrock" if law.dynamic else "exact"
     if name == "exact":
         from stickslip.solvers import exact
 
-        if is_dynamic(law):
-            raise InputError(
-                "solve", [f'method = "exact" is for set-valued laws; {type(law).__name__} has inner states; type method="auto"']
-            )
+        if law.dynamic:
+            raise InputError("solve", [f'method = "exact" is for set-valued laws; {law.name} has inner states; type method="auto"'])
         return exact.solve
     if name in ("rosenbrock", "rodas4", "rodas5p"):
         from stickslip.solvers import rosenbrock
 
-        if not is_dynamic(law):
+        if not law.dynamic:
             raise InputError(
-                "solve", [f'method = {todo.method!r} is for laws with inner states; {type(law).__name__} is set-valued; type method="auto"']
+                "solve", [f'method = {todo.method!r} is for laws with inner states; {law.name} is set-valued; type method="auto"']
             )
         return rosenbrock.solve
     if name == "rk4":

@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.batch import labels_of, numbers_by_name
 from stickslip.engine.closed import Rows, closed_of
-from stickslip.forces import is_dynamic, is_set_valued
+from stickslip.friction.adapter import law_of
 from stickslip.position import knows_position
 
 __all__ = ["Arcs", "handles", "reduced"]
@@ -79,12 +79,12 @@ def handles(model: Any) -> str | None:
     >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
     'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
     """
-    law, kind = type(model.friction).__name__, type(model).__name__
-    if is_dynamic(model.friction) or not is_set_valued(model.friction):
+    law, kind = law_of(model).name, type(model).__name__
+    if law_of(model).dynamic:
         return f"{law} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
     if model.period is None:
         return f"{kind} has no period; exact arcs are closed formulas for a harmonic drive"
-    if getattr(model.friction, "scalar_only", False):
+    if not law_of(model).compiles:
         return f"{law} is written for plain numbers only; exact arcs need its equations"
     if knows_position(model):
         return f"position appears in the equations of {kind}; exact arcs have no place for it"

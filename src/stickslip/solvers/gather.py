@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.batch import spread
 from stickslip.errors import SolveError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
 from stickslip.steadiness import STEADY, UNKNOWN, free_velocity, judged, mean_tolerance
@@ -73,7 +73,7 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
     steadiness = judged(velocity, approached, raw.period, free, tolerance) if todo.model.period is not None else np.full(len(T), UNKNOWN)
     lasting = steadiness == STEADY  # then the last motion period says all; else the extremes are those of the window of the mean
     moving = (raw.v_max > 0) | (raw.v_min < 0)
-    floor = np.maximum(1e-12, todo.rtol if is_dynamic(todo.model.friction) else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
+    floor = np.maximum(1e-12, todo.rtol if law_of(todo.model).dynamic else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
     typed = type_of(
         raw.seg_count, raw.seg_time / T[:, None], raw.seg_code, raw.period, raw.margin_force, raw.displacement, todo.dwell, moving,
         floor * raw.window,

@@ -14,7 +14,9 @@ from stickslip.batch import Labels, labels_of, spread
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
-from stickslip.forces import memories_of, states_of
+from stickslip.forces import inner_start
+from stickslip.friction.adapter import law_of
+from stickslip.machine import is_machine, machine_of
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
@@ -54,7 +56,7 @@ def request(
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")
-    if not (hasattr(model, "friction") and hasattr(model, "acceleration")):
+    if not is_machine(model):
         raise InputError(
             "solve",
             [
@@ -176,10 +178,11 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
 
 def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
     """Start values as a table (cases, 2 + inner states + memories)."""
-    inner, memories = states_of(model.friction), memories_of(model.friction)
+    inner, memories = law_of(model).states, law_of(model).modes
     cases = int(np.prod(labels.shape, dtype=np.int64))
     table = np.zeros((cases, 2 + inner + memories))
     if start is None:
+        table[:, 2 : 2 + inner] = inner_start(model)
         return table
     if not isinstance(start, dict):
         problems.add(f"start = {start!r}; allowed is a dict; type for example start=dict(v=0.01)")
@@ -207,6 +210,8 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
         except (TypeError, ValueError) as error:
             allowed = f"a finite number or an array that broadcasts to {(*labels.shape, *([several] if several > 1 else []))}"
             problems.add(f"start[{name!r}] = {value!r}; allowed is {allowed} ({error})")
+    if inner and "z" not in start and not problems.found:
+        table[:, 2 : 2 + inner] = inner_start(model, table[:, 0] if cases > 1 else float(table[0, 0]))
     if not np.all(np.isfinite(table)):
         problems.add(f"start = {start!r} is not finite; allowed are finite numbers")
     elif not problems.found:
@@ -225,7 +230,8 @@ def _check_sizes(model: Any, labels: Labels, table: Any, problems: Problems) -> 
     if worst > LARGEST_START:
         problems.add(f"start has a number of {worst:.6g}; allowed are sizes up to {LARGEST_START:.0e}, in SI units")
         return
-    moved = spread(model.velocity_scale * (getattr(model, "time_scale", 1.0) if model.period is None else model.period), labels)
+    time = machine_of(model).time_scale
+    moved = spread(model.velocity_scale * (1.0 if time is None else time), labels)
     lost = (moved > 0) & (np.spacing(np.abs(table[:, 0])) > RESOLVED * moved)
     if np.any(lost):
         case = int(np.argmax(lost))

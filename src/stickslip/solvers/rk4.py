@@ -17,7 +17,7 @@ from stickslip.batch import rows_of
 from stickslip.engine import rk4 as engine
 from stickslip.errors import InputError, SolveError, is_whole
 from stickslip.fields import replace_leaf
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
@@ -241,6 +241,6 @@ def _last(todo: Request, march: _March, period: int) -> tuple[int, Any, Any]:
     march.go(period, every)
     t, nodes = march.instants(every, first), np.concatenate(march.nodes)
     x, v, z = nodes[:, 0], nodes[:, 1], nodes[:, 2 : 1 + march.kernel.states]
-    mode = np.where(v > 0, 1, -1) if is_dynamic(march.model.friction) else np.sign(v).astype(int)
+    mode = np.where(v > 0, 1, -1) if law_of(march.model).dynamic else np.sign(v).astype(int)
     codes = strobes.codes_of(march.model, v, z, mode, todo.slip_ratio, t[:-1], x)
     return strobes.segments_of(np.full(len(v), period * float(march.model.period) / len(v)), codes)

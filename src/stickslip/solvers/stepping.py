@@ -11,7 +11,8 @@ from stickslip.batch import rows_of, spread
 from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
-from stickslip.forces import is_dynamic, rest_velocity, states_of
+from stickslip.forces import rest_velocity
+from stickslip.friction.adapter import law_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.position import knows_position
 from stickslip.solvers.gather import Raw, gather, trajectory
@@ -50,7 +51,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
 
 def _state(todo: Request, end: Any, table: _Table) -> str:
     """The state at which a run stopped, each number with its name and unit."""
-    inner = states_of(todo.model.friction)
+    inner = law_of(todo.model).states
     z = [f"z{k}" for k in range(inner)] if inner > 1 else ["z"] * inner
     values = [float(end[0]), float(end[1] + table.offset[0]), *map(float, end[2 : 2 + inner])]
     return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
@@ -63,7 +64,7 @@ def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Sum
     table = _Table(todo, kernel)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
     summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table, slice(None)))])
-    x, v, z, _ = np.split(results.end, [1, 2, 2 + states_of(todo.model.friction)], axis=1)
+    x, v, z, _ = np.split(results.end, [1, 2, 2 + law_of(todo.model).states], axis=1)
     return summary, x[:, 0], v[:, 0] + table.offset, z, results.memory
 
 
@@ -88,10 +89,10 @@ class _Table:
         if len(names) < len(kernel.names):
             self.rows = np.column_stack([self.rows, self.span])
         self.offset = spread(rest_velocity(model), labels)  # velocity of the body less that at the contact
-        x, v, z, memory = np.split(todo.start, [1, 2, 2 + states_of(model.friction)], axis=1)
+        x, v, z, memory = np.split(todo.start, [1, 2, 2 + law_of(model).states], axis=1)
         v = v - self.offset[:, None]
         self.cyclic = not knows_position(model)
-        steps = self.cyclic and not is_dynamic(model.friction)
+        steps = self.cyclic and not law_of(model).dynamic
         self.carried = self.offset if steps else 0.0 * self.offset  # Taylor steps integrate the way over the contact
         self.start = np.ascontiguousarray(np.hstack([x, v, z, *(() if self.cyclic else (x,)), memory]))
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import held_velocity, is_dynamic, law_rate, normal_load
+from stickslip.forces import slip_ratio_of
+from stickslip.friction.adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
 from stickslip.steadiness import outcome_of, window_count
 
@@ -25,12 +26,9 @@ NOTHING: dict[str, Any] = {
 
 def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x: Any, memory: Any = ()) -> Any:
     """What the body does at sampled instants: +2, -2 slipping, 0 stuck, +1, -1 elastic (see `stickslip.segments`)."""
-    if not is_dynamic(model.friction) or z.shape[1] == 0:
+    if not law_of(model).states:
         return 2 * mode
-    slip = held_velocity(model.contact_velocity(v), mode, 1e-9 * float(model.velocity_scale) or 1e-9)
-    rate = law_rate(model.friction, slip, z[:, 0] if z.shape[1] == 1 else tuple(z.T), normal_load(model, t, x), memory)
-    ratio = 1 - (rate if z.shape[1] == 1 else rate[0]) / slip
-    return mode * np.where(ratio >= slip_ratio, 2, 1)
+    return mode * np.where(slip_ratio_of(model, mode, t, x, v, z, memory) >= slip_ratio, 2, 1)
 
 
 def reduced(model: Any, strobe: Any, settle: int, method: str, rtol: float) -> dict[str, Any]:
@@ -42,7 +40,7 @@ def reduced(model: Any, strobe: Any, settle: int, method: str, rtol: float) -> d
 
 def margin_force(model: Any) -> float:
     """Nothing these methods measure: without meaning for a dynamic law, not known for a set-valued one."""
-    return float("inf" if is_dynamic(model.friction) else "nan")
+    return float("inf" if law_of(model).dynamic else "nan")
 
 
 def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:

@@ -9,7 +9,8 @@ import numpy as np
 
 from stickslip.batch import spread
 from stickslip.errors import InputError
-from stickslip.forces import is_dynamic
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 from stickslip.solvers import exact, orbits, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
@@ -32,7 +33,7 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
     why = unfollowed(robot, todo.method)
     if why is not None:
         raise InputError("sweep", [why])
-    if is_dynamic(robot.friction):
+    if law_of(robot).dynamic:
         return _stepped(todo, *rosenbrock.method(todo))
     if handles(robot) is not None:
         return _stepped(todo, None, exact.REPEAT / 10)
@@ -42,11 +43,11 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
 
 def unfollowed(robot: Any, method: str) -> str | None:
     """Why the end states of a robot are not known, as a sentence; None where they are."""
-    law = robot.friction
-    known = ("auto", "rodas4", "rodas5p") if is_dynamic(law) else ("auto", "exact")
-    if method in known and not getattr(law, "scalar_only", False):
+    law = law_of(robot)
+    known = ("auto", "rodas4", "rodas5p") if law.dynamic else ("auto", "exact")
+    if method in known and law.compiles:
         return None
-    what = f"method {method!r} with {type(law).__name__}"
+    what = f"method {method!r} with {law.name}"
     return f"continue_along needs the end states, which {what} does not give; leave it out, or type method='auto'"
 
 
@@ -60,7 +61,7 @@ def _position(todo: Request, x: Array) -> dict[str, Array]:
     """Where the next case is on its spring: time begins anew there, and with it the way of the spring's far end."""
     if not knows_position(todo.model):
         return {}
-    return {"x": x - spread(getattr(todo.model, "far_end_velocity", 0.0), todo.labels) * todo.span}
+    return {"x": x - spread(machine_of(todo.model).far_end_velocity, todo.labels) * todo.span}
 
 
 def _named(state: dict[str, Array]) -> dict[str, Array]:

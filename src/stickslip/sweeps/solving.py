@@ -12,6 +12,8 @@ from stickslip.batch import numbers_by_name, shape_of, some_of
 from stickslip.engine.closed import steady_force
 from stickslip.errors import InputError, StickslipError
 from stickslip.fields import leaves, replace_leaf
+from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.solvers import orbits
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
@@ -162,7 +164,7 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
 
 def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dict[str, Array]:
     """Mean power of the actuator: what friction takes along both ways, less what gravity gives. Known where the ways are."""
-    if not hasattr(robot, "track") or not ("forward_way" in more or "friction_power" in columns):
+    if machine_of(robot).track is None or not ("forward_way" in more or "friction_power" in columns):
         return {}
     beside = steady_force(robot, numbers_by_name(robot))  # gravity along the track
     if beside is None:
@@ -178,7 +180,7 @@ def _power(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> dic
 def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array]) -> Array:
     """Mean power that Coulomb friction takes [W]: constant forces along both ways."""
     shape = np.shape(columns["mean_velocity"])
-    load, law = robot.load(0.0, 0.0), robot.friction
+    load, law = robot.load(0.0, 0.0), law_of(robot)
     ahead, back = (np.reshape(more[name], shape) for name in ("forward_way", "backward_way"))
     return (law.sliding(1.0, load) * ahead - law.sliding(-1.0, load) * back) / (robot.period * np.maximum(columns["period"], 1))
 

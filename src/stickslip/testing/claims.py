@@ -8,11 +8,11 @@ import random
 from typing import Any
 
 from stickslip.arguments import explains_arguments
+from stickslip.benching.probe import Probe
 from stickslip.engine.checks import ARGUMENTS, check_signatures, finite
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, is_array, leaves
-from stickslip.forces import is_dynamic
-from stickslip.friction.probe import Probe, mirrored
+from stickslip.friction.adapter import adapted, mirrored
 from stickslip.testing.motions import burst, shaken
 from stickslip.testing.reports import Claim, LawReport
 from stickslip.testing.symbol_values import traced
@@ -103,7 +103,7 @@ def _check_methods(law: Any, load: float) -> None:
             problems.add(f"it has {one} and no {other}; type def {other}(self, {', '.join(ARGUMENTS[other])})")
     problems.check()
     check_signatures(law)
-    if not is_dynamic(law):
+    if not adapted(law).dynamic:
         forces = law.breakaway(load)
         if not isinstance(forces, (tuple, list)) or len(forces) != 2:
             problems.add(f"breakaway gives {forces!r}; allowed are two forces; type return backward, forward (the first is negative)")
@@ -137,12 +137,13 @@ def _points(probe: Probe, count: int = 60) -> list[tuple[float, tuple[float, ...
     for k in range(count):
         v = (-1) ** k * probe.velocity_scale * 10 ** draw.uniform(-2, 1)
         z = tuple(draw.uniform(-1.2, 1.2) * size for size in probe.scale)
-        points.append((v, z, (k // 2 % 2,) * probe.modes, draw.uniform(-0.5, 0.5) * probe.load))
+        points.append((v, z, (k // 2 % 2,) * probe.law.modes, draw.uniform(-0.5, 0.5) * probe.load))
     return points
 
 
 def _all_values(probe: Probe, v: Any, z: Any, mode: Any, applied: Any) -> tuple[Any, ...]:
-    return (probe.force(v, z, mode, applied), *probe.rate(v, z, mode))
+    force, rates = probe.response(v, z, mode, applied)
+    return (force, *rates)
 
 
 def _difference(these: Any, those: Any) -> float:
@@ -167,14 +168,13 @@ def _finite(probe: Probe) -> Claim:
 
 def _rest(probe: Probe) -> Claim | None:
     """A contact that does not move does not change; what rest can bear contains no force at all, and what sliding takes."""
-    if probe.dynamic:
-        if not probe.states:
+    if probe.law.dynamic:
+        if not probe.law.states:
             return None
-        rates = [probe.rate(0.0, z, (0,) * probe.modes) for _, z, _, _ in _points(probe)]
-        worst = max(abs(float(r)) for rate in rates for r in rate) / probe.velocity_scale
+        worst = max(_change_at_rest(probe, z) for _, z, _, _ in _points(probe)) / probe.velocity_scale
         return Claim(
             "rest at v = 0", worst <= _SAME, worst, "largest rate of a state at v = 0, in typical velocities",
-            "the rate of every state has to vanish at v = 0",
+            "the rate of every state has to vanish at v = 0, or the force at rest must not know the state",
         )  # fmt: skip
     low, high = probe.law.breakaway(probe.load)
     tiny = 1e-9 * probe.velocity_scale
@@ -185,8 +185,20 @@ def _rest(probe: Probe) -> Claim | None:
     )  # fmt: skip
 
 
+def _change_at_rest(probe: Probe, z: tuple[float, ...]) -> float:
+    """Largest rate of a state at v = 0; 0 where the force at rest does not change with it, as where a contact ages."""
+    mode = (0,) * probe.law.modes
+    force, rates = probe.response(0.0, z, mode)
+    largest = max(abs(float(rate)) for rate in rates)
+    if largest == 0.0:
+        return 0.0
+    step = 1e-3 * min(probe.scale) / largest
+    later = probe.force(0.0, tuple(zi + step * rate for zi, rate in zip(z, rates, strict=True)), mode)
+    return largest if abs(later - force) > _SAME * probe.load else 0.0
+
+
 def _opposes(probe: Probe) -> Claim | None:
-    if probe.states or probe.needs_applied:
+    if probe.law.states or probe.law.needs_applied:
         return None
     wrong = max(max(-math.copysign(1.0, v) * probe.force(v, z, mode) for v, z, mode, _ in _points(probe)), 0.0)
     return Claim(
@@ -197,7 +209,7 @@ def _opposes(probe: Probe) -> Claim | None:
 
 def _cycles(probe: Probe) -> list[dict[str, float]]:
     """To and fro over several strokes at several velocities, beginning forwards and backwards."""
-    reach, motions = max(probe.scale, default=0.01), MOTIONS[:2] if getattr(probe.law, "scalar_only", False) else MOTIONS
+    reach, motions = max(probe.scale, default=0.01), MOTIONS[:2] if not probe.law.compiles else MOTIONS
     return [shaken(probe, a * reach, side * w * probe.velocity_scale) for a, w in motions for side in (1.0, -1.0)]
 
 
@@ -219,12 +231,9 @@ def _gives_back(probe: Probe, runs: list[dict[str, float]]) -> Claim:
 
 
 def _mirror(probe: Probe) -> Claim:
-    other, worst = Probe(mirrored(probe.law), probe.load), 0.0
-    for v, z, _, applied in _points(probe):
-        rest = (0,) * probe.modes
-        here, there = _all_values(probe, v, z, rest, applied), _all_values(other, -v, tuple(-zi for zi in z), rest, -applied)
-        worst = max(worst, _difference(here, [-value for value in there]))
-    if probe.modes:
+    other = Probe(mirrored(probe.law.law), probe.load)
+    worst = min(_unmirrored(probe, other, turns) for turns in (-1.0, 1.0))
+    if probe.law.modes:
         stroke = 3.0 * max(probe.scale, default=0.01)
         one, two = (shaken(p, stroke, side * probe.velocity_scale, cycles=1) for p, side in ((probe, 1.0), (other, -1.0)))
         apart = abs(one["turned"] - two["turned"]) / one["turned"]
@@ -235,13 +244,23 @@ def _mirror(probe: Probe) -> Claim:
     )  # fmt: skip
 
 
+def _unmirrored(probe: Probe, other: Probe, turns: float) -> float:
+    """How far two laws are from mirror images, if their states change their sign (-1: deflections) or keep it (1: ages)."""
+    worst, rest = 0.0, (0,) * probe.law.modes
+    for v, z, _, applied in _points(probe):
+        force, *rates = _all_values(probe, v, z, rest, applied)
+        there = _all_values(other, -v, tuple(turns * zi for zi in z), rest, -applied)
+        worst = max(worst, _difference([-force, *(turns * rate for rate in rates)], there))
+    return worst
+
+
 def _other_units(probe: Probe) -> Claim:
     try:
-        law = in_other_units(probe.law)
+        law = in_other_units(probe.law.law)
     except LookupError as error:
         return Claim("change of units", None, math.nan, f"not measured: the docstring has no unit that is known for {error}")
     other, worst = Probe(law, FACTORS["N"] * probe.load), 0.0
-    own = hasattr(law, "scale")
+    own = probe.law.scale(probe.load) is not None
     sizes = [new / old if own else FACTORS["m"] for new, old in zip(other.scale, probe.scale, strict=True)]
     for v, z, mode, applied in _points(probe):
         here = _all_values(probe, v, z, mode, applied)
@@ -258,7 +277,7 @@ def _other_units(probe: Probe) -> Claim:
 def _arrays(probe: Probe) -> Claim | None:
     import numpy as np
 
-    if getattr(probe.law, "scalar_only", False):
+    if not probe.law.compiles:
         return None
     points = _points(probe)
     v, applied = (np.array([point[k] for point in points]) for k in (0, 3))
@@ -277,12 +296,12 @@ def _arrays(probe: Probe) -> Claim | None:
 
 
 def _symbols(probe: Probe) -> Claim | None:
-    if getattr(probe.law, "scalar_only", False):
+    if not probe.law.compiles:
         return None
     worst, remedy = 0.0, "write with where, maximum, exp, ... of stickslip.maths, and use nothing but fields"
     try:
         for v, z, mode, applied in _points(probe):
-            worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law, probe.load, v, z, mode, applied)))
+            worst = max(worst, _difference(_all_values(probe, v, z, mode, applied), traced(probe.law.law, probe.load, v, z, mode, applied)))
     except (TypeError, ValueError, AttributeError) as error:
         return Claim("symbols agree with numbers", False, math.nan, f"it takes no symbol ({error})", remedy)
     return Claim(

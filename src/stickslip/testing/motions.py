@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stickslip.benching.contact import Contact, Motion, steady, swing
-from stickslip.friction.probe import Probe
+from stickslip.benching.probe import Probe
 
 __all__ = ["burst", "moved", "shaken"]
 

@@ -12,8 +12,8 @@ __all__ = ["traced"]
 
 def traced(law: Any, load: float, v: float, z: tuple[float, ...], mode: tuple[int, ...], applied: float) -> tuple[Any, ...]:
     """Force and rates of a law called with symbols, as numbers."""
+    from stickslip.benching.probe import Probe
     from stickslip.fields import leaves, replace_leaf
-    from stickslip.friction.probe import Probe
 
     graph, numbers = Graph(), dict(leaves(law))
     known: dict[str, float] = {f"law.{name}": value for name, value in numbers.items()}
@@ -23,6 +23,6 @@ def traced(law: Any, load: float, v: float, z: tuple[float, ...], mode: tuple[in
     probe = Probe(symbolic, graph.case("load"))
     state = graph.variable("v"), tuple(graph.variable(f"z{i}") for i in range(len(z)))
     held = tuple(graph.case(f"mode{i}") for i in range(len(mode)))
-    found = [probe.force(*state, held, graph.variable("applied")), *probe.rate(*state, held)]
+    force, rates = probe.response(*state, held, graph.variable("applied"))
     values = values_of(graph, known)
-    return tuple(float(values[node.number]) if isinstance(node, Sym) else node for node in found)
+    return tuple(float(values[node.number]) if isinstance(node, Sym) else node for node in (force, *rates))

@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from stickslip.forces import is_dynamic, law_force, law_rate, memories_of, normal_load, rest_velocity, states_of
+from stickslip.forces import normal_load, rest_velocity
+from stickslip.friction.adapter import TINY, Switches, law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
-__all__ = ["LEAST", "LOAD", "SLIP", "Equations"]
+__all__ = ["LOAD", "SLIP", "Equations"]
 
 SLIP, LOAD = 0, 1  # the first two guards; the others are the law's own
-LEAST = 1e-300  # a velocity that has a side and nothing else
 _HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
 _ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
 
@@ -23,14 +24,12 @@ class Equations:
     """What a solver asks of a model, within one interval between known instants."""
 
     def __init__(self, model: Any):
-        law = model.friction
-        self.model, self.law, self.dynamic = model, law, is_dynamic(law)
-        self.inner, self.memories = states_of(law), memories_of(law)
+        self.model, self.law = model, (law := law_of(model))
+        self.dynamic, self.inner = law.dynamic, law.states
         self.cyclic = not knows_position(model)
         self.rest = float(rest_velocity(model))
         self.scale_of_time = time_scale(model)
-        held = self.dynamic and not self.inner and not self.memories
-        self.no_reversal = _HELD * float(model.velocity_scale) if held else 0.0
+        self.no_reversal = _HELD * float(model.velocity_scale) if law.holds_velocity else 0.0
         self.first, self.last, self.first_load = -math.inf, math.inf, 0.0
 
     def between(self, first: float, last: float) -> None:
@@ -47,17 +46,17 @@ class Equations:
 
     def _pressing(self, t: float, x: float) -> float:
         """Normal force, positive also a moment after the contact is lost: a step looks beyond its end."""
-        return max(normal_load(self.model, t, x), 1e-12 * self.first_load, LEAST)
+        return max(normal_load(self.model, t, x), 1e-12 * self.first_load, TINY)
 
     def slip(self, y: Any, side: int) -> float:
         """Velocity at the contact, held on its side [m/s]."""
         u = self.model.contact_velocity(float(y[1]))
-        return u if side * u > LEAST else side * LEAST
+        return u if side * u > TINY else side * TINY
 
-    def state(self, y: Any) -> Any:
-        """The inner states as the law wants them: a number if it has one, else a tuple."""
-        z = [float(value) for value in y[2:]]
-        return z[0] if self.inner == 1 else tuple(z)
+    @staticmethod
+    def state(y: Any) -> tuple[float, ...]:
+        """The inner states."""
+        return tuple(map(float, y[2:]))
 
     def right(self, side: int, memory: Memory) -> Callable[[float, Any], list[float]]:
         """The right side of y' on this side of the contact's velocity."""
@@ -66,9 +65,8 @@ class Equations:
         def dynamic(t: float, y: Any) -> list[float]:
             t, x, v = self._time(t), float(y[0]), float(y[1])
             slip, z, load = self.slip(y, side), self.state(y), self._pressing(t, x)
-            rate = law_rate(law, slip, z, load, memory)
-            force = law_force(law, slip, z, rate, load, memory, model.total_mass * model.acceleration(t, x, v, 0.0))
-            return [v, model.acceleration(t, x, v, force), *((rate,) if self.inner == 1 else rate)]
+            force, rate = law.response(slip, z, load, memory, model.total_mass * model.acceleration(t, x, v, 0.0))
+            return [v, model.acceleration(t, x, v, force), *rate]
 
         def set_valued(t: float, y: Any) -> list[float]:
             t, x, v = self._time(t), float(y[0]), float(y[1])
@@ -87,11 +85,15 @@ class Equations:
     def guards(self, t: float, y: Any, side: int, memory: Memory) -> list[float]:
         """Positive while nothing happens: the velocity at the contact, the load, and the law's switches."""
         found = [side * self.model.contact_velocity(float(y[1])) + self.no_reversal, float(self.load(t, float(y[0])))]
-        return found + [float(guard) for guard, _, _ in self.switches(t, y, self.slip(y, side), memory)] if self.memories else found
+        return found + [float(guard) for guard, _, _ in self.switches(t, y, self.slip(y, side), memory)]
 
-    def switches(self, t: float, y: Any, slip: float, memory: Memory) -> list[Any]:
+    def switches(self, t: float, y: Any, slip: float, memory: Memory) -> Switches:
         """The law's switches: (guard, new memory, new inner states or None)."""
-        return list(self.law.switches(slip, self.state(y), self._pressing(self._time(t), float(y[0])), memory)) if self.memories else []
+        return self.law.switches(slip, self.state(y), self._pressing(self._time(t), float(y[0])), memory) if self.law.switching else []
+
+    def passed_zero(self, t: float, y: Any, side: int, memory: Memory) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Inner states and memory after the switches that wait for the velocity at the contact to pass zero."""
+        return self.law.passed_zero(self.state(y), self._pressing(self._time(t), float(y[0])), memory, side)
 
     def excess(self, t: Any, x: Any) -> tuple[Any, Any]:
         """How far the offered force is above the forward limit, and below the backward one [N]; negative while they hold."""
@@ -115,4 +117,4 @@ class Equations:
 
 def time_scale(model: Any) -> float:
     """A time in which something happens [s]: the period, or what the mechanism says."""
-    return float(model.time_scale if model.period is None and hasattr(model, "time_scale") else model.period or 1.0)
+    return float(machine_of(model).time_scale or 1.0)

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import SolveError
+from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain.dense import Part, joined, resting
-from stickslip.solvers.plain.equations import LEAST, LOAD, SLIP, Equations, Memory
+from stickslip.solvers.plain.equations import LOAD, SLIP, Equations, Memory
 from stickslip.solvers.plain.stretch import Stretch, integrate
 from stickslip.solvers.request import Request
 
@@ -43,9 +44,9 @@ def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[
 
 def _known(model: Any, end: float) -> list[tuple[float, float]]:
     """The instants that are known beforehand, with the impulse at each: start, breaks, impulses, borders of their periods, end."""
-    breaks = _breaks(model)
+    breaks = machine_of(model).breaks
     jumps: dict[float, float] = {}
-    for s, jump in getattr(model, "impulses", ()) or ():
+    for s, jump in machine_of(model).impulses:
         jumps[float(s)] = jumps.get(float(s), 0.0) + float(jump)
     if not breaks and not jumps:
         return [(0.0, 0.0), (end, 0.0)]
@@ -53,12 +54,6 @@ def _known(model: Any, end: float) -> list[tuple[float, float]]:
     inside = sorted({0.0, *breaks, *jumps})
     known = [(k * T + s, jumps.get(s, 0.0)) for k in range(math.ceil(end / T)) for s in inside]
     return [*((t, jump) for t, jump in known if t < end - 1e-12 * T), (end, 0.0)]
-
-
-def _breaks(model: Any) -> set[float]:
-    """Instants in (0, T) at which the acceleration is not smooth."""
-    parts = (model, getattr(model, "drive", None), getattr(model, "track", None))
-    return {float(s) for part in parts for s in (getattr(part, "breaks", ()) or ())}
 
 
 class _Run:
@@ -141,17 +136,9 @@ class _Run:
             self.y[2:] = z
 
     def _pass_zero(self) -> None:
-        """The velocity at the contact is zero: every switch that waits for it (and for nothing else), each once."""
-        done: set[int] = set()
-        side = self.mode or 1
-        while True:
-            at_zero = self.equations.switches(self.t, self.y, 0.0, self.memory)
-            beside = self.equations.switches(self.t, self.y, side * LEAST, self.memory)
-            waiting = [k for k, (a, b) in enumerate(zip(at_zero, beside, strict=True)) if a[0] <= 0 < b[0] and k not in done]
-            if not waiting:
-                return
-            self._switch(0.0, waiting[0])
-            done.add(waiting[0])
+        """The velocity at the contact is zero."""
+        z, memory = self.equations.passed_zero(self.t, self.y, self.mode or 1, self.memory)
+        self.y[2:], self.memory = z, tuple(map(int, memory))
 
     def _rest(self, end: float) -> None:
         """Stuck until the forces break it away, or the contact is lost."""

@@ -153,8 +153,8 @@ def _solver(todo: Request, equations: Equations, right: Any, t: float, y: Any, e
 
     model, T = equations.model, equations.scale_of_time
     speed = float(model.velocity_scale) or 1.0
-    scale = getattr(model.friction, "scale", None)
-    inner = np.ones(equations.inner) * (speed * T if scale is None else np.asarray(scale(equations.load(t, float(y[0]))), float))
+    typical = equations.law.scale(equations.load(t, float(y[0])))
+    inner = np.full(equations.inner, speed * T) if typical is None else np.asarray(typical, float)
     atol = 0.01 * todo.rtol * np.concatenate([[speed * T, speed], np.where(inner > 0, inner, speed * T)])
     method = getattr(scipy.integrate, NAMES.get(todo.method, "DOP853"))
     options = {} if first is None else {"first_step": first}

@@ -1,0 +1,113 @@
+"""What the parts of a model are asked for. A class of your own needs these methods and no base class.
+
+Velocities are in m/s, forces in N, times in s. Every number may be an array of cases, or a symbol while equations are traced.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, TypeAlias
+
+__all__ = ["BalancingLaw", "Drive", "DynamicLaw", "Law", "Machine", "SetValuedLaw", "SwitchingLaw", "Track"]
+
+
+class SetValuedLaw(Protocol):
+    """A law that may hold a body at rest; read through `stickslip.friction.adapter`, which knows what else it may say."""
+
+    def sliding(self, v: Any, load: Any) -> Any:
+        """Friction force [N] at a slip velocity v [m/s] that is not zero."""
+
+    def breakaway(self, load: Any) -> tuple[Any, Any]:
+        """Friction forces (backward, forward) that rest can bear [N]: the first is negative."""
+
+
+class DynamicLaw(Protocol):
+    """A law with inner states: z is a number if there is one (1 if the law has no `states`), else a tuple; so is what `rate` returns."""
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any) -> Any:
+        """Friction force [N]."""
+
+
+class BalancingLaw(Protocol):
+    """A dynamic law that must know the friction force which would keep v constant, `applied` [N]."""
+
+    def rate(self, v: Any, z: Any, load: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, applied: Any) -> Any:
+        """Friction force [N]."""
+
+
+class SwitchingLaw(Protocol):
+    """A dynamic law with whole-number memories: `mode` is a tuple of them, as many as `modes` says."""
+
+    def rate(self, v: Any, z: Any, load: Any, mode: Any) -> Any:
+        """Rates of the inner states [their unit / s]."""
+
+    def force(self, v: Any, z: Any, zdot: Any, load: Any, mode: Any) -> Any:
+        """Friction force [N]."""
+
+    def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
+        """What ends a mode: (guard, which is positive until then, mode after it, z after it or None if unchanged)."""
+
+
+Law: TypeAlias = SetValuedLaw | DynamicLaw | BalancingLaw | SwitchingLaw
+
+
+class Drive(Protocol):
+    """A prescribed relative motion of the inner mass."""
+
+    @property
+    def period(self) -> Any:
+        """After this time it repeats [s]."""
+
+    def position(self, t: Any) -> Any:
+        """Relative position [m]."""
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity [m/s]."""
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration [m/s^2]."""
+
+
+class Track(Protocol):
+    """What gravity does on a track."""
+
+    def across(self, gravity: Any) -> Any:
+        """Gravity that presses the body on the track [m/s^2]."""
+
+    def along(self, gravity: Any) -> Any:
+        """Gravity that pulls the body forwards [m/s^2]."""
+
+
+class Machine(Protocol):
+    """What solvers ask of a robot or a mechanism: one body with one contact."""
+
+    @property
+    def friction(self) -> Any:
+        """The law of its contact."""
+
+    @property
+    def load(self) -> Any:
+        """Normal force on the contact [N]: a number, or a function of time [s] and place [m]."""
+
+    @property
+    def period(self) -> Any:
+        """Period of what drives it [s]; None where nothing repeats."""
+
+    @property
+    def total_mass(self) -> Any:
+        """All that moves with the contact [kg]."""
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical velocity, against which errors are measured [m/s]."""
+
+    def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
+        """Acceleration of the body [m/s^2] under a friction force R [N]."""
+
+    def contact_velocity(self, v: Any) -> Any:
+        """Velocity at the contact [m/s] of a body with velocity v."""
