@@ -42,7 +42,8 @@ PERIODS, SETTLE, JUDGED_PERIODS = 30, 20, 6
 TURN = 2 * np.pi  # [s], about one period of the mechanisms that have none
 LOST = 6  # status: the contact was lost
 #: Largest difference of displacements, in what the body would move in 1/omega if it were free, or relative where it moves further. Steps of
-#: a dynamic law are held to 1e-10 each; a table has corners, which SciPy steps over: between its tolerances 1e-11 and 1e-12 it differs from itself by 1e-8.
+#: a dynamic law are held to 1e-10 each; a table has corners, which SciPy steps over: between its tolerances 1e-11 and 1e-12 it differs from
+#: itself by 1e-8.
 EXACT, STEPS, CORNERS = 1e-9, 1e-6, 1e-7
 #: How far a mean that is said to be steady may move on, relative to it or to a twentieth of the velocity of a free body: ten times what is
 #: promised of exact runs; of steps at rtol 1e-6 what these are good for.
