@@ -150,7 +150,7 @@ class _Vector(ast.NodeVisitor):
         return self.builder.sitofp(x, self.real) if x.type == self.whole else x
 
     def generic_visit(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> Any:
-        raise NotImplementedError(f"{ast.unparse(node)!r} in a line of a step {what}")
+        raise TypeError(f"{ast.unparse(node)!r} in a line of a step {what}")
 
 
 def write(builder: Any, data: Any, lanes: int, width: int, numbers: Any, reads: Any, text: str, keeps: Any) -> None:
