@@ -1,8 +1,8 @@
 """Kernels that run many cases in SIMD lanes: their text, and the arrays they work on.
 
-A kernel's file is the step of `rosenbrock.py` or the series of `taylor.py`, written once for each group of eight lanes, line
-by line in turn (two independent chains hide each other's latency), and what else depends on the law. The driver (`driver.py`)
-calls it. The same text with one lane, which also keeps the dense output, solves a single case; the two give the same bits.
+A kernel's file is the step of `rosenbrock.py` or the series of `taylor.py`, whose lines become instructions on two vectors of eight
+lanes in turn (two independent chains hide each other's latency), and what else depends on the law. The driver (`driver.py`) calls
+it. The same lines for one lane, which also keeps the dense output, solve a single case; the two give the same bits.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from stickslip.recurrence import KEPT, LONGEST
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "plain_name", "prelude", "run"]
 
 SEGMENTS = 32
+#: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
+LANES, WIDTH = 16, 8
 #: Numbers of the layout that a law's own functions read.
 _NAMED = ("DEGREE", "MASS", "F_C", "F_T", "F_T0", "F_HH", "F_K", "F_Y", "F_B", "F_MODE", "F_CLK")
 
@@ -108,16 +110,16 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
     step = taylor.write_step(eq) if tableau is None else write_step(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
-    width, groups = (1, 1) if record else (8, 2)
-    source = _source(eq, step, width, groups, f"{label}, {method}")
+    lanes = 1 if record else LANES
+    source = _source(eq, step, lanes, f"{label}, {method}")
     name = "single" if record else "lanes"
     module = cache.load(
         source, f"{name}_{plain_name(label)}_{method.lower()}", f"{label} ({method}, {'one case' if record else 'many cases'})"
     )
     return Kernel(
         module,
-        driver.table(module, *_layout(eq, step, width * groups)),
-        width * groups,
+        driver.table(module, *_layout(eq, step, lanes)),
+        lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
         step.degree,
@@ -180,9 +182,8 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
 
 
-def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> str:
+def _source(eq: Equations, step: Step, lanes: int, label: str) -> str:
     """What depends on the law: the functions that the driver calls (`driver.FUNCTIONS`)."""
-    lanes = width * groups
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named, _ = _layout(eq, step, lanes)
     parts = [
@@ -192,7 +193,7 @@ def _source(eq: Equations, step: Step, width: int, groups: int, label: str) -> s
         _look(eq),
         _force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
-        step_text(step, Layout(width, groups, offsets, named["F_C"])),
+        step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step), slopes(eq, step))),
     ]
     return "\n\n".join(parts)

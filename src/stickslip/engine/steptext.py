@@ -1,72 +1,70 @@
-"""The lines of a step as one loop over the lanes of a kernel; of a Taylor step only its series (the rest is ``kernels/arcs.py``)."""
+"""The text of a step as its kernel's file holds it: lines, what they read and write of a lane, and the one call that Numba sees.
+
+The lines are not read by Numba; `emit.py` turns them into instructions. Of a Taylor step they are only its series (the rest is
+``kernels/arcs.py``).
+"""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.engine.rosenbrock import Step
+from stickslip.engine.texts import emit_text
 
 __all__ = ["Layout", "step_text", "used", "without_branches"]
 
-_NAME = re.compile(r"(?<![\w.])_(?=[A-Za-z])")
+_STEP = """
+@intrinsic
+def instructions(typingctx, S, rtol, budget):
+    def emit(context, builder, sig, args):
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        write(builder, data, L, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, LINES, WRITES)
+        return context.get_dummy_value()
+    return types.void(S, types.float64, types.float64), emit
+
+
+@njit("void(float64[::1], float64, float64)", **OPTIONS)
+def step(S, rtol, budget):
+    instructions(S, rtol, budget)
+"""
 
 
 @dataclass(frozen=True)
 class Layout:
     """Where a lane's fields and its case's numbers stand."""
 
+    lanes: int
     width: int  # lanes of a vector
-    groups: int  # vectors whose lines are written in turn
     offsets: dict[str, int]
     constants: int
 
-    @property
-    def lanes(self) -> int:
-        """All lanes."""
-        return self.width * self.groups
-
-    def place(self, name: str) -> str:
-        """A field of the lane at hand."""
-        return f"S[{self.offsets[name]} + l@]"
-
 
 def step_text(step: Step, at: Layout) -> str:
-    """The source of `step`; of a Taylor step it only writes the series (the driver finds where it ends)."""
-    if step.series:
-        return _series(step, at)
-    writes = _writes(at, [f for f in step.fields if f != "tend"])
-    lines = [*_reads(step, at, step.fields, [*step.lines, *writes]), *step.lines, *writes]
-    return _function("step", "S, rtol, budget", lines, at)
+    """The source of `step`: it reads what its lines ask for, and writes those fields of a lane to which they give a value."""
+    places = {f"_{name}": at.offsets[name] for name in step.fields}
+    numbers = {f"_c{i}": at.constants + i * at.lanes for i in range(len(step.case_nodes))}
+    asked, made = {f"_{name}" for name in used(step.lines)}, _made(step.lines)
+    if unknown := asked - places.keys() - numbers.keys():
+        raise AssertionError(f"the lines of a step ask for {', '.join(sorted(unknown))}, which neither they nor a lane hold")
+    reads = {name: place for name, place in (places | numbers).items() if name in asked}
+    writes = {name: place for name, place in places.items() if name in made}
+    lines = "\n".join(step.lines)
+    width = f"WIDTH = {at.width}"
+    return "\n".join([emit_text(), width, f'LINES = """\n{lines}\n"""', _table("READS", reads), _table("WRITES", writes), _STEP])
 
 
-def _series(step: Step, at: Layout) -> str:
-    made = set(_made(step.lines))
-    inputs = [f for f in step.fields if f not in made]
-    return _function(
-        "step",
-        "S, rtol, budget",
-        [*_reads(step, at, inputs, step.lines), *step.lines, *_writes(at, [f for f in step.fields if f in made])],
-        at,
-    )
+def _table(name: str, places: dict[str, int]) -> str:
+    """A table of places, a line for each."""
+    return "\n".join([f"{name} = {{", *(f'    "{field}": {place},' for field, place in places.items()), "}"])
 
 
 # ---- lines ----
-def _reads(step: Step, at: Layout, fields: Iterable[str], lines: Sequence[str]) -> list[str]:
-    asked = used(lines)
-    reads = [f"_{name} = {at.place(name)}" for name in fields if name in asked]
-    return reads + [f"_c{i} = S[{at.constants + i * at.lanes} + l@]" for i in range(len(step.case_nodes)) if f"c{i}" in asked]
-
-
-def _writes(at: Layout, fields: Iterable[str]) -> list[str]:
-    return [f"{at.place(name)} = _{name}" for name in fields]
-
-
-def _made(lines: Sequence[str]) -> list[str]:
-    """Names that lines give a value to, each once."""
-    return list(dict.fromkeys(m.group(1) for line in lines if (m := re.match(r"\s*_(\w+) = ", line))))
+def _made(lines: Sequence[str]) -> set[str]:
+    """Names that lines give a value to."""
+    return {m.group(1) for line in lines if (m := re.match(r"\s*(_\w+) = ", line))}
 
 
 def used(lines: Sequence[str]) -> set[str]:
@@ -81,18 +79,7 @@ def used(lines: Sequence[str]) -> set[str]:
     return asked
 
 
-# ---- functions ----
-def _function(name: str, arguments: str, lines: Sequence[str], at: Layout) -> str:
-    """A loop over the lanes of a vector, with the lines of all vectors in turn: their chains hide each other's latency."""
-    types = ", ".join("float64[::1]" if a == "S" else "float64" for a in arguments.split(", "))
-    text = [f'@njit("void({types})", **OPTIONS)', f"def {name}({arguments}):", f"    for l in range({at.width}):"]
-    for line in lines:
-        for g in range(at.groups):
-            renamed = _NAME.sub(f"_{'abcd'[g]}_", line)
-            text.append("        " + renamed.replace("l@", "l" if g == 0 else f"l + {g * at.width}"))
-    return without_branches("\n".join(text))
-
-
+# ---- what Numba reads ----
 class _Selects(ast.NodeTransformer):
     """Decisions inside expressions as calls that are one instruction each: the compiler then sees no branches to join again."""
 

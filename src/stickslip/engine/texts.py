@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.engine import cache
 
-__all__ = ["coulomb_text", "recurrence", "recurrence_text"]
+__all__ = ["coulomb_text", "emit_text", "recurrence", "recurrence_text"]
 
 _POINTS = "float64[:, ::1], int64"
 _RECURRENCE = {
@@ -41,6 +41,13 @@ def coulomb_text(*names: str) -> str:
     folder = resources.files("stickslip.engine") / "kernels"
     first, *more = ((folder / f"{name}.py").read_text(encoding="utf-8") for name in ("coulomb_harmonic", *names))
     return "\n\n".join([first, recurrence_text(), *more])
+
+
+@lru_cache(1)
+def emit_text() -> str:
+    """What turns a step's lines into instructions, `stickslip.engine.emit`, for a kernel's file."""
+    text = (resources.files("stickslip.engine") / "emit.py").read_text(encoding="utf-8")
+    return text[text.index("\nimport ast") + 1 :]
 
 
 @lru_cache(1)
