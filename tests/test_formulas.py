@@ -80,3 +80,38 @@ def test_a_vertical_vibration_inside_another_adds_to_the_load():
     rise = sum((d.vertical_position(t + h) - 2 * d.vertical_position(t) + d.vertical_position(t - h)) / h**2 for d in (inner, outer))
     assert robot.load(t, 0.0) == pytest.approx(0.07 * 9.81 + 0.01 * rise, abs=1e-5)  # differences: 1e-19 m / h^2 = 1e-7, h^2 omega^4 less
     assert np.ptp(rise) > 4.0 and math.isclose(robot.load(0.0, 0.0), 0.07 * 9.81 + 0.01 * outer.vertical_acceleration(0.0))
+
+
+# found by mutants that no other test noticed ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "law", [ss.Stribeck(0.1, 0.2, f_plus=None, f_minus=None, v_s=1e-3), ss.Stribeck(0.1, 0.2, f_plus=0.3, f_minus=0.4, v_s=1e-3)]
+)
+def test_rest_bears_the_static_friction_of_each_side(law):
+    forward, backward = (0.1, 0.2) if law.f_plus is None else (0.3, 0.4)
+    assert law.breakaway(LOAD) == pytest.approx((-backward * LOAD, forward * LOAD), rel=1e-15)
+
+
+def test_bristles_that_slide_have_the_friction_of_their_side():
+    law = ss.LuGre(0.1, 0.2, f_plus=0.3, f_minus=0.4, sigma0=1e5, sigma1=1.0, sigma2=0.0, v_s=1e-3)
+    assert [law.coefficient(v) for v in (1.0, -1.0, 1e-12, -1e-12)] == pytest.approx([0.1, 0.2, 0.3, 0.4], rel=1e-9)
+
+
+@pytest.mark.parametrize(("u1", "u2"), [(0.02, 0.05), (0.05, 0.02)])
+def test_the_scale_of_two_phases_is_the_faster_one(u1, u2):
+    assert ss.TwoPhase.example().replace({"u1": u1, "u2": u2}).velocity_scale == 0.05
+
+
+@pytest.mark.parametrize("phase", [0.0, math.pi])
+def test_the_energy_of_a_drive_that_is_faster_one_way_is_that_of_the_faster(phase):
+    drive = ss.MultiHarmonic(amplitudes=(1e-4, 5e-5), omega=200.0, phases=(0.0, phase))
+    speeds = drive.velocity(np.linspace(0.0, drive.period, 20_001))
+    assert abs(speeds.max() + speeds.min()) > 0.1 * speeds.max()
+    assert drive.specific_energy == pytest.approx(0.5 * max(speeds.max(), -speeds.min()) ** 2, rel=1e-6)
+
+
+def test_the_drive_force_is_what_the_inner_mass_does_to_the_body():
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    run = ss.solve(robot, periods=1, settle=0, method="dop853")
+    assert run.drive_force == pytest.approx(-robot.inner_mass * robot.drive.acceleration(run.t), rel=1e-12)
