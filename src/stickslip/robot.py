@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.adapter import NEEDS, drive_of
+from stickslip.drives.adapter import NEEDS, drive_of, lacking
 from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves, positive
@@ -69,8 +69,7 @@ class Robot(Frozen):
     def _check(self, problems: Problems) -> None:
         for name, needs in (("drive", NEEDS), ("track", ("across", "along"))):
             part = getattr(self, name)
-            lacking = [n for n in needs if not hasattr(part, n)]
-            if isinstance(part, type) or lacking:
+            if lacking(part, needs):
                 problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
             elif not dataclasses.is_dataclass(part):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")

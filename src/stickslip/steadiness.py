@@ -14,7 +14,7 @@ from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = [
-    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "free_velocity", "is_steady", "judged", "mean_tolerance",
+    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "is_steady", "judged", "mean_tolerance",
     "of_run", "outcome_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
 ]  # fmt: skip
 
@@ -152,7 +152,7 @@ def scales_of(model: Any, strobe: Any, with_position: bool) -> Any:
 
     Of v: what the drive does to a body without friction. Of an inner state: the law's scale, or the largest value.
     """
-    speed = float(free_velocity(model))
+    speed = float(machine_of(model).free_velocity)
     typical = law_of(model).scale(normal_load(model, 0.0, 0.0))
     inner = np.full(strobe.shape[1] - 2, np.nan) if typical is None else np.asarray(typical, float)
     inner = np.where(np.isfinite(inner), inner, abs(strobe[:, 2:]).max(axis=0))
@@ -185,12 +185,7 @@ def is_steady(model: Any, found: dict[str, Any], method: str, rtol: float) -> bo
     """Whether the displacement over a window is that of a steady motion: of the row of a case that repeats."""
     T = float(model.period)
     mean, approached = found["displacement"] / (found["window"] * T), found["limit"] / T
-    return bool(judged(mean, approached, found["period"], free_velocity(model), mean_tolerance(method, rtol)) == STEADY)
-
-
-def free_velocity(model: Any) -> Any:
-    """What the drive does to a body without friction [m/s]."""
-    return machine_of(model).free_velocity
+    return bool(judged(mean, approached, found["period"], machine_of(model).free_velocity, mean_tolerance(method, rtol)) == STEADY)
 
 
 def window_count(done: int, settle: int, period: int) -> int:
@@ -214,7 +209,7 @@ def of_run(run: Any) -> Steadiness:
     mean = float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count])) if count else float("nan")
     if known:
         return Steadiness(STEADY, period, mean, mean)
-    code = int(judged(mean, limit / T, period, free_velocity(run.model), tolerance))
+    code = int(judged(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
     return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(len(x) - 1, int(run.settle), period))
 
 

@@ -76,6 +76,6 @@ def drive_of(drive: Drive) -> DriveAdapter:
     return DriveAdapter(drive)
 
 
-def lacking(drive: Any) -> list[str]:
-    """What an object lacks of a drive; all of it for a class."""
-    return [name for name in NEEDS if isinstance(drive, type) or not hasattr(drive, name)]
+def lacking(part: Any, needs: tuple[str, ...] = NEEDS) -> list[str]:
+    """What an object lacks of a drive, or of another part of a robot; all of it for a class."""
+    return [name for name in needs if isinstance(part, type) or not hasattr(part, name)]

@@ -11,9 +11,10 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.errors import SolveError
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
-from stickslip.steadiness import STEADY, UNKNOWN, free_velocity, judged, mean_tolerance
+from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
 from stickslip.summary import LOST, STATUS, Summary
 from stickslip.trajectory import Trajectory
 
@@ -48,7 +49,7 @@ NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
     """A summary from raw results that arrive chunk by chunk."""
     cases = todo.cases
-    T, free = np.broadcast_to(todo.span, (cases,)), spread(free_velocity(todo.model), todo.labels)
+    T, free = np.broadcast_to(todo.span, (cases,)), spread(machine_of(todo.model).free_velocity, todo.labels)
     columns: dict[str, Any] = {}
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last], free[first:last], mean_tolerance(method, todo.rtol)).items():
