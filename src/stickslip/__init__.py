@@ -90,6 +90,13 @@ if TYPE_CHECKING:
     from stickslip.identifying import rank as rank
     from stickslip.identifying import virtual_rig as virtual_rig
     from stickslip.io import load as load
+    from stickslip.machines import Body as Body
+    from stickslip.machines import Chain as Chain
+    from stickslip.machines import Contact as Contact
+    from stickslip.machines import Machine as Machine
+    from stickslip.machines import Rigid as Rigid
+    from stickslip.machines import Spring as Spring
+    from stickslip.machines import Stop as Stop
     from stickslip.mechanisms import BlockOnBelt as BlockOnBelt
     from stickslip.mechanisms import ForcedOscillator as ForcedOscillator
     from stickslip.mechanisms import PulledMass as PulledMass
@@ -117,8 +124,11 @@ _HOMES = {
     "Bench": "benching",
     "Benches": "benching",
     "BlockOnBelt": "mechanisms",
+    "Body": "machines",
     "Branch": "dynamics.branches",
     "Bristle": "friction",
+    "Chain": "machines",
+    "Contact": "machines",
     "Coulomb": "friction",
     "CoulombViscous": "friction",
     "Curve": "dynamics.curves",
@@ -139,6 +149,7 @@ _HOMES = {
     "Level": "tracks",
     "LuGre": "friction",
     "Lyapunov": "dynamics.generic",
+    "Machine": "machines",
     "Motion": "analysis.motion",
     "MultiHarmonic": "drives",
     "PeriodicOrbit": "dynamics.orbits",
@@ -149,9 +160,12 @@ _HOMES = {
     "Recorded": "drives",
     "ResetIntegrator": "friction",
     "Reversed": "drives",
+    "Rigid": "machines",
     "Robot": "robot",
     "SolveError": "errors",
+    "Spring": "machines",
     "StickslipError": "errors",
+    "Stop": "machines",
     "Stribeck": "friction",
     "Sum": "friction",
     "Switch": "dynamics.switched",
@@ -210,7 +224,9 @@ _HOMES = {
     "verdict": "dynamics.exponents",
     "virtual_rig": "identifying",
 }
-_MODULES = ("designs", "drives", "friction", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables")
+_MODULES = (
+    "designs", "drives", "friction", "machines", "maths", "mechanisms", "paper", "plot", "presets", "testing", "tracks", "variables",
+)  # fmt: skip
 
 __all__ = [*sorted(_HOMES), "__version__", "designs", "paper", "plot", "presets"]
 

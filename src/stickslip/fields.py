@@ -2,7 +2,8 @@
 
 A field annotated ``float`` (or ``float | None``) is a number: it may hold a float, a NumPy array or a labelled
 `xarray.DataArray`. A field annotated ``tuple[float, ...]`` holds several numbers, named ``field.0``, ``field.1``, …; how many
-there are belongs to the kind. Every other field belongs to the kind. A user's own law needs nothing from here.
+there are belongs to the kind. So do a record's parts: one record, or a tuple of them with numbers ``field.0.name``, ….
+Every other field belongs to the kind. A user's own law needs nothing from here.
 """
 
 from __future__ import annotations
@@ -288,10 +289,7 @@ class Frozen:
         problems.check()
         parts = {}
         for head, sub in _by_head(grouped).items():
-            part = sub if not isinstance(sub, _Sub) else getattr(self, head)
-            if isinstance(sub, _Sub):
-                part = part.replace(sub.changes) if hasattr(part, "replace") else dataclasses.replace(part, **sub.changes)
-            parts[head] = part
+            parts[head] = _changed(getattr(self, head), sub.changes) if isinstance(sub, _Sub) else sub
         return dataclasses.replace(self, **parts)  # type: ignore[type-var]  # all at once: two fields may be right only together
 
 
@@ -323,6 +321,16 @@ def check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, k
     problems.check()
 
 
+def _changed(part: Any, changes: dict[str, Any]) -> Any:
+    """A part with some of its fields changed; of several parts, or several numbers, those that are meant by their places."""
+    if isinstance(part, tuple):
+        found = list(part)
+        for place, sub in _by_head(changes).items():
+            found[int(place)] = _changed(part[int(place)], sub.changes) if isinstance(sub, _Sub) else sub
+        return tuple(found)
+    return part.replace(changes) if hasattr(part, "replace") else dataclasses.replace(part, **changes)
+
+
 @dataclasses.dataclass
 class _Sub:
     changes: dict[str, Any]
@@ -341,10 +349,15 @@ def _by_head(changes: dict[str, Any]) -> dict[str, Any]:
 
 def _look_up(record: Any, path: str) -> Any:
     head, _, rest = path.partition(".")
-    names = [f.name for f in dataclasses.fields(record)] if dataclasses.is_dataclass(record) else []
+    if isinstance(record, tuple):
+        names = [str(i) for i in range(len(record))]
+        value = dict(zip(names, record, strict=True)).get(head)
+    else:
+        names = [f.name for f in dataclasses.fields(record)] if dataclasses.is_dataclass(record) else []
+        value = getattr(record, head, None)
     if head not in names:
         raise InputError(type(record).__name__, [f"{head!r} is not a field; {did_you_mean(head, names)}"])
-    return _look_up(getattr(record, head), rest) if rest else getattr(record, head)
+    return _look_up(value, rest) if rest else value
 
 
 def example_of(cls: Any, field: dataclasses.Field[Any]) -> str:
@@ -374,6 +387,11 @@ def _is_record(value: Any) -> bool:
     return hasattr(value, "__dataclass_fields__") and not isinstance(value, type)
 
 
+def _are_records(value: Any) -> bool:
+    """Whether a value is several parts of one machine."""
+    return isinstance(value, tuple) and bool(value) and all(map(_is_record, value))
+
+
 def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple[str, Any]]:
     """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is no number.
 
@@ -385,6 +403,9 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
         value = getattr(record, name)
         if _is_record(value):
             yield from leaves(value, f"{prefix}{name}.", kinds)
+        elif _are_records(value):
+            for i, part in enumerate(value):
+                yield from leaves(part, f"{prefix}{name}.{i}.", kinds)
         elif holds == "numbers" and isinstance(value, tuple):
             yield from ((f"{prefix}{name}.{i}", v) for i, v in enumerate(value))
         elif (holds == "number" and value is not None) or kinds:
@@ -400,6 +421,8 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
         value, name = getattr(record, field), prefix + field
         if _is_record(value):
             value = replace_leaf(value, values, name + ".")
+        elif _are_records(value):
+            value = tuple(replace_leaf(part, values, f"{name}.{i}.") for i, part in enumerate(value))
         elif isinstance(value, tuple):
             value = tuple(values.get(f"{name}.{i}", v) for i, v in enumerate(value))
         object.__setattr__(copy, field, values.get(name, value))

@@ -12,9 +12,10 @@ from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves, replace_leaf
 from stickslip.friction.adapter import TINY, adapted, is_law, law_of
 from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
 
 __all__ = [
-    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "inner_start", "normal_load", "offered_force",
+    "check_law", "columns", "friction_force", "held_velocity", "impulses_until", "inner_start", "offered_force",
     "rest_velocity", "slip_ratio_of",
 ]  # fmt: skip
 
@@ -80,11 +81,6 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
             f"{kind}.breakaway(load=1) gives {limits!r}, less than its friction while it slides slowly ({slow[0]} and {slow[1]}); allowed "
             "is as much or more: a body that breaks away would be stopped at once; make breakaway at least as large as sliding near v = 0"
         )
-
-
-def normal_load(model: Any, t: Any, x: Any) -> Any:
-    """Normal force N on the contact [N]; a model's `load` is a number, or a function of time and place."""
-    return model.load(t, x) if callable(model.load) else model.load
 
 
 def inner_start(model: Any, x: Any = 0.0) -> Any:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
-from stickslip.friction.adapter import law_of
+from stickslip.mechanics import Mechanics, declares_parts, mechanics_of
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
 
@@ -25,6 +26,16 @@ class MachineAdapter:
 
     model: Any
 
+    @cached_property
+    def mechanics(self) -> Mechanics:
+        """Its equations of motion, as functions of plain numbers."""
+        return mechanics_of(self.model)
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it is one body with one contact, whose results have no axes for bodies and contacts."""
+        return not declares_parts(self.model)
+
     @property
     def drive(self) -> Drive | None:
         """What shakes its inner mass; None where it has none."""
@@ -38,8 +49,13 @@ class MachineAdapter:
     @property
     def breaks(self) -> tuple[float, ...]:
         """Instants in (0, period) at which its equations are not smooth, of all its parts [s]."""
-        parts = (self.model, self.drive, self.track)
-        return tuple(sorted({float(s) for part in parts for s in getattr(part, "breaks", None) or ()}))
+        return tuple(sorted({float(s) for s in self.unsorted_breaks}))
+
+    @property
+    def unsorted_breaks(self) -> tuple[Any, ...]:
+        """The same as they are named, numbers or symbols."""
+        parts = (self.model, self.drive, self.track) if self.is_single else (self.mechanics,)
+        return tuple(s for part in parts for s in getattr(part, "breaks", None) or ())
 
     @property
     def impulses(self) -> tuple[tuple[Any, Any], ...]:
@@ -49,19 +65,29 @@ class MachineAdapter:
     @property
     def time_scale(self) -> Any:
         """A time in which something happens [s]: its period, or what it says; None where nobody knows."""
-        return getattr(self.model, "time_scale", None) if self.model.period is None else self.model.period
+        said = self.model if self.is_single else self.mechanics
+        return getattr(said, "time_scale", None) if self.model.period is None else self.model.period
+
+    @property
+    def velocity_scale(self) -> Any:
+        """A typical velocity, against which errors are measured [m/s]."""
+        return self.model.velocity_scale if self.is_single else self.mechanics.velocity_scale  # type: ignore[attr-defined]
 
     @property
     def free_velocity(self) -> Any:
         """What its drive would do to the body without friction [m/s]."""
-        return getattr(self.model, "free_velocity", self.model.velocity_scale)
+        own = getattr(self.model, "free_velocity", None)
+        return self.velocity_scale if own is None else own
 
     @property
     def notes(self) -> list[str]:
         """Remarks on its numbers: its own, or those of its law."""
         own = getattr(self.model, "notes", None)
-        load = self.model.load
-        return list(law_of(self.model).notes(load(0.0, 0.0) if callable(load) else load) if own is None else own)
+        if own is not None:
+            return list(own)
+        mechanics = self.mechanics
+        found = zip(mechanics.contacts, mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
+        return [note if self.is_single else f"{name}: {note}" for name, law, load in found for note in law.notes(load)]
 
     @property
     def is_pulled(self) -> bool:
@@ -81,4 +107,4 @@ def machine_of(model: Machine) -> MachineAdapter:
 
 def is_machine(value: Any) -> bool:
     """Whether something has the methods that solvers ask."""
-    return hasattr(value, "friction") and hasattr(value, "acceleration")
+    return not isinstance(value, type) and (declares_parts(value) or (hasattr(value, "friction") and hasattr(value, "acceleration")))

@@ -15,6 +15,7 @@ from typing import Any
 
 __all__ = [
     "asinh", "atan", "cos", "cosh", "exp", "hypot", "log", "maximum", "minimum", "pi", "sin", "sinh", "sqrt", "tanh", "where", "within",
+    "wrapped",
 ]  # fmt: skip
 
 pi = math.pi
@@ -155,15 +156,18 @@ def minimum(a: Any, b: Any) -> Any:
 def within(t: Any, period: Any) -> Any:
     """Time since the period began [s]: what a drive in pieces asks for before it chooses a piece.
 
-    On the engine's symbols it is t itself, because the engine's time starts anew with each period. An instant that is a whole
-    number of periods up to rounding is the beginning of a period, never its end.
+    The engine's own time starts anew with each period, so that it is handed back; of what is made of it see `wrapped`. An instant that
+    is a whole number of periods up to rounding is the beginning of a period, never its end.
 
     Examples
     --------
     >>> within(0.75, 0.5), within(3 * 0.1, 0.1)
     (0.25, 0.0)
     """
-    if hasattr(t, "__ss_sin__") or hasattr(period, "__ss_sin__"):
+    hook = getattr(t, "__ss_within__", None)
+    if hook is not None:
+        return hook(period)
+    if hasattr(period, "__ss_sin__"):
         return t
     whole = t / period * (1 + 1e-15)  # the quotient of k periods may lie two roundings below k
     if isinstance(whole, float):
@@ -171,3 +175,14 @@ def within(t: Any, period: Any) -> Any:
     import numpy as np
 
     return np.maximum(t - period * np.floor(whole), 0.0)
+
+
+def wrapped(t: Any, period: Any) -> Any:
+    """A time less than one period before or after [0, period), put there [s].
+
+    Examples
+    --------
+    >>> wrapped(-0.25, 1.0), wrapped(0.5, 1.0), wrapped(1.25, 1.0)
+    (0.75, 0.5, 0.25)
+    """
+    return where(t < 0.0, t + period, where(t < period, t, t - period))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import normal_load
+from stickslip.mechanics import normal_load
 
 __all__ = ["knows_position"]
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from stickslip import recurrence
-from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = [

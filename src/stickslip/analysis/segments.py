@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.forces import normal_load, offered_force, slip_ratio_of
+from stickslip.forces import offered_force, slip_ratio_of
 from stickslip.friction.adapter import law_of
+from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
 

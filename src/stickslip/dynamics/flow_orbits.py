@@ -12,8 +12,8 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError, is_whole
-from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
+from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
 __all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "switching_flow"]

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.duals import Dual, Truth, slopes_of, variables
-from stickslip.forces import held_velocity, normal_load, offered_force
+from stickslip.forces import held_velocity, offered_force
 from stickslip.friction.adapter import law_of
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = ["memory_of", "offer_slopes", "rates"]

@@ -13,9 +13,10 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import inner_start, normal_load, rest_velocity
+from stickslip.forces import inner_start, rest_velocity
 from stickslip.friction.adapter import law_of
 from stickslip.machine import is_machine, machine_of
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 

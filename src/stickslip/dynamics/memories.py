@@ -21,8 +21,9 @@ import numpy as np
 from stickslip.dynamics.duals import Dual, slopes_of, variables
 from stickslip.dynamics.flows import memory_of, rates
 from stickslip.errors import SolveError
-from stickslip.forces import held_velocity, normal_load
+from stickslip.forces import held_velocity
 from stickslip.friction.adapter import law_of
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = ["remembered"]

@@ -13,8 +13,8 @@ from stickslip.drives.around import Around
 from stickslip.dynamics.duals import variables
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen
-from stickslip.forces import normal_load
 from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
 from stickslip.tracks import grip_of
 
 __all__ = ["ShiftedDrive", "ShiftedTrack", "shifted"]

@@ -20,9 +20,10 @@ import numpy as np
 
 from stickslip.dynamics.flows import offer_slopes
 from stickslip.errors import InputError
-from stickslip.forces import normal_load, offered_force
+from stickslip.forces import offered_force
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = ["Sequence", "dip", "gap", "margins", "misses", "sequence_of", "slope_of_gap"]

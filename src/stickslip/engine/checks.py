@@ -14,8 +14,8 @@ import numpy as np
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import normal_load
 from stickslip.friction.adapter import LawAdapter, adapted, law_of
+from stickslip.mechanics import normal_load
 
 __all__ = ["check_numbers", "check_signatures", "explained", "finite"]
 

@@ -8,9 +8,9 @@ from typing import Any
 from stickslip.arguments import LawOrModel, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import normal_load
 from stickslip.friction.adapter import LawAdapter, adapted, is_law
 from stickslip.machine import is_machine
+from stickslip.mechanics import normal_load
 
 __all__ = ["latex", "written"]
 

@@ -112,7 +112,9 @@ class Sym:
         return self.graph.power(self, 0.5)
 
     def __ss_within__(self, period: Any) -> Sym:
-        return self  # the engine's time begins anew with each period
+        if self.op == "variable" or self.level < STATE:
+            return self  # the engine's time begins anew with each period
+        return self._with(maths.wrapped(self, period))  # what is ahead of it, or behind
 
     def __repr__(self) -> str:
         return {"constant": repr(self.value)}.get(self.op, self.name or f"{self.op}({', '.join(map(repr, self.args))})")

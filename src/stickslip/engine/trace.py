@@ -9,10 +9,10 @@ from stickslip.engine.checks import explained
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
 from stickslip.maths import maximum
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = ["SPAN", "Equations", "Switch", "kind_of", "label", "numbers_of", "trace"]

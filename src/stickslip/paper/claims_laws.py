@@ -9,8 +9,8 @@ import numpy as np
 from stickslip.benching.pulled import stick_slip
 from stickslip.benching.setup import Setup
 from stickslip.benching.velocity import steady_friction
-from stickslip.forces import normal_load
 from stickslip.friction import Bristle, Coulomb, Dahl
+from stickslip.mechanics import normal_load
 from stickslip.paper.cases import EXPERIMENTS, rig
 from stickslip.paper.claims import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
 from stickslip.paper.words import grouped, percent, plain, speed

@@ -11,9 +11,9 @@ from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.errors import InputError
-from stickslip.forces import normal_load
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.forces import normal_load
+from stickslip.mechanics import normal_load
 
 __all__ = ["check_period"]
 

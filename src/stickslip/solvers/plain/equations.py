@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from stickslip.forces import normal_load, rest_velocity
+from stickslip.forces import rest_velocity
 from stickslip.friction.adapter import TINY, Switches, law_of
 from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = ["LOAD", "SLIP", "Equations"]

@@ -1,0 +1,138 @@
+"""Whether the parts of a machine fit together: all that is wrong is said at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.errors import Problems, did_you_mean
+from stickslip.fields import at_least, between, checked_number, positive
+from stickslip.forces import check_law
+from stickslip.machines.parts import Body, Contact, Stop
+
+__all__ = ["check_parts"]
+
+_EXAMPLES = {
+    "bodies": '{"head": ss.Body(mass=0.07)}',
+    "contacts": '{"head": ss.Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21))}',
+    "links": '{("head", "tail"): ss.Spring(stiffness=1200.0)}',
+    "stops": '{("head", None): ss.Stop(gap=0.01, restitution=0.5)}',
+}
+
+
+def check_parts(machine: Any, problems: Problems) -> None:
+    """Note every part that is none, names nobody knows, and numbers that are not allowed."""
+    listed = {what: getattr(machine, what)() for what in _EXAMPLES}
+    for what, parts in listed.items():
+        if not isinstance(parts, dict):
+            hint = "a list where parts are meant has no names; " if isinstance(parts, (list, tuple)) else ""
+            problems.add(f"{what}() gives {parts!r}; {hint}allowed is a dictionary; type return {_EXAMPLES[what]}")
+    if problems.found:
+        return
+    bodies = listed["bodies"]
+    if not bodies:
+        problems.add(f"bodies() is empty; type return {_EXAMPLES['bodies']}")
+    for name, body in bodies.items():
+        _check_body(name, body, problems)
+    for name, contact in listed["contacts"].items():
+        _check_contact(name, contact, bodies, problems)
+    for what in ("links", "stops"):
+        for ends, each in listed[what].items():
+            _check_ends(what, ends, bodies, problems)
+            for part in each if isinstance(each, tuple) else (each,):
+                _check_joint(what, ends, part, problems)
+    if not problems.found:
+        _check_groups(machine, problems)
+
+
+def _check_body(name: Any, body: Any, problems: Problems) -> None:
+    if not isinstance(body, Body):
+        problems.add(f"bodies()[{name!r}] = {body!r}; allowed is a Body; type {name!r}: ss.Body(mass=0.07)")
+        return
+    checked_number(f"bodies()[{name!r}].mass", body.mass, problems, positive, "a positive mass [kg]", "mass=0.07")
+    checked_number(f"bodies()[{name!r}].position", body.position, problems, None, "a finite number [m]", "position=0.0")
+    if not callable(body.force):
+        allowed = "a force [N], or a function of time, position and velocity"
+        checked_number(f"bodies()[{name!r}].force", body.force, problems, None, allowed, "force=lambda t, x, v: sin(t)")
+
+
+def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Problems) -> None:
+    where = f"contacts()[{name!r}]"
+    if not isinstance(contact, Contact):
+        problems.add(f'{where} = {contact!r}; allowed is a Contact; type {name!r}: ss.Contact("head", friction)')
+        return
+    if contact.body not in bodies:
+        problems.add(f"{where}.body = {contact.body!r}; {did_you_mean(str(contact.body), bodies)}")
+    if isinstance(contact.on, str):
+        if contact.on not in bodies:
+            problems.add(f"{where}.on = {contact.on!r}; {did_you_mean(contact.on, bodies)}")
+        elif contact.on == contact.body:
+            problems.add(f"{where} has the body {contact.body!r} rub on itself; allowed is another body, or on=None for the track")
+    elif contact.on is not None and not callable(getattr(contact.on, "velocity", None)):
+        allowed = "the name of a body, a speed [m/s], or a motion with position, velocity and acceleration"
+        checked_number(f"{where}.on", contact.on, problems, None, allowed, "on=0.1")
+    if contact.load is not None and not callable(contact.load):
+        checked_number(f"{where}.load", contact.load, problems, positive, "a positive force [N]", "load=1.0")
+    own = Problems(problems.what)
+    check_law(contact.friction, own)
+    for sentence in own.found:
+        problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
+
+
+def _check_ends(what: str, ends: Any, bodies: dict[str, Any], problems: Problems) -> None:
+    if not isinstance(ends, tuple) or len(ends) != 2 or ends[0] is None or ends[0] == ends[1]:
+        allowed = "two names of bodies, or a name and None for the ground"
+        problems.add(f"{what}() has the key {ends!r}; allowed are {allowed}; type {_EXAMPLES[what]}")
+        return
+    for end in ends:
+        if end is not None and end not in bodies:
+            problems.add(f"{what}()[{ends!r}]: {end!r} is no body; {did_you_mean(str(end), bodies)}")
+
+
+def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
+    where = f"{what}()[{ends!r}]"
+    if what == "stops":
+        if not isinstance(part, Stop):
+            problems.add(f"{where} = {part!r}; allowed is a Stop; type ss.Stop(gap=0.01, restitution=0.5)")
+        else:
+            _check_stop(where, part, problems)
+        return
+    prescribed = all(callable(getattr(part, name, None)) for name in ("position", "velocity", "acceleration"))
+    if isinstance(part, type) or not (callable(getattr(part, "force", None)) or prescribed):
+        problems.add(
+            f"{where} = {part!r}; allowed is an object with force(distance, rate), or with position(t), velocity(t) and acceleration(t) "
+            "where it prescribes the distance; type for example ss.Spring(stiffness=1200.0)"
+        )
+    elif prescribed and ends[1] is None:
+        problems.add(
+            f"{where} prescribes where a body is; allowed are links between two bodies; leave the body out, or join it by a spring"
+        )
+    for name, allowed in (("stiffness", "zero or more [N/m]"), ("damping", "zero or more [N s/m]")):
+        value = getattr(part, name, None)
+        if value is not None and not callable(value):
+            checked_number(f"{where}.{name}", value, problems, at_least(0.0), allowed, f"{name}=0.0")
+
+
+def _check_stop(where: str, stop: Stop, problems: Problems) -> None:
+    if (stop.restitution is None) == (stop.stiffness is None):
+        problems.add(f"{where} has restitution = {stop.restitution!r} and stiffness = {stop.stiffness!r}; allowed is one of the two")
+    if stop.side not in (1, -1):
+        problems.add(f"{where}.side = {stop.side!r}; allowed is 1 or -1")
+    checked_number(f"{where}.gap", stop.gap, problems, None, "a finite number [m]", "gap=0.01")
+    if stop.restitution is not None:
+        checked_number(f"{where}.restitution", stop.restitution, problems, between(0.0, 1.0), "from 0 to 1", "restitution=0.5")
+    if stop.stiffness is not None:
+        checked_number(f"{where}.stiffness", stop.stiffness, problems, positive, "a positive stiffness [N/m]", "stiffness=1e4")
+    checked_number(f"{where}.damping", stop.damping, problems, at_least(0.0), "zero or more [N s/m]", "damping=0.0")
+
+
+def _check_groups(machine: Any, problems: Problems) -> None:
+    """Note prescribed distances that close a loop, and contacts between bodies that one of them joins."""
+    mechanics = machine.mechanics
+    joined = sum(len(group) - 1 for group in mechanics.groups)
+    if joined < len(mechanics.told):
+        problems.add("links() prescribes distances in a closed loop; allowed is one way from body to body; leave one of them out")
+    for name, row in zip(mechanics.contacts, mechanics.directions, strict=True):
+        if not any(row):
+            problems.add(
+                f"contacts()[{name!r}] is between two bodies whose distance is prescribed, so that nothing decides its slip; leave it out"
+            )

@@ -1,0 +1,109 @@
+"""The base of machines that a user writes: bodies, contacts, links and stops by their names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from stickslip.batch import check_shape, shape_of
+from stickslip.errors import InputError, Problems
+from stickslip.fields import Frozen
+from stickslip.machines.checks import check_parts
+from stickslip.mechanics import SeveralBodies
+from stickslip.tables import from_toml, record_html, to_toml
+
+__all__ = ["Machine"]
+
+
+class Machine(Frozen):
+    r"""Base of the machines: a subclass is a frozen dataclass of numbers that lists its parts in four methods.
+
+    .. math:: M\ddot q = F(t, q, \dot q) - \sum_i g_i R_i(w_i, N_i, z_i), \qquad w_i = g_i\cdot\dot q + b_i(t)
+
+    `bodies()` and `contacts()` must be there; `links()`, `stops()`, `forces(t, x, v)` and `period` may be. Every part has a name, which
+    is the key of its dictionary; results are asked for by these names.
+
+    A field annotated ``float`` is a number of the machine: it may be an array, it can be swept, and it is found in files.
+    Write `stickslip.maths` functions (``sin``, ``where``, …) in forces and loads: they are traced and compiled.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> from typing import Any
+    >>> import stickslip as ss
+    >>> from stickslip.maths import pi, sin
+    >>> @dataclass(frozen=True, eq=False)
+    ... class Pair(ss.Machine):
+    ...     mass: float
+    ...     push: float
+    ...     omega: float
+    ...     stiffness: float
+    ...     friction: Any
+    ...
+    ...     @property
+    ...     def period(self):
+    ...         return 2 * pi / self.omega
+    ...
+    ...     def bodies(self):
+    ...         pushed = ss.Body(self.mass, force=lambda t, x, v: self.push * sin(self.omega * t))
+    ...         return {"head": pushed, "tail": ss.Body(self.mass)}
+    ...
+    ...     def contacts(self):
+    ...         return {name: ss.Contact(name, self.friction) for name in ("head", "tail")}
+    ...
+    ...     def links(self):
+    ...         return {("head", "tail"): ss.Spring(self.stiffness)}
+    >>> pair = Pair(mass=0.1, push=0.5, omega=60.0, stiffness=400.0, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.2))
+    >>> pair.mechanics.bodies, pair.mechanics.loads(0.0, (0.0, 0.0))[0]
+    (('head', 'tail'), 0.9810000000000001)
+    """
+
+    #: After this time the drives repeat [s]; None where nothing does: a run is then so many seconds long.
+    period: Any = None
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The bodies by name: a dictionary of `stickslip.Body`."""
+        raise InputError(type(self).__name__, ['it has no bodies; write def bodies(self): return {"head": ss.Body(mass=...)}'])
+
+    def contacts(self) -> Mapping[str, Any]:
+        """The contacts by name: a dictionary of `stickslip.Contact`."""
+        return {}
+
+    def links(self) -> Mapping[tuple[str, str | None], Any]:
+        """What joins two bodies, or one and the ground (None): ``{("head", "tail"): ss.Spring(...)}``."""
+        return {}
+
+    def stops(self) -> Mapping[tuple[str, str | None], Any]:
+        """What ends the way of one body towards another or the ground: ``{("head", None): ss.Stop(...)}``."""
+        return {}
+
+    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Further applied forces [N] by body, from the positions [m] and velocities [m/s] of all bodies by name."""
+        return {}
+
+    def _check(self, problems: Problems) -> None:
+        check_shape(self, problems)
+        if not problems.found:
+            check_parts(self, problems)
+
+    @property
+    def mechanics(self) -> SeveralBodies:
+        """Its equations of motion, as functions of plain numbers."""
+        return SeveralBodies(self)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch that this machine is; () for one."""
+        return shape_of(self)
+
+    def to_toml(self) -> str:
+        """The machine as TOML text, every digit kept; `from_toml` reads it back."""
+        return to_toml(self, "machine")
+
+    @classmethod
+    def from_toml(cls, text: str) -> Any:
+        """A machine of this kind from the TOML text of `to_toml`."""
+        return from_toml(cls, text, "machine")
+
+    def _repr_html_(self) -> str:
+        return record_html(self)

@@ -1,0 +1,180 @@
+"""The parts of a machine: bodies, contacts, links and stops. Their numbers may be floats, arrays, or symbols while equations are traced."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.fields import arguments_of, check_arguments
+
+__all__ = ["Body", "Contact", "Rigid", "Spring", "Stop"]
+
+
+class _Part:
+    """A record whose arguments are checked by name when it is made, and whose numbers are checked with the machine's."""
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
+        check_arguments(cls.__name__, arguments_of(cls), args, kwargs)
+        return super().__new__(cls)
+
+
+@dataclass(frozen=True, eq=False)
+class Body(_Part):
+    """One body of a machine, which moves along the track (or about the axis: then read rad, kg m^2 and N m).
+
+    Parameters
+    ----------
+    mass : float
+        All that moves with it [kg].
+    force : float or callable, optional
+        Applied force, all but links and friction [N]: a number, or a function of time [s], its position [m] and its velocity [m/s].
+    position : float, optional
+        Where a run begins that says nothing else [m].
+    jumps : tuple of (instant, jump), optional
+        Known jumps of its velocity: instants in [0, period) [s] and what is added to the velocity there [m/s].
+    breaks : tuple of float, optional
+        Instants in (0, period) at which the force is not smooth [s]; conditions on time that are written with
+        `stickslip.maths.where` are found without being named.
+
+    Examples
+    --------
+    >>> head = Body(mass=0.072, force=lambda t, x, v: -0.3 * v)
+    >>> head.applied(t=0.0, x=0.0, v=0.1), Body(mass=1.0, force=2.0).applied(0.0, 0.0, 0.0)
+    (-0.03, 2.0)
+    """
+
+    mass: Any
+    force: Any = 0.0
+    position: Any = 0.0
+    jumps: tuple[tuple[Any, Any], ...] = ()
+    breaks: tuple[Any, ...] = ()
+
+    def applied(self, t: Any, x: Any, v: Any) -> Any:
+        """Applied force [N]."""
+        return self.force(t, x, v) if callable(self.force) else self.force
+
+
+@dataclass(frozen=True, eq=False)
+class Contact(_Part):
+    """Where a body rubs: on the track, on another body, or on something that moves as it is told.
+
+    Parameters
+    ----------
+    body : str
+        Name of the body.
+    friction : law
+        Any friction law; it sees the slip velocity, that of the body less that of what it rubs on.
+    on : optional
+        Nothing is the track; the name of another body; the speed of a belt [m/s]; or a motion, which has `position(t)`,
+        `velocity(t)` and `acceleration(t)` as every drive has.
+    load : float or callable, optional
+        Normal force [N]: a number, or a function of time [s] and the position of the body [m]. Without it, the weight of the body
+        where gravity is the machine's `gravity`, or 9.81 m/s^2.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> foot = Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21), load=0.7)
+    >>> foot.normal(t=0.0, x=0.0)
+    0.7
+    """
+
+    body: str
+    friction: Any
+    on: Any = None
+    load: Any = None
+
+    def normal(self, t: Any, x: Any) -> Any:
+        """Normal force [N]."""
+        return self.load(t, x) if callable(self.load) else self.load
+
+
+@dataclass(frozen=True, eq=False)
+class Spring(_Part):
+    """A spring with a damper beside it, between two bodies or a body and the ground.
+
+    Parameters
+    ----------
+    stiffness : float
+        [N/m]; 0 is a damper alone.
+    damping : float, optional
+        [N s/m].
+    length : float, optional
+        Distance at which it is relaxed, from the second body to the first [m].
+
+    Examples
+    --------
+    >>> Spring(stiffness=1200.0, damping=0.4).force(distance=1e-3, rate=0.5)
+    1.4
+    """
+
+    stiffness: Any
+    damping: Any = 0.0
+    length: Any = 0.0
+
+    def force(self, distance: Any, rate: Any) -> Any:
+        """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]."""
+        return self.stiffness * (distance - self.length) + self.damping * rate
+
+
+@dataclass(frozen=True, eq=False)
+class Rigid(_Part):
+    """A link that keeps the distance: the two bodies move as one, and have a contact each.
+
+    Examples
+    --------
+    >>> Rigid().velocity(t=0.3)
+    0.0
+    """
+
+    def position(self, t: Any) -> Any:
+        """What is added to the distance at the start [m]."""
+        return 0.0
+
+    def velocity(self, t: Any) -> Any:
+        """Rate of the distance [m/s]."""
+        return 0.0
+
+    def acceleration(self, t: Any) -> Any:
+        """Its rate [m/s^2]."""
+        return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Stop(_Part):
+    """What ends the way of one body towards another, or towards the ground: a hit that is over at once, or a stiff spring.
+
+    Parameters
+    ----------
+    gap : float
+        How far the distance from the second body to the first may go before they touch [m].
+    restitution : float, optional
+        Of a hit: velocity of parting over velocity of approach, from 0 to 1. Give this, or a stiffness.
+    stiffness, damping : float, optional
+        Of an elastic stop [N/m], [N s/m]; it pushes and never pulls.
+    side : {1, -1}, optional
+        1 where the distance must stay below `gap`, -1 where it must stay above -`gap`.
+
+    Examples
+    --------
+    >>> wall = Stop(gap=0.01, stiffness=1e4)
+    >>> wall.gap_left(distance=0.008), wall.force(distance=0.012, rate=0.0)
+    (0.002, 20.0)
+    """
+
+    gap: Any
+    restitution: Any = None
+    stiffness: Any = None
+    damping: Any = 0.0
+    side: int = 1
+
+    def gap_left(self, distance: Any) -> Any:
+        """What is left of the gap [m]; negative while an elastic stop is pressed."""
+        return self.gap - self.side * distance
+
+    def force(self, distance: Any, rate: Any) -> Any:
+        """Force of an elastic stop that keeps the two together as a tension does [N]; 0 while they do not touch."""
+        from stickslip.maths import maximum, where
+
+        depth = self.side * distance - self.gap
+        return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * (self.side * rate), 0.0), 0.0)
