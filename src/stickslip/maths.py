@@ -14,7 +14,8 @@ import math
 from typing import Any
 
 __all__ = [
-    "asinh", "atan", "cos", "cosh", "exp", "hypot", "log", "maximum", "minimum", "pi", "sin", "sinh", "sqrt", "tanh", "where", "within",
+    "asinh", "atan", "cos", "cosh", "exp", "hypot", "is_symbol",
+    "log", "maximum", "minimum", "pi", "sin", "sinh", "sqrt", "tanh", "where", "within",
     "wrapped",
 ]  # fmt: skip
 
@@ -125,6 +126,17 @@ def hypot(a: Any, b: Any) -> Any:
         return np.hypot(a, b)
 
 
+def is_symbol(value: Any) -> bool:
+    """Whether something stands for a number that is not known yet, as in equations that are traced.
+
+    Examples
+    --------
+    >>> is_symbol(1.0)
+    False
+    """
+    return hasattr(value, "__ss_sin__")
+
+
 def where(condition: Any, yes: Any, no: Any) -> Any:
     """`yes` where the condition holds, else `no`: what a law writes instead of ``if``.
 
@@ -167,7 +179,7 @@ def within(t: Any, period: Any) -> Any:
     hook = getattr(t, "__ss_within__", None)
     if hook is not None:
         return hook(period)
-    if hasattr(period, "__ss_sin__"):
+    if is_symbol(period):
         return t
     whole = t / period * (1 + 1e-15)  # the quotient of k periods may lie two roundings below k
     if isinstance(whole, float):

@@ -33,6 +33,11 @@ class Mechanics:
     stops: tuple[Stopper, ...] = ()
 
     @property
+    def coordinates(self) -> int:
+        """How many bodies, or groups of them, move by themselves."""
+        raise NotImplementedError
+
+    @property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
         raise NotImplementedError
@@ -98,7 +103,7 @@ class OneBody(Mechanics):
     (('body',), ('contact',), (0.1,), ((1.0,),))
     """
 
-    bodies, contacts, directions = ("body",), ("contact",), ((1.0,),)
+    bodies, contacts, directions, coordinates = ("body",), ("contact",), ((1.0,),), 1
 
     def __init__(self, model: Any):
         self.model = model
@@ -178,6 +183,11 @@ class SeveralBodies(Mechanics):
         self.stops = tuple(Stopper(self, ends, stop) for ends, stop in walls if stop.restitution is not None)
 
     # ---- what there is ----
+    @property
+    def coordinates(self) -> int:
+        """One for each body or group of bodies at prescribed distances."""
+        return len(self.groups)
+
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""

@@ -14,16 +14,18 @@ import numpy as np
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import LawAdapter, adapted, law_of
-from stickslip.mechanics import normal_load
+from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.machine import machine_of
 
 __all__ = ["check_numbers", "check_signatures", "explained", "finite"]
 
 
 def explained(work: Any, model: Any) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""
-    law_name = type(model.friction).__name__
-    check_signatures(model.friction)
+    laws = machine_of(model).mechanics.laws
+    law_name = " + ".join(dict.fromkeys(law.name for law in laws)) or type(model).__name__
+    for law in laws:
+        check_signatures(law.law)
     try:
         return work(model)
     except TraceError as error:
@@ -98,8 +100,13 @@ def _check_numbers(model: Any) -> None:
 
     names = tuple(name for name, _ in leaves(model))
     case: Any = replace_leaf(model, dict(zip(names, (float(c) for c in rows_of(model, names)[0]), strict=True)))
-    load, speed = float(normal_load(case, 0.0, 0.0)), max(float(case.velocity_scale), 1e-9)
-    law = law_of(case)
+    machine = machine_of(case)
+    mechanics, speed = machine.mechanics, max(float(machine.velocity_scale), 1e-9)
+    for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True):
+        _check_law(law, float(load), speed)
+
+
+def _check_law(law: LawAdapter, load: float, speed: float) -> None:
     look = _values_of_dynamic if law.dynamic else _values_of_set_valued
     for v in (0.0, 1e-2 * speed, -1e-2 * speed, 1e-6 * speed):
         try:

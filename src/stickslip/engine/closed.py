@@ -97,7 +97,7 @@ def _closed(eq: Equations) -> Closed:
     graph, contact = eq.graph, eq.contact
     forwards, backwards, push, pull = map(terms_of, (contact.forwards, contact.backwards, contact.push, -contact.pull))
     vanishing = [(_words(eq, key), c) for other in (backwards, push, pull) for key, c in difference(graph, other, forwards).items() if key]
-    vanishing += [("jumps of the velocity", jump) for _, jump in eq.impulses] + [("a contact that moves", eq.offset)]
+    vanishing += [("jumps of the velocity", jumps[0]) for _, jumps in eq.impulses] + [("a contact that moves", eq.offset)]
     sines = []
     for key, c in forwards.items():
         wave = rate_of(graph, key, eq.t)

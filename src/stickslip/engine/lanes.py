@@ -145,7 +145,7 @@ def _constants(eq: Equations, step: Step) -> list[Any]:
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
-    return [*step.case_nodes, *own, *scales, *instants, *(jump for _, jump in eq.impulses)]
+    return [*step.case_nodes, *own, *scales, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
 
 
 def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
@@ -153,7 +153,7 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     first = len(step.case_nodes)
     scale_at = [-1] * eq.states
-    for place, i in enumerate(i for i, s in enumerate(eq.scales, start=1) if s is not None):
+    for place, i in enumerate(i for i, s in enumerate(eq.scales) if s is not None):
         scale_at[i] = first + 4 + place
     constants = len(_constants(eq, step))
     breaks = len(eq.instants) + len(eq.impulses)
@@ -162,7 +162,8 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
-        "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
+        "BREAK_AT": constants - len(eq.impulses) * eq.coordinates - breaks,
+        "COORDINATES": eq.coordinates, "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip

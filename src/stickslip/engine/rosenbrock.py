@@ -116,8 +116,8 @@ class _StepWriter(EventWriter):
         """The step's length: the controller's wish, cut where break-away must be foreseen and where the period ends."""
         w, k = self.w, self.k
         w.line("_hh", "_h")
-        if self.eq.stribeck_velocity is not None:
-            v_s = w.value(self.eq.stribeck_velocity, self.start)
+        if self.eq.contacts[0].stribeck_velocity is not None:
+            v_s = w.value(self.eq.contacts[0].stribeck_velocity, self.start)
             second = self.T[0]
             for j in range(self.n):
                 if self.J[0][j] == "0.0":
@@ -232,8 +232,8 @@ class _StepWriter(EventWriter):
         for i in range(self.n):
             if i == 0:
                 floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
-            elif self.eq.scales[i - 1] is not None:
-                floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i - 1], self.start)}"
+            elif self.eq.scales[i] is not None:
+                floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i], self.start)}"
             else:
                 floor = f"{literal(k.inner_floor)} * _m{i}"
             if i == self.n - 1 and not self.eq.cyclic:  # a position need not be known better than the velocity makes it
@@ -259,7 +259,7 @@ class _StepWriter(EventWriter):
         w.line("_lf", f"_lf if _lf > {literal(_log2(k.shrink))} else {literal(_log2(k.shrink))}")
         w.line("_hn", "_hh * as_float(np.int64((_lf + 1022.957) * 4503599627370496.0))")
         w.line("_hn", "(_h if _h > _hn else _hn) if (_hh < _h and _ok) else _hn")  # a clipped step must not shrink the wish
-        most = k.watchful if self.eq.balances else k.longest
+        most = k.watchful if self.eq.contacts[0].balances else k.longest
         longest = w.line(w.fresh(), f"{literal(most)} * {w.value(self.eq.period, self.start)}")
         w.line("_hn", f"_hn if _hn < {longest} else {longest}")
         w.line("_h", "_hn if _acc1 else (_cut * _hh if _evB else (_hn if not _ok else _h))")

@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from stickslip.engine.checks import explained
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
+from stickslip.engine.values import values_of
+from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
-from stickslip.maths import maximum
-from stickslip.mechanics import normal_load
+from stickslip.maths import maximum, pi
 from stickslip.position import knows_position
 
-__all__ = ["SPAN", "Equations", "Switch", "kind_of", "label", "numbers_of", "trace"]
+__all__ = ["SPAN", "Branches", "Contact", "Equations", "Switch", "kind_of", "label", "numbers_of", "refused", "trace"]
 
 #: Name of the column that holds the length of the run, for a model without a period.
 SPAN = "span"
@@ -34,7 +36,7 @@ class Switch:
 
 
 @dataclass(frozen=True)
-class Contact:
+class Branches:
     """Accelerations at a set-valued contact: while it slides, and how much is left at the limits of rest."""
 
     forwards: Sym
@@ -44,10 +46,27 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """One contact: where it stands in the states, guards and modes."""
+
+    name: str
+    slip: Sym
+    state: int | None  # the state that is its slip velocity; None where the slip is made of several, or of time
+    guard: int | None  # the guard whose flag holds the side of its slip; None of a set-valued law of several contacts: its mode does
+    inner: tuple[int, ...]  # its inner states among the states
+    modes: tuple[int, ...]  # its modes among the modes: +1, -1 or 0 (at rest) of a set-valued law, else the law's memories
+    branches: Branches | None  # of a set-valued law
+    stribeck_velocity: Sym | None
+    balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
+
+
+@dataclass(frozen=True)
 class Equations:
     """What a step needs to know of a model.
 
-    States are y[0] = velocity at the contact, the law's inner states after it, and x as the last where the equations need it.
+    States are the velocity of each coordinate (less that of what its contact rubs on, where that does not vary), the laws' inner states
+    contact by contact, and then the positions that the equations need: of all coordinates, or of all but the first as differences to
+    it, whose own position is the integral of its velocity (none, for a single body). For one body y[0] = velocity at the contact.
     """
 
     graph: Graph
@@ -55,8 +74,9 @@ class Equations:
     t: Sym
     y: tuple[Sym, ...]
     f: tuple[Sym, ...]  # dy/dt
-    offset: Sym  # velocity of the body less that at the contact
-    free: Sym  # acceleration without friction
+    offsets: tuple[Sym, ...]  # velocity of each coordinate less the state that stands for it
+    contacts: tuple[Contact, ...]
+    free: Sym  # acceleration of the first coordinate without friction
     inertia: Sym | None  # what the drive's mass does to the body [N], where there is one
     jacobian: tuple[tuple[Sym, ...], ...]
     by_time: tuple[Sym, ...]
@@ -68,32 +88,53 @@ class Equations:
     first_modes: tuple[Sym, ...]  # from the state, at the start and after an impulse
     clocks: tuple[Sym, ...]
     instants: tuple[Sym, ...]  # when each clock's flag changes
-    impulses: tuple[tuple[Sym, Sym], ...]  # instant, jump of v
+    impulses: tuple[tuple[Sym, tuple[Sym, ...]], ...]  # instant, jump of each coordinate's velocity
     period: Sym
     velocity_scale: Sym
     free_velocity: Sym  # what the body would do without friction: the unit of strobe distances
-    scales: tuple[Sym | None, ...]  # typical size of y[1:]; None: not known
-    stribeck_velocity: Sym | None
+    scales: tuple[Sym | None, ...]  # typical size of each state; None: not known
     cyclic: bool
-    contact: Contact | None  # of a set-valued law
-    mass: Sym  # all that moves with the contact [kg]
-    offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it
-    balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
+    mass: Sym  # all that moves with the first contact [kg]
+    offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it; of one body
 
     @property
     def dynamic(self) -> bool:
-        """Whether the law has a rate and a force, and so never rests exactly."""
-        return self.contact is None
+        """Whether the laws have a rate and a force, and so never rest exactly."""
+        return all(contact.branches is None for contact in self.contacts)
 
     @property
     def states(self) -> int:
         """Number of states."""
         return len(self.y)
 
+    @property
+    def coordinates(self) -> int:
+        """Number of velocities, the first states."""
+        return len(self.offsets)
+
+    @property
+    def positions(self) -> range:
+        """The states that are positions, or differences of positions: the last ones."""
+        count = self.coordinates - 1 if self.cyclic else self.coordinates
+        return range(self.states - count, self.states)
+
+    @property
+    def offset(self) -> Sym:
+        """Velocity of the first coordinate less the state that stands for it."""
+        return self.offsets[0]
+
+    @property
+    def contact(self) -> Branches | None:
+        """Of a set-valued law of one contact."""
+        return self.contacts[0].branches
+
 
 def label(model: Any) -> str:
     """What a model's kind is called: ``LuGre × Harmonic``."""
     drive, track = machine_of(model).drive, machine_of(model).track
+    if not machine_of(model).is_single:
+        laws = [law.name for law in machine_of(model).mechanics.laws]
+        return " × ".join([*dict.fromkeys(laws), type(model).__name__, str(len(laws))])
     parts = [type(model.friction).__name__, type(model if drive is None else drive).__name__]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)
@@ -122,147 +163,263 @@ def trace(model: Any) -> Equations:
 
 
 class _Mechanics:
-    """A model with symbols for its numbers, time, velocity at the contact, and position."""
+    """A model with symbols for its numbers, time, velocities and positions."""
 
-    def __init__(self, model: Any):
+    def __init__(self, model: Any, cyclic: bool):
         self.graph = graph = Graph()
-        self.cyclic = not knows_position(model)
+        self.cyclic = cyclic
         names = numbers_of(model)
         self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
+        self.machine = machine_of(self.model)
+        self.single, self.equations = self.machine.is_single, self.machine.mechanics
         self.names = names if model.period is not None else (*names, SPAN)
-        self.t, self.slip = graph.variable("t"), graph.variable("v")
-        self.x = graph.constant(0.0) if self.cyclic else graph.variable("x")
-        graph.sign(self.slip)  # flag 0 is always the side of v
-        self.offset = -self.lift(self.model.contact_velocity(graph.constant(0.0)))
-        self.v = self.slip + self.offset
-        self.load = self.lift(normal_load(self.model, self.t, self.x))
+        self.laws, self.directions = self.equations.laws, self.equations.directions
+        self.t, n = graph.variable("t"), self.equations.coordinates
+        self.y = tuple(graph.variable(f"v{j}" if n > 1 else "v") for j in range(n))
+        self.places = self._places()
+        if self.single:
+            graph.sign(self.y[0])  # of one body, flag 0 is always the side of v
+        rates = tuple(map(self.lift, self.equations.offsets(self.t)))
         zero = graph.constant(0.0)
-        self.first_load = self.lift(normal_load(self.model, zero, zero))  # a typical load, where it varies
-        self.law = law_of(self.model)
+        self.owner = _owners(graph, self.directions, rates, n)  # of each coordinate, the contact whose slip its state is
+        self.offsets = tuple(zero if i is None else -rates[i] for i in self.owner)
+        self.v = tuple(y + offset for y, offset in zip(self.y, self.offsets, strict=True))
+        self.slips = tuple(self.y[self.owner.index(i)] if i in self.owner else self._slip(i) for i in range(len(self.laws)))
+        for slip, law in zip(self.slips, self.laws, strict=True):
+            if law.dynamic:
+                graph.sign(slip)  # of each contact, before any other condition
+        self.loads = tuple(map(self.lift, self.equations.loads(self.t, self.places)))
+        self.first_loads = tuple(map(self.lift, self.equations.loads(zero, (zero,) * n)))  # typical loads, where they vary
+
+    def _slip(self, i: int) -> Sym:
+        return self.lift(self.equations.slips(self.t, self.v)[i])
+
+    def _places(self) -> tuple[Sym, ...]:
+        """Positions of the coordinates; where only their differences matter, from the first one."""
+        graph, n = self.graph, len(self.y)
+        zero = graph.constant(0.0)
+        names = ["x"] if n == 1 else [f"{'l' if self.cyclic else 'x'}{j}" for j in range(n)]
+        return tuple(zero if j == 0 and self.cyclic else graph.variable(name) for j, name in enumerate(names))
 
     def lift(self, value: Any) -> Sym:
         return value if isinstance(value, Sym) else self.graph.constant(value)
 
-    def acceleration(self, R: Any, slip: Sym | None = None) -> Sym:
-        v = (self.slip if slip is None else slip) + self.offset
-        return _spread(self.lift(self.model.acceleration(self.t, self.x, v, R)))
+    def accelerations(self, R: dict[int, Any], at: dict[int, Sym] | None = None) -> tuple[Sym, ...]:
+        """Accelerations of the coordinates under the friction forces R by contact, with other states `at` those of the coordinates."""
+        v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
+        forces = [R.get(i, 0.0) for i in range(len(self.laws))]
+        return tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces))
 
     def period(self, given: Any) -> Sym:
         return self.graph.case(SPAN) if given.period is None else self.lift(self.model.period)
 
 
-@dataclass(frozen=True)
-class _Motion:
-    """How a law moves the states: the part of the equations that depends on its sort."""
+def _owners(graph: Graph, directions: Any, offsets: tuple[Sym, ...], coordinates: int) -> tuple[int | None, ...]:
+    """For each coordinate the first contact whose slip is its velocity plus what does not vary in time."""
+    found = []
+    for j in range(coordinates):
+        alone = [i for i, row in enumerate(directions) if row[j] == 1.0 and sum(map(abs, row)) == 1.0 and not graph.varies(offsets[i])]
+        found.append(alone[0] if alone else None)
+    return tuple(found)
 
-    inner: tuple[Sym, ...]
-    f: tuple[Sym, ...]
-    events: list[tuple[Sym, Switch]]  # one-sided guards
-    at_rest: Switch | None  # what happens when the velocity passes zero
-    modes: tuple[Sym, ...]
-    first_modes: tuple[Sym, ...]
-    scales: tuple[Sym | None, ...]
-    contact: Contact | None = None
+
+class _Writer:
+    """Collects what contact by contact makes of the equations."""
+
+    def __init__(self, m: _Mechanics):
+        self.m, n = m, len(m.y)
+        self.forces: dict[int, Any] = {}  # of dynamic laws
+        self.f: list[Any] = [None] * n  # of the coordinates, where a set-valued contact decides them
+        self.inner: list[Sym] = []
+        self.rates: list[Sym] = []
+        self.scales: list[Sym | None] = []
+        self.modes: list[Sym] = []
+        self.first_modes: list[Sym] = []
+        self.events: list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]] = []  # guard, new modes, new states, status
+        self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by number of the contact
+        self.contacts: list[Contact] = []
+
+    def mode(self, first: Sym) -> tuple[int, Sym]:
+        """A new mode, and its number."""
+        self.modes.append(self.m.graph.mode(f"mode{len(self.modes)}"))
+        self.first_modes.append(first)
+        return len(self.modes) - 1, self.modes[-1]
 
 
 def _trace(model: Any) -> Equations:
-    _check_contact(model)
-    m = _Mechanics(model)
-    graph = m.graph
-    speed = m.law.velocity_scale()
-    scale = _velocity_scale(m, m.model.velocity_scale, speed)
-    graph.units["v"] = graph.select(scale, scale, graph.constant(1.0))
-    motion = _dynamic(m) if m.law.dynamic else _set_valued(m)
-    y = (m.slip, *motion.inner, *(() if m.cyclic else (m.x,)))
-    f = (*motion.f, *(() if m.cyclic else (m.v,)))
-    events = [*motion.events, *_lost(m, len(y), motion.modes)]
-    guards = (*graph.guards, *(guard for guard, _ in events))
-    switches = {len(graph.guards) + k: switch for k, (_, switch) in enumerate(events)}
-    if motion.at_rest is not None:
-        switches[0] = motion.at_rest
-    impulses = tuple((m.lift(instant), m.lift(jump)) for instant, jump in machine_of(m.model).impulses)
+    single = machine_of(model).is_single
+    if single:
+        _check_contact(model)
+        return _traced(model, not knows_position(model))
+    if reason := refused(model):
+        raise InputError(type(model).__name__, [reason])
+    found = _traced(model, False)
+    return _traced(model, True) if _only_differences(found) else found
+
+
+def refused(model: Any) -> str:
+    """What of a machine the compiled methods do not solve; "" where they do."""
+    m = machine_of(model).mechanics
+    other = 'type method="dop853" (SciPy on the machine in plain Python: slower)'
+    if not m.contacts:
+        return f"it has no contact, so that nothing rubs; the compiled methods are for machines with friction; {other}"
+    if not all(law.compiles for law in m.laws):
+        return f"one of its laws is written for plain numbers only; {other}"
+    if m.stops:
+        return f"its stops throw bodies back at once, which the compiled methods do not do yet; {other}, or give the stops a stiffness"
+    dynamic = [law.dynamic for law in m.laws]
+    if any(dynamic) and not all(dynamic):
+        return f"some of its laws rest exactly and others have inner states; {other}"
+    if not all(dynamic) and any(sum(map(abs, row)) != 1.0 for row in m.directions):
+        return f"bodies rub on one another under a law that rests exactly; {other}"
+    if not all(dynamic) and any(sum(map(abs, column)) > 1.0 for column in zip(*m.directions, strict=True)):
+        return f"several contacts of one coordinate rest exactly; {other}"
+    if m.jumps and any(law.switching for law in m.laws):
+        return f"its velocities jump and a law remembers; {other}"
+    return ""
+
+
+def _only_differences(eq: Equations) -> bool:
+    """Whether the positions appear as differences only: what a common shift changes is zero, at any numbers."""
+    graph, places = eq.graph, [eq.y[i] for i in eq.positions]
+    changes = []
+    for node in (*eq.f[: eq.positions.start], *eq.guards):
+        total = graph.constant(0.0)
+        for place in places:
+            total = total + graph.derivative(node, place)
+        changes.append((total, [graph.derivative(node, place) for place in places]))
+    numbers = np.random.default_rng(20261122)
+    for _ in range(4):
+        known = {name: numbers.uniform(0.5, 1.5) for name in (*eq.names, SPAN, *(s.name for s in (*eq.y, eq.t)))}
+        known |= {mode.name: float(numbers.integers(-1, 2)) for mode in eq.modes}
+        found = values_of(graph, known, [node for total, parts in changes for node in (total, *parts)])
+        for total, parts in changes:
+            if abs(found[total.number]) > 1e-9 * sum(abs(found[part.number]) for part in parts):
+                return False
+    return True
+
+
+def _traced(model: Any, cyclic: bool) -> Equations:
+    m = _Mechanics(model, cyclic)
+    graph, zero = m.graph, m.graph.constant(0.0)
+    speeds = [law.velocity_scale() for law in m.laws]
+    speed = next((each for each in speeds if each is not None), None)
+    scale = _velocity_scale(m, m.machine.velocity_scale, speed)
+    for y in m.y:
+        graph.units[y.name] = graph.select(scale, scale, graph.constant(1.0))
+    parts = _Writer(m)
+    for i, law in enumerate(m.laws):
+        (_add_dynamic if law.dynamic else _add_set_valued)(parts, i, None if speeds[i] is None else m.lift(speeds[i]))
+    moved = m.accelerations(parts.forces)
+    f = tuple(a if own is None else own for a, own in zip(moved, parts.f, strict=True))
+    places = tuple(place for place in m.places if place is not zero)
+    rates = m.v if not cyclic else tuple(v - m.v[0] for v in m.v[1:])
+    n = len(m.y)
+    y, f = (*m.y, *parts.inner, *places), (*f, *parts.rates, *rates)
+    distance = None if m.single or model.period is None else scale * m.period(model) / (2 * pi)
+    for i in range(len(m.laws)):
+        if graph.varies(m.loads[i]):
+            parts.events.append((m.loads[i], {}, {}, LOST))
+    guards = (*graph.guards, *(guard for guard, *_ in parts.events))
+
+    def switch(modes: dict[int, Sym], states: dict[int, Sym], status: int = 0) -> Switch:
+        return Switch(tuple(modes.get(k, old) for k, old in enumerate(parts.modes)), tuple(states.get(k) for k in range(len(y))), status)
+
+    switches = {len(graph.guards) + k: switch(*event) for k, (_, *event) in enumerate(parts.events)}
+    switches |= {parts.contacts[i].guard or 0: switch(*changes) for i, changes in parts.at_rest.items()}
     return Equations(
-        graph=graph, names=m.names, t=m.t, y=y, f=f, offset=m.offset,
+        graph=graph, names=m.names, t=m.t, y=y, f=f, offsets=m.offsets, contacts=tuple(parts.contacts),
         jacobian=tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f),
         by_time=tuple(graph.derivative(fi, m.t) for fi in f),
         guards=guards, guard_rates=tuple(_along_flow(graph, g, m.t, y, f) for g in guards), signs=len(graph.guards), switches=switches,
-        modes=motion.modes, first_modes=motion.first_modes,
-        clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks), impulses=impulses,
-        period=m.period(model),
-        velocity_scale=scale,
-        free_velocity=_velocity_scale(m, machine_of(m.model).free_velocity, speed),
-        scales=(*motion.scales, *(() if m.cyclic else (None,))),
-        stribeck_velocity=None if speed is None else m.lift(speed),
-        cyclic=m.cyclic, contact=motion.contact, mass=m.lift(m.model.total_mass), offered=_offered(m),
-        balances=m.law.needs_applied,
-        free=m.acceleration(0.0), inertia=_inertia(m),
+        modes=tuple(parts.modes), first_modes=tuple(parts.first_modes),
+        clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks),
+        impulses=tuple((m.lift(instant), tuple(map(m.lift, jumps))) for instant, jumps in m.equations.jumps),
+        period=m.period(model), velocity_scale=scale,
+        free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
+        scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *(distance for _ in places)),
+        cyclic=cyclic, mass=m.lift(m.equations.masses[0]), offered=_offered(m) if m.single else None,
+        free=m.accelerations({})[0], inertia=_inertia(m),
     )  # fmt: skip
 
 
-def _dynamic(m: _Mechanics) -> _Motion:
+def _add_dynamic(parts: _Writer, i: int, speed: Sym | None) -> None:
     """A law with inner states: rate and force; its memory of whole numbers, if it has one, changes by switches."""
-    law, graph = m.law, m.graph
-    z = tuple(graph.variable(f"z{i}") for i in range(law.states))
-    modes = tuple(graph.mode(f"mode{i}") for i in range(law.modes))
-    zdot = tuple(map(m.lift, law.rate(m.slip, z, m.load, modes)))
-    applied = m.model.total_mass * m.acceleration(0.0) if law.needs_applied else None
-    force = law.force(m.slip, z, zdot, m.load, modes, applied)
-    events, at_rest = _switches(m, z, modes)
-    typical = law.scale(m.first_load)
-    scales = (None,) * law.states if typical is None else tuple(map(m.lift, typical))
-    zero = graph.constant(0.0)
-    return _Motion(z, (m.acceleration(force), *zdot), events, at_rest, modes, (zero,) * len(modes), scales)
+    m = parts.m
+    law, graph, slip, load = m.laws[i], m.graph, m.slips[i], m.loads[i]
+    graph.sign(slip)
+    guard = next(k for k, known in enumerate(graph.guards) if known is slip)
+    names = [f"z{k}" if m.single else f"z{i}_{k}" for k in range(law.states)]
+    z = tuple(map(graph.variable, names))
+    own = [parts.mode(graph.constant(0.0)) for _ in range(law.modes)]
+    modes = tuple(mode for _, mode in own)
+    zdot = tuple(map(m.lift, law.rate(slip, z, load, modes)))
+    applied = m.model.total_mass * m.accelerations({})[0] if law.needs_applied else None
+    parts.forces[i] = law.force(slip, z, zdot, load, modes, applied)
+    first = len(m.y) + len(parts.inner)
+    _add_switches(parts, i, z, own, first)
+    typical = law.scale(m.first_loads[i])
+    parts.scales += [None] * law.states if typical is None else list(map(m.lift, typical))
+    parts.inner += z
+    parts.rates += zdot
+    state = m.owner.index(i) if i in m.owner else None
+    inner = tuple(range(first, first + law.states))
+    parts.contacts.append(
+        Contact(m.equations.contacts[i], slip, state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied)
+    )
 
 
-def _switches(m: _Mechanics, z: tuple[Sym, ...], modes: tuple[Sym, ...]) -> tuple[list[tuple[Sym, Switch]], Switch | None]:
+def _add_switches(parts: _Writer, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
     """The law's switches; those at the instant when v passes zero belong to the guard that is there already."""
-    events, at_rest, passing = [], None, abs(m.slip)
-    for guard, new_modes, new_z in m.law.switches(m.slip, z, m.load, modes):
-        inner: tuple[Sym | None, ...] = (None,) * len(z) if new_z is None else tuple(map(m.lift, new_z))
-        states = (None, *inner, *(() if m.cyclic else (None,)))
-        switch = Switch(tuple(m.lift(new) for new in new_modes), states)
+    m, passing = parts.m, abs(parts.m.slips[i])
+    for guard, new_modes, new_z in m.laws[i].switches(m.slips[i], z, m.loads[i], tuple(mode for _, mode in own)):
+        modes = {number: m.lift(new) for (number, _), new in zip(own, new_modes, strict=True)}
+        states = {} if new_z is None else {first + k: m.lift(new) for k, new in enumerate(new_z)}
         if guard is passing:
-            at_rest = switch
+            parts.at_rest[i] = (modes, states)
         else:
-            events.append((m.lift(guard), switch))
-    return events, at_rest
+            parts.events.append((m.lift(guard), modes, states, 0))
 
 
-def _set_valued(m: _Mechanics) -> _Motion:
+def _add_set_valued(parts: _Writer, i: int, speed: Sym | None) -> None:
     """A law that may hold the body: mode +1 slides forwards, -1 backwards, 0 is stuck until the forces reach break-away."""
-    graph, law = m.graph, m.law
-    mode = graph.mode("mode0")
+    m = parts.m
+    graph, law, slip, load = m.graph, m.laws[i], m.slips[i], m.loads[i]
+    j = next(k for k, g in enumerate(m.directions[i]) if g)  # the coordinate that it brakes
     one, zero = graph.constant(1.0), graph.constant(0.0)
+    place, first = len(parts.modes), graph.constant(0.0)
     sliding = []
+    number, mode = parts.mode(first)
     for side in (1.0, -1.0):
-        graph.assumed[m.slip.number] = side
-        sliding.append(m.acceleration(law.sliding(m.slip, m.load)))
-    backward, forward = law.breakaway(m.load)
-    push, pull = m.acceleration(forward, zero), -m.acceleration(backward, zero)  # > 0: breaks away forwards, backwards
+        graph.assumed[slip.number] = side
+        sliding.append(m.accelerations({i: law.sliding(slip, load)})[j])
+    backward, forward = law.breakaway(load)
+    owned = m.owner[j] == i
+    still = zero if owned else -(slip - m.y[j])
+    held = zero if owned else graph.derivative(still, m.t)  # acceleration of the body while it rests on what it rubs on
+    push = m.accelerations({i: forward}, {j: still})[j] - held  # > 0: breaks away forwards
+    pull = -(m.accelerations({i: backward}, {j: still})[j] - held)
     graph.assumed.clear()
-    states = (None,) if m.cyclic else (None, None)
 
     def by_mode(forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
         return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
 
     rest = graph.select(push, one, graph.select(pull, -one, zero))
-    events = [
-        (by_mode(m.slip, -m.slip, one), Switch((rest,), (zero, *states[1:]))),
-        (by_mode(one, one, -push), Switch((one,), states)),
-        (by_mode(one, one, -pull), Switch((-one,), states)),
+    parts.events += [
+        (by_mode(slip, -slip, one), {place: rest}, {j: still}, 0),
+        (by_mode(one, one, -push), {place: one}, {}, 0),
+        (by_mode(one, one, -pull), {place: -one}, {}, 0),
     ]
-    first = graph.select(m.slip, one, graph.select(-m.slip, -one, rest))
-    return _Motion((), (by_mode(sliding[0], sliding[1], zero),), events, None, (mode,), (first,), (), Contact(*sliding, push, pull))
-
-
-def _lost(m: _Mechanics, states: int, modes: tuple[Sym, ...]) -> list[tuple[Sym, Switch]]:
-    """The end of the run, where a load that varies falls to zero."""
-    return [(m.load, Switch(modes, (None,) * states, LOST))] if m.graph.varies(m.load) else []
+    parts.first_modes[number] = graph.select(slip, one, graph.select(-slip, -one, rest))
+    parts.f[j] = by_mode(sliding[0], sliding[1], held)
+    branches = Branches(*sliding, push, pull)
+    guard = 0 if m.single else None
+    parts.contacts.append(Contact(m.equations.contacts[i], slip, j if owned else None, guard, (), (number,), branches, speed, False))
 
 
 def _offered(m: _Mechanics) -> Sym | None:
     """What all forces but friction add up to [N]: the drive's and gravity's share, for a robot."""
-    total = m.lift(m.model.total_mass) * m.acceleration(0.0)
+    total = m.lift(m.model.total_mass) * m.accelerations({})[0]
     return total if m.graph.varies(total) <= {"t"} else None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.errors import Problems, did_you_mean
-from stickslip.fields import at_least, between, checked_number, positive
+from stickslip.fields import checked_number, positive
 from stickslip.forces import check_law
 from stickslip.machines.parts import Body, Contact, Stop
 
@@ -48,8 +48,6 @@ def _check_body(name: Any, body: Any, problems: Problems) -> None:
     if not isinstance(body, Body):
         problems.add(f"bodies()[{name!r}] = {body!r}; allowed is a Body; type {name!r}: ss.Body(mass=0.07)")
         return
-    checked_number(f"bodies()[{name!r}].mass", body.mass, problems, positive, "a positive mass [kg]", "mass=0.07")
-    checked_number(f"bodies()[{name!r}].position", body.position, problems, None, "a finite number [m]", "position=0.0")
     if not callable(body.force):
         allowed = "a force [N], or a function of time, position and velocity"
         checked_number(f"bodies()[{name!r}].force", body.force, problems, None, allowed, "force=lambda t, x, v: sin(t)")
@@ -93,8 +91,6 @@ def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
     if what == "stops":
         if not isinstance(part, Stop):
             problems.add(f"{where} = {part!r}; allowed is a Stop; type ss.Stop(gap=0.01, restitution=0.5)")
-        else:
-            _check_stop(where, part, problems)
         return
     prescribed = all(callable(getattr(part, name, None)) for name in ("position", "velocity", "acceleration"))
     if isinstance(part, type) or not (callable(getattr(part, "force", None)) or prescribed):
@@ -106,23 +102,6 @@ def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
         problems.add(
             f"{where} prescribes where a body is; allowed are links between two bodies; leave the body out, or join it by a spring"
         )
-    for name, allowed in (("stiffness", "zero or more [N/m]"), ("damping", "zero or more [N s/m]")):
-        value = getattr(part, name, None)
-        if value is not None and not callable(value):
-            checked_number(f"{where}.{name}", value, problems, at_least(0.0), allowed, f"{name}=0.0")
-
-
-def _check_stop(where: str, stop: Stop, problems: Problems) -> None:
-    if (stop.restitution is None) == (stop.stiffness is None):
-        problems.add(f"{where} has restitution = {stop.restitution!r} and stiffness = {stop.stiffness!r}; allowed is one of the two")
-    if stop.side not in (1, -1):
-        problems.add(f"{where}.side = {stop.side!r}; allowed is 1 or -1")
-    checked_number(f"{where}.gap", stop.gap, problems, None, "a finite number [m]", "gap=0.01")
-    if stop.restitution is not None:
-        checked_number(f"{where}.restitution", stop.restitution, problems, between(0.0, 1.0), "from 0 to 1", "restitution=0.5")
-    if stop.stiffness is not None:
-        checked_number(f"{where}.stiffness", stop.stiffness, problems, positive, "a positive stiffness [N/m]", "stiffness=1e4")
-    checked_number(f"{where}.damping", stop.damping, problems, at_least(0.0), "zero or more [N s/m]", "damping=0.0")
 
 
 def _check_groups(machine: Any, problems: Problems) -> None:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
-from stickslip.fields import arguments_of, check_arguments
+from stickslip.errors import Problems
+from stickslip.fields import Frozen, at_least, between, positive
+from stickslip.maths import is_symbol, maximum, where
 
 __all__ = ["Body", "Contact", "Rigid", "Spring", "Stop"]
 
 
-class _Part:
-    """A record whose arguments are checked by name when it is made, and whose numbers are checked with the machine's."""
+class _Part(Frozen):
+    """A record of numbers that may be symbols too, because a machine makes its parts while its equations are traced."""
 
-    def __new__(cls, *args: Any, **kwargs: Any) -> Any:
-        check_arguments(cls.__name__, arguments_of(cls), args, kwargs)
-        return super().__new__(cls)
+    def _checked(self, field: Any, name: str, value: Any, problems: Problems) -> Any:
+        return value if is_symbol(value) else super()._checked(field, name, value, problems)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +44,13 @@ class Body(_Part):
     (-0.03, 2.0)
     """
 
-    mass: Any
+    mass: float = field(metadata={"example": "0.07"})
     force: Any = 0.0
-    position: Any = 0.0
-    jumps: tuple[tuple[Any, Any], ...] = ()
-    breaks: tuple[Any, ...] = ()
+    position: float = 0.0
+    jumps: Any = ()
+    breaks: Any = ()
+
+    _rules: ClassVar[dict[str, Any]] = {"mass": (positive, "a positive mass [kg]")}
 
     def applied(self, t: Any, x: Any, v: Any) -> Any:
         """Applied force [N]."""
@@ -108,9 +111,14 @@ class Spring(_Part):
     1.4
     """
 
-    stiffness: Any
-    damping: Any = 0.0
-    length: Any = 0.0
+    stiffness: float = field(metadata={"example": "1200.0"})
+    damping: float = 0.0
+    length: float = 0.0
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "stiffness": (at_least(0.0), "zero or more [N/m]"),
+        "damping": (at_least(0.0), "zero or more [N s/m]"),
+    }
 
     def force(self, distance: Any, rate: Any) -> Any:
         """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]."""
@@ -162,11 +170,23 @@ class Stop(_Part):
     (0.002, 20.0)
     """
 
-    gap: Any
-    restitution: Any = None
-    stiffness: Any = None
-    damping: Any = 0.0
+    gap: float = field(metadata={"example": "0.01"})
+    restitution: float | None = field(default=None, metadata={"example": "0.5"})
+    stiffness: float | None = field(default=None, metadata={"example": "1e4"})
+    damping: float = 0.0
     side: int = 1
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "restitution": (between(0.0, 1.0), "from 0 to 1"),
+        "stiffness": (positive, "a positive stiffness [N/m]"),
+        "damping": (at_least(0.0), "zero or more [N s/m]"),
+    }
+
+    def _check(self, problems: Problems) -> None:
+        if (self.restitution is None) == (self.stiffness is None):
+            problems.add(f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two")
+        if self.side not in (1, -1):
+            problems.add(f"side = {self.side!r}; allowed is 1 or -1")
 
     def gap_left(self, distance: Any) -> Any:
         """What is left of the gap [m]; negative while an elastic stop is pressed."""
@@ -174,7 +194,5 @@ class Stop(_Part):
 
     def force(self, distance: Any, rate: Any) -> Any:
         """Force of an elastic stop that keeps the two together as a tension does [N]; 0 while they do not touch."""
-        from stickslip.maths import maximum, where
-
         depth = self.side * distance - self.gap
         return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * (self.side * rate), 0.0), 0.0)
