@@ -28,6 +28,7 @@ class EventWriter:
     f: list[str]
     guard_start: list[str]
     guard_rate: list[str]
+    slips: dict[int, int]  # guards that are the slip of a contact -> the state that is that slip
     scale_v: str
     _bind: Any  # names for time and states -> names for everything that an expression depends on
 
@@ -38,66 +39,93 @@ class EventWriter:
         return horner([f"_k{i}_1", *(f"{m}.0 * _k{i}_{m}" for m in range(2, self.degree + 1))], theta)
 
     def _crossings(self) -> None:
-        """Whether v leaves its held side in this step, at the end or in between (the extremum of the dense output)."""
-        w, d = self.w, self.degree
-        w.line("_g0s", "_y0 * _b0")
-        w.line("_g0e", "_n0 * _b0")
-        w.line("_d0", "_k0_1 * _b0")
-        w.line("_d1", "(" + " + ".join(f"{m}.0 * _k0_{m}" for m in range(1, d + 1)) + ") * _b0")
-        w.line("_dip", "_d0 < 0.0 and _d1 > 0.0 and _g0e >= 0.0")
-        w.line("_low", "_g0e")
+        """Whether a guard leaves its held side in this step, and which goes first."""
+        w = self.w
         w.line("_tiny", f"-1e-14 * {self.scale_v}")
-        if self.record:
-            w.line("_tx", "1.0")
-            w.begin_if("_dip")
-        w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
-        second = horner(["2.0 * _k0_2", *(f"{m * (m - 1)}.0 * _k0_{m}" for m in range(3, d + 1))], "_tx")
-        w.line("_curve", second)
-        w.line("_tx", f"_tx - ({self._rate_at(0, '_tx')}) / (_curve if _dip else 1.0)")
-        w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
-        w.line("_low", f"({self._at(0, '_tx')}) * _b0")
-        w.line("_dip", "_dip and _low < _tiny")
-        w.end_if()
-        w.line("_te", "_tx if _dip else 1.0")
-        w.line("_ge", "_low if _dip else _g0e")
+        end = self._first_crossing()
+        for k in range(1, self.g):
+            self._other_crossing(k, end)
+
+    def _first_crossing(self) -> dict[str, str]:
+        """The first guard, to which the others are compared; names for what holds at the end of the step."""
+        w, state = self.w, self.slips.get(0)
+        if state is None:
+            w.line("_to", "_t + _hh")
+            end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
+            w.line("_g0s", f"{self.guard_start[0]} * _b0")
+            w.line("_g0e", f"{w.value(self.eq.guards[0], end)} * _b0")
+            w.line("_te", "1.0")
+            w.line("_ge", "1.0 * _g0e")
+        else:
+            w.line("_g0s", f"_y{state} * _b0")
+            w.line("_g0e", f"_n{state} * _b0")
+            self._dip(state, "_b0", "_g0e", "")
         w.line("_late", "_g0s < _tiny and _on0 < 0.5")  # it starts on the wrong side: another guard's flip moved this one
         w.line("_cr", "_ge < _tiny or _late")
         w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
         w.line("_th", "_te * _gs / (_gs - _ge if _ge < _tiny else 1.0)")
         w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
-        w.line("_wrong", f"_late or {self._leaves(self.f[0], '_b0', '_g0e < _tiny')}")
+        w.line("_wrong", f"_late or {self._leaves(self.guard_rate[0], '_b0', '_g0e < _tiny')}")
         w.line("_which", "0.0")
         w.line("_size", "0.0")
-        w.line("_to", "_t + _hh")
-        end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
-        for k in range(1, self.g):
-            self._other_crossing(k, end)
+        if state is not None:
+            w.line("_to", "_t + _hh")
+            end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
+        return end
+
+    def _dip(self, i: int, side: str, end: str, suffix: str) -> None:
+        """Where a velocity is nearest to leaving its side: _te and _ge, the end of the step or the extremum of the dense output within."""
+        w, d = self.w, self.degree
+        w.line("_d0", f"_k{i}_1 * {side}")
+        w.line("_d1", "(" + " + ".join(f"{m}.0 * _k{i}_{m}" for m in range(1, d + 1)) + f") * {side}")
+        w.line("_dip", f"_d0 < 0.0 and _d1 > 0.0 and {end} >= 0.0")
+        w.line("_low", end)
+        if self.record:
+            w.line("_tx", "1.0")
+            w.begin_if("_dip")
+        w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
+        second = horner([f"2.0 * _k{i}_2", *(f"{m * (m - 1)}.0 * _k{i}_{m}" for m in range(3, d + 1))], "_tx")
+        w.line("_curve", second)
+        w.line("_tx", f"_tx - ({self._rate_at(i, '_tx')}) / (_curve if _dip else 1.0)")
+        w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
+        w.line("_low", f"({self._at(i, '_tx')}) * {side}")
+        w.line("_dip", "_dip and _low < _tiny")
+        w.end_if()
+        w.line(f"_te{suffix}", "_tx if _dip else 1.0")
+        w.line(f"_ge{suffix}", f"_low if _dip else {end}")
 
     def _leaves(self, rate: str, side: str, out: str) -> str:
         """Whether a guard that starts at zero goes to the other side: by its rate, or, where that is zero too, by where the step ends."""
         return f"({rate} * {side} < 0.0 or ({rate} == 0.0 and {out}))"
 
     def _other_crossing(self, k: int, end: dict[str, str]) -> None:
-        """The same for another guard of the law; the one that goes first is kept."""
-        w, guard = self.w, self.eq.guards[k]
+        """The same for another guard; the one that goes first is kept."""
+        w, guard, state = self.w, self.eq.guards[k], self.slips.get(k)
         w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
         w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
         w.line(f"_size{k}", self._size(guard, end))
-        w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
+        if state is None:
+            least, at = f"_g{k}e", "1.0"
+            w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
+        else:
+            self._dip(state, f"_b{k}", f"_g{k}e", str(k))
+            least, at = f"_ge{k}", f"_te{k}"
+            w.line("_noise", "1.0 * _tiny")
         # far on the wrong side, a flag that has just flipped itself was moved by the flip of another
         w.line("_late", f"_g{k}s < _noise and (_on{k} < 0.5 or _g{k}s < -1e-6 * _size{k})")
-        w.line(f"_out{k}", f"_g{k}e < _noise")
+        w.line(f"_out{k}", f"{least} < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")
         w.line(f"_gp{k}", f"_g{k}s if _g{k}s > 0.0 else 0.0")
-        w.line(f"_th{k}", f"_gp{k} / (_gp{k} - _g{k}e if _out{k} else 1.0)")
+        reached = f"_gp{k} / (_gp{k} - {least} if _out{k} else 1.0)"
+        w.line(f"_th{k}", reached if state is None else f"{at} * {reached}")
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
         w.line("_wrong", f"(_late or {self._leaves(self.guard_rate[k], f'_b{k}', f'_out{k}')}) if _first else _wrong")
         for name, value in (
             ("_gs", f"_gp{k}"),
-            ("_ge", f"_g{k}e"),
+            ("_ge", least),
             ("_th", f"_th{k}"),
-            ("_te", "1.0"),
+            ("_te", at),
             ("_which", f"{k}.0"),
             ("_size", f"_size{k}"),
         ):

@@ -44,7 +44,10 @@ class Kernel:
     degree: int
     record: bool
     names: tuple[str, ...]
-    modes: int  # memories of the law, kept with each piece
+    modes: int  # memories of the laws, kept with each piece
+    contacts: int
+    owners: tuple[int | None, ...]  # of each coordinate, the contact whose slip its state is
+    cyclic: bool
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class Results:
     limit: Any  # displacement in a drive period that the motion approaches [m]
     wide_max: Any  # extremes of v over the window, at the ends of steps
     wide_min: Any
-    pieces: Any = None  # (pieces, 5 + modes + states (degree + 1)) of a recorded case
+    pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
 _kernels: dict[Any, Kernel] = {}
@@ -126,6 +129,9 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
         record,
         eq.names,
         len(eq.modes) if eq.dynamic else 0,
+        len(eq.contacts),
+        tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
+        eq.cyclic,
     )
 
 
@@ -145,7 +151,7 @@ def _constants(eq: Equations, step: Step) -> list[Any]:
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
-    return [*step.case_nodes, *own, *scales, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
+    return [*step.case_nodes, *own, *scales, *eq.shares, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
 
 
 def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
@@ -163,7 +169,9 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
         "BREAK_AT": constants - len(eq.impulses) * eq.coordinates - breaks,
-        "COORDINATES": eq.coordinates, "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
+        "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
+        "SHARE_AT": first + 4 + sum(s is not None for s in eq.scales),
+        "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
@@ -275,7 +283,7 @@ def run(
     cursor = np.array([0, cases, 0], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
     seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
-    pieces, kept = np.empty((8192 if keep_pieces else 0, 5 + k.modes + n * (k.degree + 1))), []
+    pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     advance = driver.load().advance
     while advance(

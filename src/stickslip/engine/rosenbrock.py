@@ -6,12 +6,13 @@ break-away, ends on the zero of a guard, and flips that guard's flag.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from stickslip.engine.events import EventWriter
 from stickslip.engine.symbols import Sym
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
-from stickslip.engine.trace import Equations
+from stickslip.engine.trace import Contact, Equations
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 
 __all__ = ["CONTROL", "Control", "Step", "write_step"]
@@ -63,7 +64,8 @@ class _StepWriter(EventWriter):
     def __init__(self, eq: Equations, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
         self.w, self.k = Writer(), CONTROL[tableau.name]
-        self.n, self.g, self.inner = eq.states, len(eq.guards), eq.states - (1 if eq.cyclic else 2)
+        self.n, self.g = eq.states, len(eq.guards)
+        self.slips = {c.guard: c.state for c in eq.contacts if c.guard is not None and c.state is not None}
         self.degree = len(tableau.dense) + 1
         self.dt = "_hh"
         news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
@@ -78,7 +80,7 @@ class _StepWriter(EventWriter):
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
         fields += ["t0", "hh", *(f"k{i}_{m}" for i in (n if self.record else (0,)) for m in range(self.degree + 1))]
         if self.record:
-            fields += ["x0", "side", *(f"held{i}" for i in range(len(self.eq.modes)))]
+            fields += ["x0", *_sides(self.eq), *(f"held{i}" for i in range(len(self.eq.modes)))]
         self._slopes()
         self._length()
         self._matrix()
@@ -108,31 +110,47 @@ class _StepWriter(EventWriter):
         self.guard_rate = [self.w.value(e, start) for e in self.eq.guard_rates]
         self.scale_v = self.w.value(self.eq.velocity_scale, start)
         self.w.line("_acc", f"1.0 * {self.f[0]}")
-        small = f"abs(_y0) < 1e-12 * {self.scale_v}"
-        self.w.line("_safe", f"1.0 if {small} else _y0")
-        self.w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[1]} / _safe" if self.inner else "1.0")
+        first = self.eq.contacts[0]
+        slip = self.w.value(first.slip, start)
+        small = f"abs({slip}) < 1e-12 * {self.scale_v}"
+        self.w.line("_safe", f"1.0 if {small} else {slip}")
+        self.w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[first.inner[0]]} / _safe" if first.inner else "1.0")
 
     def _length(self) -> None:
         """The step's length: the controller's wish, cut where break-away must be foreseen and where the period ends."""
-        w, k = self.w, self.k
+        w = self.w
         w.line("_hh", "_h")
-        if self.eq.contacts[0].stribeck_velocity is not None:
-            v_s = w.value(self.eq.contacts[0].stribeck_velocity, self.start)
-            second = self.T[0]
-            for j in range(self.n):
-                if self.J[0][j] == "0.0":
-                    continue
-                second = f"fma({self.J[0][j]}, {self.f[j]}, {second})"
-            w.line("_jerk", f"abs({second})")
-            w.line("_far", f"fma({v_s}, {literal(-k.swing_from)}, abs(_y0))")
-            w.line("_swing", f"fma({literal(k.swing)}, {v_s}, {literal(k.swing_rate)} * (_far if _far > 0.0 else 0.0))")
-            slope = w.line("_slope", f"abs({self.f[0]})")
-            w.line("_hl", f"2.0 * _swing / ({slope} + math.sqrt(fma({slope}, {slope}, 2.0 * _swing * _jerk)) + 1e-300)")
-            w.line("_hh", "_hh if _hh < _hl else _hl")
+        for contact in self.eq.contacts:
+            if contact.stribeck_velocity is not None:
+                self._swing(contact)
         w.line("_rem", "_tend - _t")
         w.line("_last", "_rem <= _hh * 1.0000001")
         w.line("_hh", "_rem if _last else _hh")
         w.line("_ih", "1.0 / _hh")
+
+    def _swing(self, contact: Contact) -> None:
+        """A shorter step near rest: the change of the slip velocity in it is limited."""
+        w, k = self.w, self.k
+        v_s, slip = w.value(contact.stribeck_velocity, self.start), w.value(contact.slip, self.start)
+        w.line("_jerk", f"abs({self._along(contact, self._second)})")
+        w.line("_far", f"fma({v_s}, {literal(-k.swing_from)}, abs({slip}))")
+        w.line("_swing", f"fma({literal(k.swing)}, {v_s}, {literal(k.swing_rate)} * (_far if _far > 0.0 else 0.0))")
+        slope = w.line("_slope", f"abs({self._along(contact, lambda j: self.f[j])})")
+        w.line("_hl", f"2.0 * _swing / ({slope} + math.sqrt(fma({slope}, {slope}, 2.0 * _swing * _jerk)) + 1e-300)")
+        w.line("_hh", "_hh if _hh < _hl else _hl")
+
+    def _along(self, contact: Contact, of: Callable[[int], str]) -> str:
+        """What a contact's slip takes of the coordinates."""
+        terms = [("-" if g < 0 else "") + of(j) for j, g in enumerate(contact.direction) if g]
+        return terms[0] if len(terms) == 1 else f"({' + '.join(terms)})"
+
+    def _second(self, j: int) -> str:
+        """Second time derivative of a coordinate's velocity."""
+        second = self.T[j]
+        for i in range(self.n):
+            if self.J[j][i] != "0.0":
+                second = f"fma({self.J[j][i]}, {self.f[i]}, {second})"
+        return second
 
     def _matrix(self) -> None:
         """W = I/(h gamma) - J: its inverse for two states, else its LU factors without pivoting."""
@@ -230,13 +248,13 @@ class _StepWriter(EventWriter):
         """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
         w, k = self.w, self.k
         for i in range(self.n):
-            if i == 0:
+            if i < self.eq.coordinates:
                 floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
             elif self.eq.scales[i] is not None:
                 floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i], self.start)}"
             else:
                 floor = f"{literal(k.inner_floor)} * _m{i}"
-            if i == self.n - 1 and not self.eq.cyclic:  # a position need not be known better than the velocity makes it
+            if i in self.eq.positions:  # a position need not be known better than the velocity makes it
                 floor = f"fma({literal(k.velocity_floor)} * {self.scale_v}, _hh, {floor})"
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
             w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
@@ -277,14 +295,17 @@ class _StepWriter(EventWriter):
         w.line("_t0", "1.0 * _t")
         if self.record:
             kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
-            for name, value in (("x0", "_x"), ("side", "_b0"), *kept):
+            sides = [(name, f"_b{c.guard}") for name, c in zip(_sides(self.eq), self.eq.contacts, strict=True)]
+            for name, value in (("x0", "_x"), *sides, *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
             if i:
                 w.line(f"_m{i}", f"_big{i} if (_acc1 and _big{i} > _m{i}) else _m{i}")
             w.line(f"_y{i}", f"(_v{i} if _evA else _n{i}) if _acc1 else _y{i}")
-        w.line("_y0", "0.0 if (_evA and _which < 0.5) else _y0")
-        w.line("_x", f"fma(_hh * _part, {integral}, _x) if _acc1 else _x" if self.eq.cyclic else f"1.0 * _y{self.n - 1}")
+        for k, i in self.slips.items():
+            fired = "_which < 0.5" if k == 0 else f"_which == {k}.0"
+            w.line(f"_y{i}", f"0.0 if (_evA and {fired}) else _y{i}")
+        w.line("_x", f"fma(_hh * _part, {integral}, _x) if _acc1 else _x" if self.eq.cyclic else f"1.0 * _y{self.eq.positions.start}")
         w.line("_fin", "_acc1 and _last and not _evA")
         w.line("_t", "_tend if _fin else (fma(_part, _hh, _t) if _acc1 else _t)")
         w.line("_code", "0.0")
@@ -321,6 +342,11 @@ class _StepWriter(EventWriter):
                 w.line("_code", f"{switch.status}.0 if {fired} else _code")
         for fired, name, value in news:
             w.line(name, f"{value} if {fired} else {name}")
+
+
+def _sides(eq: Equations) -> list[str]:
+    """Fields of the sides, or modes, of the contacts as a step holds them."""
+    return [f"side{i or ''}" for i in range(len(eq.contacts))]
 
 
 def _log2(x: float) -> float:

@@ -51,6 +51,7 @@ class Contact:
 
     name: str
     slip: Sym
+    direction: tuple[float, ...]  # what its slip takes of each coordinate's velocity: 1, -1 or 0
     state: int | None  # the state that is its slip velocity; None where the slip is made of several, or of time
     guard: int | None  # the guard whose flag holds the side of its slip; None of a set-valued law of several contacts: its mode does
     inner: tuple[int, ...]  # its inner states among the states
@@ -95,6 +96,7 @@ class Equations:
     scales: tuple[Sym | None, ...]  # typical size of each state; None: not known
     cyclic: bool
     mass: Sym  # all that moves with the first contact [kg]
+    shares: tuple[Sym, ...]  # of each position among the states, in that of the centre of mass; none for one body
     offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it; of one body
 
     @property
@@ -338,9 +340,20 @@ def _traced(model: Any, cyclic: bool) -> Equations:
         period=m.period(model), velocity_scale=scale,
         free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
         scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *(distance for _ in places)),
-        cyclic=cyclic, mass=m.lift(m.equations.masses[0]), offered=_offered(m) if m.single else None,
+        cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
         free=m.accelerations({})[0], inertia=_inertia(m),
     )  # fmt: skip
+
+
+def _shares(m: _Mechanics) -> tuple[Sym, ...]:
+    """Part of all masses that each coordinate has, of those whose positions are states."""
+    if len(m.y) == 1:
+        return ()
+    masses = list(map(m.lift, m.equations.masses))
+    total = masses[0]
+    for mass in masses[1:]:
+        total = total + mass
+    return tuple(mass / total for mass in masses[m.cyclic :])
 
 
 def _add_dynamic(parts: _Writer, i: int, speed: Sym | None) -> None:
@@ -365,7 +378,9 @@ def _add_dynamic(parts: _Writer, i: int, speed: Sym | None) -> None:
     state = m.owner.index(i) if i in m.owner else None
     inner = tuple(range(first, first + law.states))
     parts.contacts.append(
-        Contact(m.equations.contacts[i], slip, state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied)
+        Contact(
+            m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied
+        )
     )
 
 
@@ -414,7 +429,9 @@ def _add_set_valued(parts: _Writer, i: int, speed: Sym | None) -> None:
     parts.f[j] = by_mode(sliding[0], sliding[1], held)
     branches = Branches(*sliding, push, pull)
     guard = 0 if m.single else None
-    parts.contacts.append(Contact(m.equations.contacts[i], slip, j if owned else None, guard, (), (number,), branches, speed, False))
+    parts.contacts.append(
+        Contact(m.equations.contacts[i], slip, m.directions[i], j if owned else None, guard, (), (number,), branches, speed, False)
+    )
 
 
 def _offered(m: _Mechanics) -> Sym | None:

@@ -41,27 +41,37 @@ def set_flags(lane, S, row, first, D):
     S[D[F_TEND] + lane] = end
 
 
-@njit(float64(int64, f1, i1), **OPTIONS)
-def jump_of(lane, S, D):
-    """Jump of v at the present instant; the end of a period is the instant 0 of the next."""
-    L = D[LANES]
+@njit(float64(int64, int64, f1, i1), **OPTIONS)
+def jump_of(lane, j, S, D):
+    """Jump of the velocity of coordinate j at the present instant; the end of a period is the instant 0 of the next."""
+    L, J = D[LANES], D[COORDINATES]
     t, period = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * L + lane]
     jump = 0.0
     for k in range(D[IMPULSES]):
         instant = S[D[F_C] + (D[BREAK_AT] + D[CLOCKS] + k) * L + lane]
         away = abs(t - instant)
         if min(away, abs(period - away)) <= 1e-12 * period:
-            jump += S[D[F_C] + (D[BREAK_AT] + D[BREAKS] + k) * L + lane]
+            jump += S[D[F_C] + (D[BREAK_AT] + D[BREAKS] + k * J + j) * L + lane]
     return jump
 
 
-@njit(void(int64, f1, f1, float64, i1), **OPTIONS)
-def apply_jump(lane, S, row, jump, D):
-    """An impulse: v jumps; a law that remembers until v passes zero forgets."""
+@njit(boolean(int64, f1, i1), **OPTIONS)
+def is_thrown(lane, S, D):
+    """Whether a velocity jumps at the present instant."""
+    thrown = False
+    for j in range(D[COORDINATES]):
+        thrown = thrown or jump_of(lane, j, S, D) != 0.0
+    return thrown
+
+
+@njit(void(int64, f1, f1, i1), **OPTIONS)
+def apply_jump(lane, S, row, D):
+    """An impulse: velocities jump; the law of a single contact that remembers until v passes zero forgets."""
     L = D[LANES]
     before = S[D[F_Y] + lane]
-    S[D[F_Y] + lane] = before + jump
-    if D[MODES] > 0 and D[SET_VALUED] == 0 and before * (before + jump) < 0.0:
+    for j in range(D[COORDINATES]):
+        S[D[F_Y] + j * L + lane] += jump_of(lane, j, S, D)
+    if D[MODES] > 0 and D[SET_VALUED] == 0 and before * S[D[F_Y] + lane] < 0.0:
         y, clock, mode = np.empty(D[STATES]), np.empty(D[CLOCKS]), np.empty(D[MODES])
         for i in range(D[STATES]):
             y[i] = S[D[F_Y] + i * L + lane]
@@ -73,3 +83,13 @@ def apply_jump(lane, S, row, jump, D):
             S[D[F_Y] + i * L + lane] = y[i]
         for k in range(D[MODES]):
             S[D[F_MODE] + k * L + lane] = mode[k]
+
+
+@njit(float64(int64, f1, i1), **OPTIONS)
+def way_of(lane, S, D):
+    """Position of the body; of several that of their centre of mass, the first one's and a share of each other position."""
+    L = D[LANES]
+    x = S[D[F_X] + lane] if D[CYCLIC] == 1 or D[COORDINATES] == 1 else 0.0
+    for k in range(D[SHARES]):
+        x += S[D[F_C] + (D[SHARE_AT] + k) * L + lane] * S[D[F_Y] + (D[STATES] - D[SHARES] + k) * L + lane]
+    return x

@@ -44,12 +44,11 @@ def take(lane, case, S, N, K, XS, PARAM, START, D):
 @njit(void(int64, float64, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
 def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
     """At a known instant: what was observed ends before an impulse, and begins anew after it."""
-    jump = jump_of(lane, S, D)
-    if jump == 0.0:
+    if not is_thrown(lane, S, D):
         return
     if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
         observe(lane, 0.0, K[lane, RQ], slip_ratio, S[D[F_C] + D[PERIOD] * D[LANES] + lane], N, K, SEGT, SEGC, D)
-    apply_jump(lane, S, PARAM[N[lane, CASE]], jump, D)
+    apply_jump(lane, S, PARAM[N[lane, CASE]], D)
     if N[lane, RECORDING] == 1:
         v = S[D[F_Y] + lane]
         N[lane, FRESH] = 2
@@ -68,7 +67,7 @@ def finish(lane, S, N, K, RING, OUT, COUNT, D):
     OUT[case, 3] = K[lane, VMIN]
     good = N[lane, STATUS] == FINISHED or N[lane, STATUS] == REPEATED
     OUT[case, 4] = K[lane, WORK] / K[lane, LASTED] if D[OFFERED] == 1 and K[lane, LASTED] > 0.0 else np.nan
-    OUT[case, 5] = RING[lane, N[lane, DONE] % KEPT, 0] if good else S[D[F_X] + lane]
+    OUT[case, 5] = RING[lane, N[lane, DONE] % KEPT, 0] if good else way_of(lane, S, D)
     for i in range(D[STATES]):
         OUT[case, 6 + i] = RING[lane, N[lane, DONE] % KEPT, 1 + i] if good else S[D[F_Y] + i * L + lane]
     for k in range(D[KEPT_MODES]):
@@ -91,12 +90,12 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
     L = D[LANES]
     N[lane, DONE] += 1
     k = N[lane, DONE]
-    x = S[D[F_X] + lane]
+    x = way_of(lane, S, D)
     RING[lane, k % KEPT, 0] = x
     scale = np.empty(D[STATES])
     for i in range(D[STATES]):
         RING[lane, k % KEPT, 1 + i] = S[D[F_Y] + i * L + lane]
-        if i == 0:
+        if i < D[COORDINATES]:
             size = S[D[F_C] + D[FREE] * L + lane]
         elif D[SCALE_AT + i] >= 0:
             size = S[D[F_C] + D[SCALE_AT + i] * L + lane]
@@ -155,7 +154,7 @@ def next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
         return False
     take(lane, CURSOR[0], S, N, K, XS, PARAM, START, D)
     CURSOR[0] += 1
-    XS[lane, 0] = S[D[F_X] + lane]
+    XS[lane, 0] = way_of(lane, S, D)
     if periods == 1 and not auto:
         begin_record(lane, N, K, S, D)
     return True
@@ -166,15 +165,18 @@ def keep_piece(S, N, CURSOR, PIECES, D):
     """Write the last step's dense output, in powers of its own part of the step."""
     n = CURSOR[2]
     begin, end = S[D[F_T0]], S[D[F_T]]
-    PIECES[n, 0], PIECES[n, 1], PIECES[n, 2], PIECES[n, 3], PIECES[n, 4] = N[0, DONE], begin, end, S[D[F_X0]], S[D[F_SIDE]]
+    PIECES[n, 0], PIECES[n, 1], PIECES[n, 2], PIECES[n, 3] = N[0, DONE], begin, end, S[D[F_X0]]
+    for i in range(D[CONTACTS]):
+        PIECES[n, 4 + i] = S[D[F_SIDE] + i]
+    first = 4 + D[CONTACTS] + D[KEPT_MODES]
     part, power = (end - begin) / S[D[F_HH]], 1.0
     if S[D[F_STAT]] == 1.0:
         part = 1.0
     for k in range(D[KEPT_MODES]):
-        PIECES[n, 5 + k] = S[D[F_HELD] + k]
+        PIECES[n, 4 + D[CONTACTS] + k] = S[D[F_HELD] + k]
     for m in range(D[DEGREE] + 1):
         for i in range(D[STATES]):
-            PIECES[n, 5 + D[KEPT_MODES] + i * (D[DEGREE] + 1) + m] = S[D[F_K] + i * (D[DEGREE] + 1) + m] * power
+            PIECES[n, first + i * (D[DEGREE] + 1) + m] = S[D[F_K] + i * (D[DEGREE] + 1) + m] * power
         power *= part
     CURSOR[2] += 1
 
@@ -206,7 +208,7 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PAR
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
     jumped, within, done = False, False, 0
     if D[BREAKS] > 0:
-        jumped = jump_of(lane, S, D) != 0.0
+        jumped = is_thrown(lane, S, D)
         pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
         within = S[D[F_T] + lane] < S[D[F_C] + D[PERIOD] * D[LANES] + lane]
     if not within:
