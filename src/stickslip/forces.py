@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import labels_of, numbers_by_name
+from stickslip.contact_forces import columns_of_parts
 from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves, replace_leaf
 from stickslip.friction.adapter import TINY, adapted, is_law, law_of
@@ -160,6 +161,8 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
 
 def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, memory: Any = ()) -> dict[str, Any]:
     """Every force, and every motion of the inner mass if there is one, by the names in `stickslip.variables`."""
+    if not machine_of(model).is_single:
+        return columns_of_parts(machine_of(model).mechanics, mode, t, x, v, z, zdot, memory)
     ones = np.ones_like(t)
     R = friction_force(model, mode, t, x, v, z, zdot, memory) * ones
     acceleration = np.where((mode == 0) & (not law_of(model).dynamic), 0.0, model.acceleration(t, x, v, R) * ones)

@@ -87,6 +87,18 @@ class Mechanics:
         """Velocity of each body [m/s]."""
         return tuple(u)
 
+    def coordinates_of(self, values: Numbers) -> tuple[Any, ...]:
+        """Coordinates from the positions of the bodies, or their velocities from those of the bodies."""
+        return tuple(values)
+
+    def accelerations_of_bodies(self, t: Any, a: Numbers) -> tuple[Any, ...]:
+        """Acceleration of each body [m/s^2] from those of the coordinates."""
+        return tuple(a)
+
+    def offset_rates(self, t: Any) -> tuple[Any, ...]:
+        """Rates of the contacts' offsets [m/s^2]."""
+        return (0.0,) * len(self.contacts)
+
     def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
         return tuple(_dot(g, u) + b for g, b in zip(self.directions, self.offsets(t), strict=True))
@@ -329,6 +341,15 @@ class SeveralBodies(Mechanics):
     def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
         """Velocity of each body [m/s]."""
         return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
+
+    def coordinates_of(self, values: Numbers) -> tuple[Any, ...]:
+        """Those of the centres of mass."""
+        named = dict(zip(self.bodies, values, strict=True))
+        return tuple(self._middle(group, named) for group in self.groups)
+
+    def accelerations_of_bodies(self, t: Any, a: Numbers) -> tuple[Any, ...]:
+        """Acceleration of each body [m/s^2]."""
+        return tuple(_plus(a[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("acceleration", t), strict=True))
 
     def offset_rates(self, t: Any) -> tuple[Any, ...]:
         """Rates of the contacts' offsets [m/s^2]."""

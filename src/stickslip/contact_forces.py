@@ -1,0 +1,91 @@
+"""Forces and accelerations of a machine of several bodies at given instants, from its states and the modes of its contacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.friction.adapter import TINY
+from stickslip.mechanics import Mechanics
+
+__all__ = ["columns_of_parts"]
+
+Array = Any
+
+
+def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any) -> dict[str, Array]:
+    """Accelerations of the bodies, and friction force, slip velocity and load of the contacts.
+
+    Parameters
+    ----------
+    mechanics : Mechanics
+        The machine.
+    mode : array (n, contacts)
+        Modes of the contacts; 0 at rest, under a set-valued law.
+    t : array (n,)
+        Instants [s].
+    x, v : array (n, bodies)
+        Positions [m] and velocities [m/s] of the bodies.
+    z, zdot : sequence of array (n, contacts)
+        Inner states and their rates, one array for each; NaN where a law has fewer.
+    memory : tuple of array (n,)
+        Whole-number memories of the laws, contact by contact.
+
+    Returns
+    -------
+    dict
+        acceleration (n, bodies) [m/s^2], friction_force (n, contacts) [N], slip (n, contacts) [m/s], load (n, contacts) [N].
+    """
+    q, u = (mechanics.coordinates_of(of.T) for of in (x, v))
+    slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q), t)
+    R = np.zeros_like(slips)
+    first = 0
+    free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
+    for i, law in enumerate(mechanics.laws):
+        own, first = tuple(memory[first : first + law.modes]), first + law.modes
+        side = np.where(mode[:, i] == 0, 1, mode[:, i])
+        slip = side * np.maximum(side * slips[:, i], TINY)
+        inner, rates = (tuple(of[:, i] for of in states[: law.states]) for states in (z, zdot))
+        applied = (
+            sum(g * m * a for g, m, a in zip(mechanics.directions[i], mechanics.masses, free, strict=True)) if law.needs_applied else 0.0
+        )
+        R[:, i] = law.force(slip, inner, rates, loads[:, i], own, applied)
+    resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws])
+    if np.any(resting):
+        _hold(mechanics, resting, t, q, u, loads, R)
+    moved = mechanics.accelerations(t, q, u, tuple(R.T))
+    acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)
+    return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
+
+
+def _columns(rows: Any, t: Array) -> Array:
+    """Numbers or arrays, one for each body or contact, as one array with a row for each instant."""
+    return np.array([np.broadcast_to(np.asarray(row, float), np.shape(t)) for row in rows]).reshape(len(rows), len(t)).T
+
+
+def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array) -> None:
+    """Friction forces of the contacts at rest: those under which their slip velocities stay as they are."""
+    R[resting] = 0.0
+    g = np.array(mechanics.directions)
+    masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
+    G = (g / masses) @ g.T
+    free = _columns(mechanics.accelerations(t, q, u, tuple(R.T)), t)
+    push = free @ g.T + _columns(mechanics.offset_rates(t), t)  # rates of the slips without the forces that are looked for
+    for pattern in np.unique(resting, axis=0):
+        (held,) = np.nonzero(pattern)
+        at = np.all(resting == pattern, axis=1)
+        if len(held):
+            R[np.ix_(at, held)] = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, held)], held)
+
+
+def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held: Array) -> Array:
+    """Forces R with G R = push; contacts that hold one body together share what holds it in proportion to what each can bear."""
+    if np.linalg.matrix_rank(G) == len(G):
+        return np.linalg.solve(G, push.T).T
+    bears = np.stack(
+        [np.asarray(mechanics.laws[i].breakaway(load)[1], float) * np.ones(len(push)) for i, load in zip(held, loads.T, strict=True)], 1
+    )
+    shared = np.einsum("ij,nj,kj->nik", G, bears, G)  # G R = push with R = bears (G^T y): the least R in units of what each can bear
+    y = np.stack([np.linalg.lstsq(each, of, rcond=1e-12)[0] for each, of in zip(shared, push, strict=True)])
+    return bears * (y @ G)
