@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
+from stickslip.friction.adapter import LawAdapter
 from stickslip.mechanics import Mechanics, declares_parts, mechanics_of
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
@@ -35,6 +36,16 @@ class MachineAdapter:
     def is_single(self) -> bool:
         """Whether it is one body with one contact, whose results have no axes for bodies and contacts."""
         return not declares_parts(self.model)
+
+    @property
+    def laws(self) -> tuple[LawAdapter, ...]:
+        """The law of each contact."""
+        return self.mechanics.laws
+
+    @property
+    def has_inner_states(self) -> bool:
+        """Whether one of its laws has inner states, so that it is solved to a tolerance and not exactly."""
+        return any(law.dynamic for law in self.laws)
 
     @property
     def drive(self) -> Drive | None:

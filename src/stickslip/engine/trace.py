@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.engine.checks import explained
+from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.values import values_of
@@ -17,7 +18,7 @@ from stickslip.machine import machine_of
 from stickslip.maths import maximum, pi
 from stickslip.position import knows_position
 
-__all__ = ["SPAN", "Branches", "Contact", "Equations", "Switch", "kind_of", "label", "numbers_of", "refused", "trace"]
+__all__ = ["SPAN", "Branches", "Contact", "Equations", "Switch", "kind_of", "label", "numbers_of", "trace"]
 
 #: Name of the column that holds the length of the run, for a model without a period.
 SPAN = "span"
@@ -257,28 +258,6 @@ def _trace(model: Any) -> Equations:
         raise InputError(type(model).__name__, [reason])
     found = _traced(model, False)
     return _traced(model, True) if _only_differences(found) else found
-
-
-def refused(model: Any) -> str:
-    """What of a machine the compiled methods do not solve; "" where they do."""
-    m = machine_of(model).mechanics
-    other = 'type method="dop853" (SciPy on the machine in plain Python: slower)'
-    if not m.contacts:
-        return f"it has no contact, so that nothing rubs; the compiled methods are for machines with friction; {other}"
-    if not all(law.compiles for law in m.laws):
-        return f"one of its laws is written for plain numbers only; {other}"
-    if m.stops:
-        return f"its stops throw bodies back at once, which the compiled methods do not do yet; {other}, or give the stops a stiffness"
-    dynamic = [law.dynamic for law in m.laws]
-    if any(dynamic) and not all(dynamic):
-        return f"some of its laws rest exactly and others have inner states; {other}"
-    if not all(dynamic) and any(sum(map(abs, row)) != 1.0 for row in m.directions):
-        return f"bodies rub on one another under a law that rests exactly; {other}"
-    if not all(dynamic) and any(sum(map(abs, column)) > 1.0 for column in zip(*m.directions, strict=True)):
-        return f"several contacts of one coordinate rest exactly; {other}"
-    if m.jumps and any(law.switching for law in m.laws):
-        return f"its velocities jump and a law remembers; {other}"
-    return ""
 
 
 def _only_differences(eq: Equations) -> bool:

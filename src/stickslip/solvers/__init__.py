@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any, Literal, overload
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.engine.refused import refused
 from stickslip.errors import InputError
-from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.solvers.request import Request, request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
@@ -99,24 +100,26 @@ def solve(
 
 def _solver(todo: Request) -> Callable[[Request], Any]:
     """The function that does what was asked."""
-    name, law = todo.method, law_of(todo.model)
-    if not law.compiles and name in ("rk4", "rodas4", "rodas5p"):
-        raise InputError("solve", [f'method = {name!r} is compiled, and {law.name} is written for plain numbers only; type method="auto"'])
+    name, machine = todo.method, machine_of(todo.model)
+    laws = " + ".join(dict.fromkeys(law.name for law in machine.laws))
+    if not all(law.compiles for law in machine.laws) and name in ("rk4", "rodas4", "rodas5p"):
+        raise InputError("solve", [f'method = {name!r} is compiled, and {laws} is written for plain numbers only; type method="auto"'])
+    why = refused(todo.model)
     if name == "auto":
-        name = "dop853" if not law.compiles else "rosenbrock" if law.dynamic else "exact"
+        name = "dop853" if why else "rosenbrock" if machine.has_inner_states else "exact"
+    elif why and name in ("exact", "rk4", "rodas4", "rodas5p"):
+        raise InputError("solve", [f"method = {name!r} does not solve this {type(todo.model).__name__}: {why}"])
     if name == "exact":
         from stickslip.solvers import exact
 
-        if law.dynamic:
-            raise InputError("solve", [f'method = "exact" is for set-valued laws; {law.name} has inner states; type method="auto"'])
+        if machine.has_inner_states:
+            raise InputError("solve", [f'method = "exact" is for set-valued laws; {laws} has inner states; type method="auto"'])
         return exact.solve
     if name in ("rosenbrock", "rodas4", "rodas5p"):
         from stickslip.solvers import rosenbrock
 
-        if not law.dynamic:
-            raise InputError(
-                "solve", [f'method = {todo.method!r} is for laws with inner states; {law.name} is set-valued; type method="auto"']
-            )
+        if not machine.has_inner_states:
+            raise InputError("solve", [f'method = {todo.method!r} is for laws with inner states; {laws} is set-valued; type method="auto"'])
         return rosenbrock.solve
     if name == "rk4":
         from stickslip.solvers import rk4

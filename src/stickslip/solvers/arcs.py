@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.batch import labels_of, numbers_by_name
 from stickslip.engine.closed import Rows, closed_of
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.position import knows_position
 
 __all__ = ["Arcs", "handles", "reduced"]
@@ -79,7 +80,10 @@ def handles(model: Any) -> str | None:
     >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
     'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
     """
-    law, kind = law_of(model).name, type(model).__name__
+    kind = type(model).__name__
+    if not machine_of(model).is_single:
+        return f"{kind} has several bodies or contacts; exact arcs are closed formulas for one"
+    law = law_of(model).name
     if law_of(model).dynamic:
         return f"{law} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
     if model.period is None:

@@ -10,7 +10,6 @@ import numpy as np
 
 from stickslip.batch import spread
 from stickslip.errors import SolveError
-from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
 from stickslip.segments import type_of
 from stickslip.solvers.request import Request, provenance
@@ -74,7 +73,7 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
     steadiness = judged(velocity, approached, raw.period, free, tolerance) if todo.model.period is not None else np.full(len(T), UNKNOWN)
     lasting = steadiness == STEADY  # then the last motion period says all; else the extremes are those of the window of the mean
     moving = (raw.v_max > 0) | (raw.v_min < 0)
-    floor = np.maximum(1e-12, todo.rtol if law_of(todo.model).dynamic else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
+    floor = np.maximum(1e-12, todo.rtol if machine_of(todo.model).has_inner_states else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
     typed = type_of(
         raw.seg_count, raw.seg_time / T[:, None], raw.seg_code, raw.period, raw.margin_force, raw.displacement, todo.dwell, moving,
         floor * raw.window,
@@ -82,12 +81,14 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
     typed["motion_type"] = np.where(good, typed["motion_type"], "unsolved")
     for name in ("margin", "stick_fraction", "forward_fraction", "backward_fraction"):
         typed[name] = np.where(good, typed[name], np.nan)
-    return {
-        "mean_velocity": velocity,
-        **typed,
-        "period": np.where(good, raw.period, 0),
+    of_body = typed | {
         "velocity_max": np.where(good, np.where(lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)), np.nan),
         "velocity_min": np.where(good, np.where(lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)), np.nan),
+    }
+    return {
+        "mean_velocity": velocity,
+        **(of_body if machine_of(todo.model).is_single else {}),
+        "period": np.where(good, raw.period, 0),
         "displacement": raw.displacement,
         **({} if raw.friction_power is None else {"friction_power": np.where(good, raw.friction_power, np.nan)}),
         "steadiness": steadiness.astype(np.int8),

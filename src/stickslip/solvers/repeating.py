@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.mechanics import normal_load
+from stickslip.machine import machine_of
+from stickslip.mechanics import Mechanics
 
 __all__ = ["check_period"]
 
@@ -25,8 +26,9 @@ def check_period(model: Any) -> None:
     """
     if model.period is None:
         return
+    mechanics = machine_of(model).mechanics
     try:
-        found = {name: _missed(model, f) for name, f in (("load", normal_load), ("acceleration", _free))}
+        found = {name: _missed(mechanics, f) for name, f in (("load", _loads), ("acceleration", _free))}
     except Exception:  # what is not written for these numbers is told where it is traced
         return
     for name, (missed, largest) in found.items():
@@ -40,11 +42,18 @@ def check_period(model: Any) -> None:
             )  # fmt: skip
 
 
-def _free(model: Any, t: Any, x: Any) -> Any:
-    return model.acceleration(t, x, 0.0, 0.0)
+def _free(mechanics: Mechanics, t: Any) -> Any:
+    still = (0.0,) * mechanics.coordinates
+    return mechanics.accelerations(t, mechanics.start, still, (0.0,) * len(mechanics.contacts))
 
 
-def _missed(model: Any, f: Any) -> tuple[Any, Any]:
-    """How far a function of the model and of time is from itself a period later, and its largest value, for each case."""
-    now, later = (np.array([f(model, (s + k) * model.period, 0.0) for s in _INSTANTS], float) for k in (0, 1))
+def _loads(mechanics: Mechanics, t: Any) -> Any:
+    return mechanics.loads(t, mechanics.start)
+
+
+def _missed(mechanics: Mechanics, f: Any) -> tuple[Any, Any]:
+    """How far a function of the machine and of time is from itself a period later, and its largest value, for each case."""
+    T = mechanics.period
+    now, later = ([value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1))
+    now, later = (np.array(np.broadcast_arrays(*values), float) for values in (now, later))
     return np.max(abs(later - now), axis=0), np.max(np.maximum(abs(now), abs(later)), axis=0)
