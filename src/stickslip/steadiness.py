@@ -14,7 +14,7 @@ from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = [
-    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "is_steady", "judged", "mean_tolerance",
+    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "centre_of_mass", "is_steady", "judged", "mean_tolerance",
     "of_run", "outcome_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
 ]  # fmt: skip
 
@@ -127,15 +127,23 @@ def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, 
 
     `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
     """
+    return _outcome(*_with_position(model, strobe), strobe_tolerance(method, rtol))
+
+
+def _with_position(model: Any, strobe: Any) -> tuple[Any, Any]:
+    """Strobe points with the position once more at their end, where the motion depends on it; and the scales of all but the first."""
     matters = _position_matters(model, strobe[:, 0])
-    shift = [strobe[:, 0]] if matters else []
-    points = np.ascontiguousarray(np.column_stack([strobe, *shift]), float)[1:]
-    tolerance = strobe_tolerance(method, rtol)
+    points = np.column_stack([strobe, *([strobe[:, 0]] if matters else [])])
+    return points, scales_of(model, strobe, matters)
+
+
+def _outcome(strobe: Any, scales: Any, tolerance: float) -> tuple[int, float]:
+    points = np.ascontiguousarray(strobe, float)[1:]
     last = len(points) - 1
     if last < 0:
         return 0, float("inf")
     count = min(last, recurrence.KEPT - 1)
-    return recurrence.outcome(points, last, count, recurrence.LONGEST, scales_of(model, strobe, matters), tolerance, tolerance)
+    return recurrence.outcome(points, last, count, recurrence.LONGEST, scales, tolerance, tolerance)
 
 
 def _position_matters(model: Any, x: Any) -> bool:
@@ -199,18 +207,74 @@ def of_run(run: Any) -> Steadiness:
     if run.model.period is None:
         first, last = run.window
         x = run.at(np.array([first, last]))["x"]
+        x = x if machine_of(run.model).is_single else centre_of_mass(run.model, x)
         return Steadiness(UNKNOWN, 0, float((x[1] - x[0]) / (last - first)), float("nan"))
-    x, t, T = run.strobe_x, run.strobe_times, run.period_time
-    strobe = np.column_stack([x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])
+    t, T = run.strobe_times, run.period_time
+    x, strobe, scales = _strobe_of(run)
     tolerance = mean_tolerance(run.method, run.rtol)
     known = run.known_period
-    period, limit = (int(known), float("nan")) if known else outcome_of(run.model, strobe, run.method, run.rtol)
+    period, limit = (int(known), float("nan")) if known else _outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
     count = window_count(len(x) - 1, int(run.settle), period)
     mean = float((x[-1] - x[-1 - count]) / (t[-1] - t[-1 - count])) if count else float("nan")
     if known:
         return Steadiness(STEADY, period, mean, mean)
     code = int(judged(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
     return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(len(x) - 1, int(run.settle), period))
+
+
+def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
+    """Way of the body, or of the centre of mass; strobe points (periods + 1, 1 + what must repeat) that begin with it; their scales."""
+    model, z = run.model, run.strobe_z
+    if machine_of(model).is_single:
+        strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if z is None else [z])])
+        return run.strobe_x, *_with_position(model, strobe)
+    mechanics, speed = machine_of(model).mechanics, float(machine_of(model).free_velocity)
+    x, v = run.strobe_x, run.strobe_v
+    way = centre_of_mass(model, x)
+    apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
+    inner = np.empty((len(x), 0)) if z is None else z.reshape(len(x), -1)
+    there = ~np.isnan(inner[0])
+    sizes = [
+        _sizes(law, load, z.shape[2])
+        for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
+        if z is not None
+    ]
+    typical = np.concatenate(sizes)[there] if sizes else np.empty(0)
+    typical = np.where(np.isfinite(typical), typical, abs(inner[:, there]).max(axis=0, initial=0.0))
+    strobe = np.column_stack([way, v, inner[:, there], *apart])
+    length = speed * float(model.period) / (2 * np.pi)
+    scales = np.concatenate([np.full(v.shape[1], speed), typical, np.full(sum(a.shape[1] for a in apart), length)])
+    return way, strobe, np.where(scales > 0, scales, 1.0)
+
+
+def _sizes(law: Any, load: Any, states: int) -> Any:
+    """Typical sizes of a law's inner states, NaN where it does not say; as many as the law with the most has."""
+    typical = law.scale(load)
+    own = [np.nan] * law.states if typical is None else [float(size) for size in typical]
+    return np.array([*own, *([np.nan] * (states - law.states))])
+
+
+def centre_of_mass(model: Any, x: Any) -> Any:
+    """Position of the centre of mass from those of the bodies (..., bodies) [m]."""
+    mechanics = machine_of(model).mechanics
+    masses = np.array([float(m) for m in mechanics.masses])
+    q = np.stack(mechanics.coordinates_of(np.moveaxis(np.asarray(x), -1, 0)), axis=-1)
+    return q @ masses / masses.sum()
+
+
+def _place_matters(mechanics: Any, x: Any) -> bool:
+    """Whether forces or loads change when the whole machine is moved as far as it went."""
+    still, none = (0.0,) * mechanics.coordinates, (0.0,) * len(mechanics.contacts)
+    q, T = mechanics.coordinates_of(x[-1]), float(mechanics.period)
+    for shift in (float(np.ptp(x)), 0.37 * float(np.ptp(x))):
+        for t in np.linspace(0.0, T, 8, endpoint=False):
+            here, there = (
+                np.array([*mechanics.accelerations(t, at, still, none), *mechanics.loads(t, at)], float)
+                for at in (q, tuple(value + shift for value in q))
+            )
+            if np.any(abs(here - there) > 1e-6 * np.max(abs(here), initial=0.0)):
+                return True
+    return False
 
 
 def _change(x: Any, T: float) -> float:
