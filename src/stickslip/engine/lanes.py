@@ -8,7 +8,7 @@ it. The same lines for one lane, which also keeps the dense output, solve a sing
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import resources
 from typing import Any
@@ -162,7 +162,7 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
-        "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
+        "BREAK_AT": constants - len(eq.impulses) - breaks, "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
@@ -173,13 +173,18 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "F_K": "k0_0",
         "F_MODE": "mode0",
         "F_CLK": "clk0",
-        "F_G": "g1_0",
-        "F_E": "e0_0",
+        "F_G": "g0_0",
+        "F_CLEAR": "clear0",
         "F_HELD": "held0",
     }
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
+
+
+def _rows_of(letter: str, fields: Iterable[str]) -> int:
+    """How many polynomials of a sort a lane holds."""
+    return sum(re.fullmatch(rf"{letter}\d+_0", field) is not None for field in fields)
 
 
 def _source(eq: Equations, step: Step, lanes: int, label: str) -> str:

@@ -1,7 +1,7 @@
 """The text of a step as its kernel's file holds it: lines, what they read and write of a lane, and the one call that Numba sees.
 
 The lines are not read by Numba; `emit.py` turns them into instructions. Of a Taylor step they are only its series (the rest is
-``kernels/arcs.py``).
+``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``, ``name_1`` and so on.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _STEP = """
 def instructions(typingctx, S, rtol, budget):
     def emit(context, builder, sig, args):
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        write(builder, data, L, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, LINES, WRITES)
+        write(builder, data, L, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, ROWS, LINES, WRITES)
         return context.get_dummy_value()
     return types.void(S, types.float64, types.float64), emit
 
@@ -52,8 +52,9 @@ def step_text(step: Step, at: Layout) -> str:
     reads = {name: place for name, place in (places | numbers).items() if name in asked}
     writes = {name: place for name, place in places.items() if name in made}
     lines = "\n".join(step.lines)
-    width = f"WIDTH = {at.width}"
-    return "\n".join([emit_text(), width, f'LINES = """\n{lines}\n"""', _table("READS", reads), _table("WRITES", writes), _STEP])
+    rows = {name: places[f"{name}_0"] for name in _rows(step.lines)}
+    tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
+    return "\n".join([emit_text(), f"WIDTH = {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
 
 
 def _table(name: str, places: dict[str, int]) -> str:
@@ -65,6 +66,12 @@ def _table(name: str, places: dict[str, int]) -> str:
 def _made(lines: Sequence[str]) -> set[str]:
     """Names that lines give a value to."""
     return {m.group(1) for line in lines if (m := re.match(r"\s*(_\w+) = ", line))}
+
+
+def _rows(lines: Sequence[str]) -> list[str]:
+    """Names of the rows that a lane holds: lines put numbers into them which they did not make themselves."""
+    filled = {m.group(1): None for line in lines if (m := re.match(r"\s*(_\w+)\[", line))}
+    return [name for name in filled if name not in _made(lines)]
 
 
 def used(lines: Sequence[str]) -> set[str]:

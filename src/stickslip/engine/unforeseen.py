@@ -27,8 +27,8 @@ Way = tuple[tuple[Sym, bool], ...]
 
 
 def hides(eq: Equations) -> bool:
-    """Whether the acceleration is no polynomial of low degree, so that something in it may come up within a step unseen."""
-    return _degree(eq.graph, eq.f[0], {}) > DEGREE
+    """Whether a slope is no polynomial of low degree, so that something in it may come up within a step unseen."""
+    return any(_degree(eq.graph, f, {}) > DEGREE for f in eq.f)
 
 
 def _degree(graph: Graph, node: Sym, known: dict[int, float]) -> float:
@@ -49,10 +49,10 @@ def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
 
 
 def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
-    """The varying functions of one kind in the acceleration and the guards, each with the ways that lead to it."""
+    """The varying functions of one kind in the slopes and the guards, each with the ways that lead to it."""
     found: dict[Sym, list[Way]] = {}
     seen: set[tuple[int, Way]] = set()
-    stack: list[tuple[Sym, Way]] = [(root, ()) for root in (eq.f[0], *eq.guards[1:])]
+    stack: list[tuple[Sym, Way]] = [(root, ()) for root in (*eq.f, *eq.guards)]
     while stack:
         node, way = stack.pop()
         if (node.number, way) in seen or not eq.graph.varies(node):
@@ -69,24 +69,24 @@ def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
 
 
 def slopes(eq: Equations, step: Step) -> str:
-    """Text of the function that says what the acceleration is at `POINTS` instants and states; empty where nothing hides.
+    """Text of the function that says what the slopes are at `POINTS` instants and states; empty where nothing hides.
 
-    It takes them in rows of W (t, then each state) and puts the accelerations where t was.
+    It takes them in rows of W (t, then each state) and puts the slope of the first state where t was, and so on.
     """
     if not hides(eq):
         return ""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
-    bind = {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {"t": "_t", "mode0": "_mode0"}
+    bind = {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {"t": "_t"} | {s.name: f"_{s.name}" for s in eq.modes}
     bind |= {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
-    value = w.value(eq.f[0], bind)
+    values = [f"W[{i * POINTS} + j] = {value}" for i, value in enumerate([w.value(f, bind) for f in eq.f])]
     if len(w.case_nodes) > len(step.case_nodes):
         raise AssertionError("the check of a step needs a number that the step does not hold")
     rows = [f"{name} = W[{i * POINTS} + j]" for i, name in enumerate(["_t", *(f"_y{i}" for i in range(eq.states))])]
-    asked = used([*rows, *w.lines, f"_value = {value}"])
+    asked = used([*rows, *w.lines, *values])
     held = [f"_{name} = S[{i} * L + lane]" for i, name in enumerate(step.fields) if name in asked]
     held += [f"_c{j} = S[F_C + {j} * L + lane]" for j in range(len(w.case_nodes)) if f"c{j}" in asked]
-    loop = [f"for j in range({POINTS}):", *(f"    {line}" for line in [*rows, *w.lines, f"W[j] = {value}"])]
+    loop = [f"for j in range({POINTS}):", *(f"    {line}" for line in [*rows, *w.lines, *values])]
     text = [
         '@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)',
         "def slopes(lane, S, W):",
