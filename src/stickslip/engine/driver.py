@@ -67,13 +67,6 @@ def as_bits(typingctx, x):
 
 
 @intrinsic
-def choose(typingctx, condition, yes, no):
-    def emit(context, builder, sig, args):
-        return builder.select(*args)
-    return yes(types.boolean, yes, no), emit
-
-
-@intrinsic
 def fma(typingctx, a, b, c):
     def emit(context, builder, sig, args):
         return builder.fma(*args)

@@ -18,7 +18,7 @@ from typing import Any
 from llvmlite import ir
 
 REAL = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-WHOLE = {ast.Add: "add", ast.Sub: "sub", ast.LShift: "shl", ast.RShift: "ashr", ast.BitXor: "xor"}
+WHOLE = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitXor: "xor"}
 JOIN = {ast.And: "and_", ast.Or: "or_"}
 COMPARE = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 FUNCTIONS = {"fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt"}
@@ -219,6 +219,17 @@ def write(builder: Any, data: Any, lanes: int, width: int, numbers: Any, reads: 
     for vector in vectors:
         for name, at in keeps.items():
             vector.keep(name, at)
+
+
+def write_plain(context: Any, builder: Any, kinds: Any, args: Any, names: str, text: str) -> None:
+    """Write lines on plain numbers: what a function is called with, of which arrays are rows."""
+    lines = _Vector(builder, None, 0, 1, 1)
+    for name, kind, arg in zip(names.split(", "), kinds, args, strict=True):
+        if arg.type in (COUNT, NUMBER):
+            lines.known[name] = arg
+        else:
+            lines.rows[name] = context.make_array(kind)(context, builder, arg).data, 1
+    _write_all(builder, [lines], ast.parse(text).body)
 
 
 def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt]) -> None:

@@ -164,7 +164,7 @@ class _Rows:
         return self._line(node, f"{self._value(slope_of(node))} * ({self._coefficient(node.args[0])} - {between})")
 
     def _turning(self, node: Sym) -> str:
-        """sin and cos of one argument that is linear in time: each needs the last coefficient of the other, and both are written at once."""
+        """sin and cos of one argument that is linear in time, both at once: each needs the last coefficient of the other."""
         sine, cosine = (self.graph.call(op, node.args[0]) for op in ("sin", "cos"))
         s, c, turn = f"_n{sine.number}", f"_n{cosine.number}", f"_w{node.args[0].number}"
         if s not in self._carried:

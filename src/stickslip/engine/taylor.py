@@ -8,13 +8,13 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 
 from stickslip.engine.rosenbrock import Step
 from stickslip.engine.rows import write_rows
+from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import CASE, Sym
-from stickslip.engine.trace import Equations
+from stickslip.engine.trace import Equations, Switch
 from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
@@ -26,7 +26,7 @@ ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 
 
 def write_step(eq: Equations) -> Step:
-    """The lines of the series: rows _k of states, _g of guards, _e of exponents in units of the step; its length _hh; whether it is the _last."""
+    """The lines of the series: rows _k of states, _g of guards and _e of exponents in units of the step, its length _hh, …"""
     return _SeriesWriter(eq).write()
 
 
@@ -48,38 +48,38 @@ def _parts(roots: Iterable[Sym]) -> list[Sym]:
     return list(found.values())
 
 
-def switches(eq: Equations, step: Step) -> str:
+def switches(eq: Equations, step: Step, lanes: int) -> str:
     """Text of what the zero of each watched guard does to the modes and states of a lane, or that its flag flips.
 
     It returns the status of a run that ends there.
     """
-    lines = ['@njit("int64(int64, int64, float64[::1])", **OPTIONS)', "def switched(which, lane, S):", "    t = S[F_T + lane]"]
-    lines += [f"    y{i} = S[F_Y + {i} * L + lane]" for i in range(eq.states)]
-    bind = (
-        {s.name: f"y{i}" for i, s in enumerate(eq.y)} | {"t": "t"} | {s.name: f"S[F_MODE + {i} * L + lane]" for i, s in enumerate(eq.modes)}
-    )
-    bind |= {f"b{k}": f"S[F_B + {k} * L + lane]" for k in range(eq.signs)}
-    bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
+    parts, calls = [], ['@njit("int64(int64, int64, float64[::1])", **OPTIONS)', "def switched(which, lane, S):"]
     for place, k in enumerate(watched(eq)):
-        head = f"    if which == {place}:"
-        if k not in eq.switches:
-            lines += [head, f"        S[F_B + {k} * L + lane] = -S[F_B + {k} * L + lane]", "        return 0"]
-            continue
-        w, switch = Writer(), eq.switches[k]
-        w.case_nodes = list(step.case_nodes)
-        news = [(f"S[F_MODE + {i} * L + lane]", w.value(new, bind)) for i, new in enumerate(switch.modes)]
-        news += [(f"S[F_Y + {i} * L + lane]", w.value(new, bind)) for i, new in enumerate(switch.states) if new is not None]
-        text = [*w.lines, *(f"_new{i} = {value}" for i, (_, value) in enumerate(news))]
-        text += [f"{place} = _new{i}" for i, (place, _) in enumerate(news)] + [f"return {switch.status}"]
-        reads = [f"_c{j} = S[F_C + {j} * L + lane]" for j in range(len(w.case_nodes)) if any(_names(f"_c{j}", line) for line in text)]
-        lines += [head, *(f"        {line}" for line in reads + text)]
-        if len(w.case_nodes) > len(step.case_nodes):
-            raise AssertionError("a switch needs a number that the step does not hold")
-    return "\n".join([*lines, "    return 0"])
+        switch = eq.switches.get(k)
+        lines = [_put(step, lanes, f"b{k}", f"-_b{k}")] if switch is None else _switch(eq, step, lanes, switch)
+        parts.append(straight(f"switch_{place}", "lane, S", [*held(step, lanes, lines), *lines]))
+        calls += [
+            f"    if which == {place}:",
+            f"        switch_{place}(lane, S)",
+            f"        return {0 if switch is None else switch.status}",
+        ]
+    return "\n".join([*parts, *calls, "    return 0"])
 
 
-def _names(name: str, line: str) -> bool:
-    return re.search(rf"(?<![\w.]){name}(?!\w)", line) is not None
+def _switch(eq: Equations, step: Step, lanes: int, switch: Switch) -> list[str]:
+    """The lines of one switch; what stays as it is is not among them."""
+    w = Writer()
+    w.case_nodes = list(step.case_nodes)
+    news = [(mode.name, new) for mode, new in zip(eq.modes, switch.modes, strict=True) if new is not mode]
+    news += [(f"y{i}", new) for i, new in enumerate(switch.states) if new is not None]
+    puts = [_put(step, lanes, name, w.value(new, bound(eq))) for name, new in news]
+    if len(w.case_nodes) > len(step.case_nodes):
+        raise AssertionError("a switch needs a number that the step does not hold")
+    return [*w.lines, *puts]
+
+
+def _put(step: Step, lanes: int, field: str, value: str) -> str:
+    return f"S[{step.fields.index(field) * lanes} + lane] = {value}"
 
 
 class _SeriesWriter:
@@ -88,8 +88,7 @@ class _SeriesWriter:
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")
         self.quotients = active(eq, "reciprocal")
-        self.start = {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {"t": "_t"} | {s.name: f"_{s.name}" for s in eq.modes}
-        self.start |= {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
+        self.start = bound(eq)
         self.w.count_uses([*eq.f, *eq.guards])
 
     def write(self) -> Step:

@@ -10,7 +10,7 @@ has been taken its polynomial is held against the equation, at its end and betwe
 from __future__ import annotations
 
 from stickslip.engine.rosenbrock import Step
-from stickslip.engine.steptext import used, without_branches
+from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.trace import Equations
 from stickslip.engine.write import Writer
@@ -68,7 +68,7 @@ def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
     return found
 
 
-def slopes(eq: Equations, step: Step) -> str:
+def slopes(eq: Equations, step: Step, lanes: int) -> str:
     """Text of the function that says what the slopes are at `POINTS` instants and states; empty where nothing hides.
 
     It takes them in rows of W (t, then each state) and puts the slope of the first state where t was, and so on.
@@ -77,19 +77,18 @@ def slopes(eq: Equations, step: Step) -> str:
         return ""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
-    bind = {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {"t": "_t"} | {s.name: f"_{s.name}" for s in eq.modes}
-    bind |= {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
-    values = [f"W[{i * POINTS} + j] = {value}" for i, value in enumerate([w.value(f, bind) for f in eq.f])]
+    values = [f"W[{i * POINTS} + j] = {value}" for i, value in enumerate([w.value(f, bound(eq)) for f in eq.f])]
     if len(w.case_nodes) > len(step.case_nodes):
         raise AssertionError("the check of a step needs a number that the step does not hold")
     rows = [f"{name} = W[{i * POINTS} + j]" for i, name in enumerate(["_t", *(f"_y{i}" for i in range(eq.states))])]
-    asked = used([*rows, *w.lines, *values])
-    held = [f"_{name} = S[{i} * L + lane]" for i, name in enumerate(step.fields) if name in asked]
-    held += [f"_c{j} = S[F_C + {j} * L + lane]" for j in range(len(w.case_nodes)) if f"c{j}" in asked]
-    loop = [f"for j in range({POINTS}):", *(f"    {line}" for line in [*rows, *w.lines, *values])]
-    text = [
-        '@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)',
-        "def slopes(lane, S, W):",
-        *(f"    {line}" for line in [*held, *loop]),
-    ]
-    return without_branches("\n".join(text))
+    body = [*rows, *w.lines, *values]
+    lines = [*held(step, lanes, body), f"for j in range(0, {POINTS}):", *(f"    {line}" for line in body)]
+    return (
+        straight("slopes_of", "lane, S, W", lines)
+        + """
+
+@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)
+def slopes(lane, S, W):
+    slopes_of(lane, S, W)
+"""
+    )
