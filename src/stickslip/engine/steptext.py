@@ -1,7 +1,8 @@
 """The text of a step as its kernel's file holds it: lines, what they read and write of a lane, and the one call that Numba sees.
 
-The lines are not read by Numba; `emit.py` turns them into instructions, and so it does with a law's other functions (`straight`). Of a Taylor step they are only its series (the rest is
-``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``, ``name_1`` and so on.
+The lines are not read by Numba; `emit.py` turns them into instructions, and so it does with a law's other functions (`straight`). Of a
+Taylor step they are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``,
+``name_1`` and so on.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 
 
 def write_step(eq: Equations) -> Step:
-    """The lines of the series: rows _k of states, _g of guards and _e of exponents in units of the step, its length _hh, …"""
+    """The lines of the series: _k of states, _g of guards, _e of exponents, in units of the step; its length _hh, and if it is the _last."""
     return _SeriesWriter(eq).write()
 
 
@@ -57,12 +57,9 @@ def switches(eq: Equations, step: Step, lanes: int) -> str:
     for place, k in enumerate(watched(eq)):
         switch = eq.switches.get(k)
         lines = [_put(step, lanes, f"b{k}", f"-_b{k}")] if switch is None else _switch(eq, step, lanes, switch)
+        status = 0 if switch is None else switch.status
         parts.append(straight(f"switch_{place}", "lane, S", [*held(step, lanes, lines), *lines]))
-        calls += [
-            f"    if which == {place}:",
-            f"        switch_{place}(lane, S)",
-            f"        return {0 if switch is None else switch.status}",
-        ]
+        calls += [f"    if which == {place}:", f"        switch_{place}(lane, S)", f"        return {status}"]
     return "\n".join([*parts, *calls, "    return 0"])
 
 

@@ -162,10 +162,10 @@ def agrees(lane, part, S, W, D):
 @njit(boolean(int64, f1, i1), **OPTIONS)
 def moving(lane, S, D):
     """Whether some mode is not that of rest."""
+    modes = 0.0
     for k in range(D[MODES]):
-        if S[D[F_MODE] + k * L + lane] != 0.0:
-            return True
-    return False
+        modes += abs(S[D[F_MODE] + k * L + lane])
+    return modes > 0.0
 
 
 @njit(types.UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
