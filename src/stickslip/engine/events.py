@@ -82,7 +82,7 @@ class EventWriter:
         w.line("_low", end)
         if self.record:
             w.line("_tx", "1.0")
-            w.begin_if("_dip")
+            w.begin("if _dip")
         w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
         second = horner([f"2.0 * _k{i}_2", *(f"{m * (m - 1)}.0 * _k{i}_{m}" for m in range(3, d + 1))], "_tx")
         w.line("_curve", second)
@@ -90,7 +90,7 @@ class EventWriter:
         w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
         w.line("_low", f"({self._at(i, '_tx')}) * {side}")
         w.line("_dip", "_dip and _low < _tiny")
-        w.end_if()
+        w.end()
         w.line(f"_te{suffix}", "_tx if _dip else 1.0")
         w.line(f"_ge{suffix}", f"_low if _dip else {end}")
 
@@ -150,7 +150,7 @@ class EventWriter:
             w.line("_conv", "False")
             for i in range(self.n):
                 w.line(f"_v{i}", "0.0")
-            w.begin_if("_cr")
+            w.begin("if _cr")
         if self.g == 1:
             for _ in range(self.k.newton):
                 w.line("_pv", f"({self._at(0, '_th')}) * _b0")
@@ -182,7 +182,7 @@ class EventWriter:
             w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
         for i in range(self.n):
             w.line(f"_v{i}", self._at(i, "_th"))
-        w.end_if()
+        w.end()
 
     def _guard_at(self, theta: str) -> str:
         """Value of the chosen guard on its held side, on the dense output."""

@@ -15,7 +15,7 @@ from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
 from stickslip.engine.trace import Contact, Equations
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 
-__all__ = ["CONTROL", "Control", "Step", "write_step"]
+__all__ = ["CONTROL", "Control", "Step", "sides", "write_step"]
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class _StepWriter(EventWriter):
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
         fields += ["t0", "hh", *(f"k{i}_{m}" for i in (n if self.record else (0,)) for m in range(self.degree + 1))]
         if self.record:
-            fields += ["x0", *_sides(self.eq), *(f"held{i}" for i in range(len(self.eq.modes)))]
+            fields += ["x0", *sides(self.eq), *(f"held{i}" for i in range(len(self.eq.modes)))]
         self._slopes()
         self._length()
         self._matrix()
@@ -295,8 +295,8 @@ class _StepWriter(EventWriter):
         w.line("_t0", "1.0 * _t")
         if self.record:
             kept = [(f"held{i}", f"_{s.name}") for i, s in enumerate(self.eq.modes)]
-            sides = [(name, f"_b{c.guard}") for name, c in zip(_sides(self.eq), self.eq.contacts, strict=True)]
-            for name, value in (("x0", "_x"), *sides, *kept):
+            held = [(name, f"_b{c.guard}") for name, c in zip(sides(self.eq), self.eq.contacts, strict=True)]
+            for name, value in (("x0", "_x"), *held, *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
             if i:
@@ -344,7 +344,7 @@ class _StepWriter(EventWriter):
             w.line(name, f"{value} if {fired} else {name}")
 
 
-def _sides(eq: Equations) -> list[str]:
+def sides(eq: Equations) -> list[str]:
     """Fields of the sides, or modes, of the contacts as a step holds them."""
     return [f"side{i or ''}" for i in range(len(eq.contacts))]
 
