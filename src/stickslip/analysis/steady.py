@@ -9,6 +9,7 @@ import numpy as np
 from stickslip import recurrence, steadiness
 from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError
+from stickslip.layout import of_one_contact
 from stickslip.summary import Summary
 
 __all__ = [
@@ -56,7 +57,7 @@ def mean_velocity(run: Any) -> Any:
         return run.mean_velocity[()]
     if hasattr(run, "channels"):  # a measured record
         return run.mean_velocity()
-    needs_run("mean_velocity", run)
+    run = needs_run("mean_velocity", run, "it is the mean of one velocity")
     if run.model.period is None:
         ends = np.array(run.window)
         return float(np.diff(run.at(ends)["x"])[0] / np.diff(ends)[0])
@@ -92,7 +93,7 @@ def velocity_range(run: Any) -> tuple[float, float]:
     >>> low < ss.mean_velocity(run) < high
     True
     """
-    needs_run("velocity_range", run)
+    run = needs_run("velocity_range", run, "it is the range of one velocity")
     if run.model.period is None:
         return _extremes(run, run.window[0])
     count = period_number(run) or _settled_count(run)
@@ -104,10 +105,11 @@ def _extremes(run: Any, since: float) -> tuple[float, float]:
     return float(v.min()), float(v.max())
 
 
-def needs_run(what: str, run: Any) -> None:
-    """Say what to type where something else than a run was given."""
+def needs_run(what: str, run: Any, why: str) -> Any:
+    """A run of one body on one contact; what to type where something else was given, and `why` one of several cannot be taken."""
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
+    return of_one_contact(what, run, why)
 
 
 def _settled_count(run: Any) -> int:

@@ -13,6 +13,7 @@ from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.forces import rest_velocity
 from stickslip.friction.adapter import law_of
+from stickslip.layout import StateLayout
 from stickslip.pieces import PolynomialPieces
 from stickslip.position import knows_position
 from stickslip.solvers.gather import Raw, gather, trajectory
@@ -148,4 +149,6 @@ def _pieces(pieces: Any, kernel: lanes.Kernel, table: _Table, periods: int) -> P
     coefficients[:, 0, 0] += table.offset[0]
     memory = pieces[:, 5:first].astype(np.int32)
     x = pieces[:, 3] + table.carried[0] * t[:-1]
-    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), x, coefficients, memory, holds_x=not table.cyclic)
+    layout = StateLayout.of_one(kernel.states - 1 - (not table.cyclic), kernel.modes, not table.cyclic)
+    ways = x[:, None] if table.cyclic else np.empty((len(x), 0))
+    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), ways, coefficients, memory, layout)
