@@ -39,16 +39,16 @@ def coulomb_run(robot, periods, settle=None, samples=400):
         arc = HarmonicArcs(np.array([now, end + robot.period]), np.array([side]), np.array([here]), np.zeros(1), a, omega, plus, minus)
 
         def speed(time, arc=arc):
-            return float(arc.evaluate(np.array([time]), np.array([0]))[1][0])
+            return float(arc.evaluate(np.array([time]), np.array([0]))[1][0, 0])
 
         grid = np.linspace(now, now + robot.period * 1.5, 3001)[1:]
-        values = side * arc.evaluate(grid, np.zeros(len(grid), int))[1]
+        values = side * arc.evaluate(grid, np.zeros(len(grid), int))[1][:, 0]
         first = int(np.argmax(values < 0)) if (values < 0).any() else None
         if first is None or grid[max(first - 1, 0)] >= end:
             then = end
         else:
             then = min(end, brentq(speed, grid[first - 1] if first else now, grid[first], xtol=1e-15, rtol=1e-15))
-        here = float(arc.evaluate(np.array([then]), np.array([0]))[0][0])
+        here = float(arc.evaluate(np.array([then]), np.array([0]))[0][0, 0])
         t.append(then)
         now, side = then, _side(a, omega, then, low, high)
     arcs = HarmonicArcs(np.array(t), np.array(mode, np.int8), np.array(x), np.array(v), a, omega, plus, minus)

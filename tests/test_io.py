@@ -88,7 +88,7 @@ def test_a_drive_of_ones_own_cannot_be_kept(run, tmp_path):
 @pytest.mark.parametrize(
     ("attribute", "value", "message"),
     [
-        ("stickslip_format", 99, "format 99, this stickslip reads up to 1"),
+        ("stickslip_format", 99, "format 99, this stickslip reads up to 2"),
         ("stickslip_content", "study", "holds a study"),
         ("stickslip_format", None, "not written by stickslip"),
     ],

@@ -53,7 +53,7 @@ def test_arcs_are_exact_far_from_the_origin_of_time():
     omega, start = 205.46, 987.654321
     arcs = HarmonicArcs(np.array([start, start + 0.02]), np.array([1]), np.array([0.0]), np.array([0.0]), omega, omega, 0.3 * omega, 0.0)
     t = start + np.array([1e-7, 1e-4, 0.005, 0.02])
-    v = arcs.evaluate(t, np.zeros(4, int))[1]
+    v = arcs.evaluate(t, np.zeros(4, int))[1][:, 0]
     w, s = mpmath.mpf(omega), mpmath.mpf(start)
     exact = [mpmath.cos(w * s) - mpmath.cos(w * mpmath.mpf(u)) - mpmath.mpf(0.3 * omega) * (mpmath.mpf(u) - s) for u in t.tolist()]
     assert max(abs(float(e - mpmath.mpf(float(u)))) for e, u in zip(exact, v, strict=True)) < 4e-15

@@ -13,9 +13,9 @@ from stickslip.jsontext import plain
 from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES
 
-__all__ = ["COLUMNS", "attributes", "summary_dataset", "trajectory_columns", "trajectory_dataset", "write_csv"]
+__all__ = ["COLUMNS", "attributes", "dims_of", "names_of", "summary_dataset", "trajectory_columns", "trajectory_dataset", "write_csv"]
 
-COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims == ("time",))
+COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims[:1] == ("time",))
 
 
 def trajectory_columns(run: Any) -> dict[str, Any]:
@@ -24,12 +24,35 @@ def trajectory_columns(run: Any) -> dict[str, Any]:
     return {name: column for name, column in columns.items() if column is not None}
 
 
-def write_csv(columns: dict[str, Any], file: Any) -> None:
-    """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers."""
+def names_of(run: Any) -> dict[str, list[str]]:
+    """The names of the bodies and contacts of a run by dimension; none of a machine that has one of each by its kind.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> names_of(ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2))
+    {}
+    """
+    layout = run.pieces.layout
+    return {} if layout.single else {"body": [b.name for b in layout.bodies], "contact": [c.name for c in layout.contacts]}
+
+
+def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, ...]:
+    """The dimensions of a column, given the names of the bodies and contacts."""
+    return tuple(dim for dim in VARIABLES[name].dims if dim in names or dim not in ("body", "contact"))[: column.ndim]
+
+
+def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None) -> None:
+    """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers.
+
+    `names` are those of the bodies and contacts: a column of each is called "x.head". Inner states are numbered.
+    """
     flat: dict[str, Any] = {}
     for name, column in columns.items():
-        parts = {name: column} if column.ndim == 1 else {f"{name}_{i}": column[:, i] for i in range(column.shape[1])}
-        flat |= {f"{part} [{VARIABLES[name].unit}]": values for part, values in parts.items()}
+        dims = dims_of(name, column, names or {})[1:]
+        for place in np.ndindex(column.shape[1:]):
+            part = "".join(f".{(names or {})[dim][i]}" if dim in (names or {}) else f"_{i}" for dim, i in zip(dims, place, strict=True))
+            flat[f"{name}{part} [{VARIABLES[name].unit}]"] = column[(slice(None), *place)]
     table = np.column_stack(list(flat.values()))
     np.savetxt(file, table, delimiter=",", header=",".join(flat), comments="", fmt="%.17g", encoding="utf-8")
 
@@ -52,7 +75,7 @@ def _described(name: str) -> dict[str, str]:
 
 
 def trajectory_dataset(run: Any) -> Any:
-    """The columns of a run as an `xarray.Dataset` over ``time``.
+    """The columns of a run as an `xarray.Dataset` over ``time``; of a machine of several also over ``body`` and ``contact``.
 
     Examples
     --------
@@ -66,10 +89,10 @@ def trajectory_dataset(run: Any) -> Any:
     """
     import xarray as xr
 
-    columns = trajectory_columns(run)
-    dims = {1: ("time",), 2: ("time", "inner_state")}
-    data = {name: (dims[column.ndim], column, _described(name)) for name, column in columns.items() if name != "t"}
-    return xr.Dataset(data, coords={"time": ("time", columns["t"], _described("t"))}, attrs=attributes(run))
+    columns, names = trajectory_columns(run), names_of(run)
+    data = {name: (dims_of(name, column, names), column, _described(name)) for name, column in columns.items() if name != "t"}
+    coords = {"time": ("time", columns["t"], _described("t")), **{dim: (dim, of) for dim, of in names.items()}}
+    return xr.Dataset(data, coords=coords, attrs=attributes(run))
 
 
 def summary_dataset(many: Any) -> Any:

@@ -124,15 +124,18 @@ def offered_force(model: Any, t: Any, x: Any) -> Any:
     return model.total_mass * model.acceleration(t, x, rest_velocity(model) + 0.0 * t, 0.0)
 
 
-def impulses_until(model: Any, end: float) -> list[tuple[float, float]]:
-    """The impulses of a run up to and with `end`: (time [s], jump of v [m/s]), in order; none at the very start."""
-    jumps = machine_of(model).impulses
+def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
+    """The impulses of a run up to and with `end`: (time [s], jump of v [m/s]), in order; none at the very start.
+
+    Of a machine of several bodies a jump is an array, a number for each body.
+    """
+    jumps = machine_of(model).jumps
     if not jumps:
         return []
     T = float(model.period)
     slack = 1e-9 * T
-    found = [(k * T + float(s), float(jump)) for k in range(math.floor(end / T + 1e-9) + 1) for s, jump in jumps]
-    return sorted((t, jump) for t, jump in found if 0.0 < t <= end + slack)
+    found = [(k * T + float(s), jump) for k in range(math.floor(end / T + 1e-9) + 1) for s, jump in jumps]
+    return sorted(((t, jump) for t, jump in found if 0.0 < t <= end + slack), key=lambda impulse: impulse[0])
 
 
 def held_velocity(v: Any, mode: Any, least: Any = TINY) -> Any:

@@ -74,6 +74,17 @@ class MachineAdapter:
         return tuple(getattr(self.model, "impulses", None) or ())
 
     @property
+    def jumps(self) -> tuple[tuple[Any, Any], ...]:
+        """The same of any machine: a jump is a float for one body, and an array with a number for each of several."""
+        if self.is_single:
+            return tuple((instant, float(jump)) for instant, jump in self.impulses)
+        import numpy as np
+
+        mechanics = self.mechanics
+        moves_with = [mechanics.coordinate_of(name) for name in mechanics.bodies]
+        return tuple((instant, np.array(jumps, float)[moves_with]) for instant, jumps in mechanics.jumps)
+
+    @property
     def time_scale(self) -> Any:
         """A time in which something happens [s]: its period, or what it says; None where nobody knows."""
         said = self.model if self.is_single else self.mechanics

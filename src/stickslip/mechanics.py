@@ -87,6 +87,10 @@ class Mechanics:
         """Velocity of each body [m/s]."""
         return tuple(u)
 
+    def coordinate_of(self, body: str) -> int:
+        """Number of the coordinate with which a body moves."""
+        return self.bodies.index(body)
+
     def coordinates_of(self, values: Numbers) -> tuple[Any, ...]:
         """Coordinates from the positions of the bodies, or their velocities from those of the bodies."""
         return tuple(values)
@@ -341,6 +345,10 @@ class SeveralBodies(Mechanics):
     def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
         """Velocity of each body [m/s]."""
         return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
+
+    def coordinate_of(self, body: str) -> int:
+        """Number of the coordinate of its group."""
+        return self.coordinate[body]
 
     def coordinates_of(self, values: Numbers) -> tuple[Any, ...]:
         """Those of the centres of mass."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Protocol
 
 import numpy as np
 
+from stickslip.errors import InputError
+from stickslip.layout import StateLayout
 from stickslip.sealing import sealed
 
 __all__ = [
@@ -14,6 +16,7 @@ __all__ = [
     "pieces_from_arrays",
 ]  # fmt: skip
 
+_ONE = StateLayout.of_one()
 STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
 
 Array = Any  # numpy.ndarray
@@ -21,7 +24,7 @@ Array = Any  # numpy.ndarray
 
 @dataclass(frozen=True)
 class Event:
-    """An instant at which something changed at once: mostly the mode of the body.
+    """An instant at which something changed at once: mostly the mode of a contact.
 
     Parameters
     ----------
@@ -32,25 +35,45 @@ class Event:
         a memory of its law changed; its load fell to zero.
     before, after : int
         The modes: +1 forwards, 0 stuck, -1 backwards.
+    part : str
+        Name of the contact; "contact" where there is only one, as under a `Robot`.
     """
 
     t: float
     kind: str
     before: int
     after: int
+    part: str = "contact"
 
 
-def events_of(pieces: Any, impulses: Any = (), lost: bool = False) -> list[Event]:
-    """Every event, in order; `impulses` are the times of the impulses, `lost` says that the contact was lost at the end."""
-    mode = np.asarray(pieces.mode).astype(int)
-    thrown = set(nodes_at(pieces, impulses).tolist())
+def events_of(pieces: Any, impulses: Any = (), lost: Any = ()) -> list[Event]:
+    """Every event, in order; at one instant one of each contact that changed, in the order of the contacts.
+
+    Parameters
+    ----------
+    pieces : Pieces
+    impulses : sequence of (float, float or array)
+        Times [s] and jumps of the velocity [m/s]: one number for all bodies, or one for each. A contact is thrown where its slip jumps.
+    lost : sequence of str
+        Names of the contacts that were lost at the end.
+    """
+    contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode).astype(int)
+    found = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses)]
+    found.sort(key=lambda event: event.t)  # keeps the order of the contacts at one instant
+    end = [(c.name, int(mode[-1, i])) for i, c in enumerate(contacts) if c.name in lost]
+    return [*found, *(Event(float(pieces.t[-1]), "contact lost", last, last, name) for name, last in end)]
+
+
+def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any) -> list[Event]:
+    """The events of one contact, given its number and its modes."""
+    of = pieces.layout.contacts[contact]
+    thrown = set(nodes_at(pieces, [t for t, jump in impulses if np.ndim(jump) == 0 or np.dot(of.direction, jump) != 0.0]).tolist())
     changed = np.diff(mode) != 0
-    memory = getattr(pieces, "memory", None)
-    if memory is not None and memory.shape[1]:
-        changed |= np.any(np.diff(memory, axis=0) != 0, axis=1)
+    if of.memory:
+        changed |= np.any(np.diff(pieces.memory[:, list(of.memory)], axis=0) != 0, axis=1)
     where = sorted({*(np.flatnonzero(changed) + 1).tolist(), *thrown})
-    found = [Event(float(pieces.t[i]), _kind(mode[i - 1], mode[i], i in thrown), int(mode[i - 1]), int(mode[i])) for i in where]
-    return [*found, Event(float(pieces.t[-1]), "contact lost", int(mode[-1]), int(mode[-1]))] if lost else found
+    modes = [(i, int(mode[i - 1]), int(mode[i])) for i in where]
+    return [Event(float(pieces.t[i]), _kind(before, after, i in thrown), before, after, of.name) for i, before, after in modes]
 
 
 def _kind(before: int, after: int, thrown: bool) -> str:
@@ -73,16 +96,25 @@ def nodes_at(pieces: Any, times: Any) -> Array:
 class Pieces(Protocol):
     """What a dense output offers. Piece i spans ``t[i]`` to ``t[i+1]`` and is smooth there.
 
-    `mode` is +1 sliding forwards, 0 stuck, -1 sliding backwards; under a dynamic law it is the sign of v, never 0.
+    `mode` (pieces, contacts) is +1 sliding forwards, 0 stuck, -1 sliding backwards; under a dynamic law it is the sign of v, never 0.
+    `memory` (pieces, memories) are the whole numbers that laws remember, `layout` says what the states are.
     """
 
     t: Array
     mode: Array
 
-    def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and inner states (len(t), states) at times that lie on the given pieces."""
+    @property
+    def memory(self) -> Array:
+        """Whole numbers that laws remember on each piece."""
 
-    def arrays(self) -> dict[str, Array]:
+    @property
+    def layout(self) -> StateLayout:
+        """Bodies and contacts, and which states are theirs."""
+
+    def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
+        """x (time, body), v (time, body) and z (time, contact, state), NaN where a law has fewer, at times that lie on the given pieces."""
+
+    def arrays(self) -> dict[str, Any]:
         """All that is needed to make these pieces again."""
 
     def until(self, end: float) -> Any:
@@ -90,18 +122,27 @@ class Pieces(Protocol):
 
 
 class _Arrays:
-    """Pieces whose fields are the arrays that are kept."""
+    """Pieces whose fields are the arrays that are kept, and the layout, which is kept as text."""
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, Any]:
         """All that is needed to make these pieces again, by name; what is empty is left out."""
-        found = {f.name: np.asarray(getattr(self, f.name)) for f in fields(self)}  # type: ignore[arg-type]
-        return {name: array + 0.0 if array.dtype == bool else array for name, array in found.items() if array.size}
+        found = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        arrays = {name: np.asarray(value) for name, value in found.items() if name != "layout"}
+        return {name: array for name, array in arrays.items() if array.size} | {"layout": found["layout"].to_text()}
 
     @classmethod
-    def from_arrays(cls, arrays: dict[str, Array]) -> Any:
+    def from_arrays(cls, arrays: dict[str, Any]) -> Any:
         """The pieces that `arrays` came from."""
-        kept = [f.name for f in fields(cls) if f.name in arrays]  # type: ignore[arg-type]
-        return cls(**{name: arrays[name] if np.ndim(arrays[name]) else float(arrays[name]) for name in kept})
+        given = {f.name: arrays[f.name] for f in fields(cls) if f.name in arrays}  # type: ignore[arg-type]
+        if "layout" in given:
+            given["layout"] = StateLayout.from_text(given["layout"])
+        return cls(**{name: float(value) if isinstance(value, np.ndarray) and not value.ndim else value for name, value in given.items()})
+
+
+def _columns(array: Array) -> Array:
+    """An array with a row for each piece; of one contact, or one way, it may be given without the axis."""
+    array = np.asarray(array)
+    return array[:, None] if array.ndim == 1 else array
 
 
 @sealed
@@ -109,30 +150,30 @@ class _Arrays:
 class PolynomialPieces(_Arrays):
     r"""Polynomials on each step, what an integrator gives.
 
-    With :math:`\theta = (t - t_i)/h_i`, the states :math:`y = (v, z_1, \dots)` are :math:`\sum_k c_k \theta^k`,
-    and the position is the integral of the velocity; where the equations know the position, it is the last state.
+    With :math:`\theta = (t - t_i)/h_i`, every state of the bodies and contacts is :math:`\sum_k c_k \theta^k`. A way is the integral of
+    the velocity of its reference body.
 
     Parameters
     ----------
     t : array (n + 1,)
         Ends of the steps [s].
-    mode : array (n,) of int8
-        Sign of the contact's velocity on each step; 0 stuck (set-valued laws).
-    x0 : array (n,)
-        Position at the start of each step [m].
+    mode : array (n, contacts) of int8
+        Sign of each contact's velocity on each step; 0 stuck (set-valued laws). Of one contact the axis may be left out.
+    x0 : array (n, ways)
+        Each way at the start of each step [m]. Of one way the axis may be left out.
     coefficients : array (n, states, degree + 1)
         The numbers c, lowest power first.
-    memory : array (n, modes) of int
-        Whole-number memories of the law on each step.
-    holds_x : bool
-        Whether the last state is the position, instead of the integral of the velocity from `x0`.
+    memory : array (n, memories) of int
+        Whole-number memories of the laws on each step.
+    layout : StateLayout, optional
+        What the states are; if not given, one body's velocity and the inner states of its contact.
 
     Examples
     --------
     >>> fall = PolynomialPieces(t=np.array([0.0, 2.0]), mode=np.array([1]), x0=np.zeros(1), coefficients=np.array([[[0.0, 20.0]]]))
     >>> x, v, z = fall.evaluate(np.array([1.0]), np.array([0]))
-    >>> float(x[0]), float(v[0]), z.shape
-    (5.0, 10.0, (1, 0))
+    >>> x.tolist(), v.tolist(), z.shape
+    ([[5.0]], [[10.0]], (1, 1, 0))
     """
 
     t: Array
@@ -140,23 +181,56 @@ class PolynomialPieces(_Arrays):
     x0: Array
     coefficients: Array
     memory: Array = None
-    holds_x: bool = False
+    layout: StateLayout = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        if self.memory is None:
-            object.__setattr__(self, "memory", np.empty((len(self.mode), 0), np.int32))
-        object.__setattr__(self, "holds_x", bool(self.holds_x))
+        count, states = len(self.t) - 1, np.shape(self.coefficients)[1]
+        given = {
+            "mode": _columns(self.mode),
+            "x0": _columns(self.x0),
+            "memory": np.empty((count, 0), np.int32) if self.memory is None else self.memory,
+        }
+        given["layout"] = self.layout or StateLayout.of_one(states - 1, given["memory"].shape[1])
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        if flaws := self.layout.flaws(states, self.x0.shape[1], self.memory.shape[1], self.mode.shape[1]):
+            raise InputError("PolynomialPieces", flaws)
+
+    @classmethod
+    def from_arrays(cls, arrays: dict[str, Any]) -> PolynomialPieces:
+        """The pieces that `arrays` came from."""
+        count = len(arrays["t"]) - 1
+        pieces: PolynomialPieces = super().from_arrays({"mode": np.empty((count, 0), np.int8), "x0": np.empty((count, 0)), **arrays})
+        return pieces
 
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and inner states at times on the given pieces."""
+        """x, v (time, body) and z (time, contact, state), NaN where a law has fewer, at times on the given pieces."""
         start = self.t[index]
         h = self.t[index + 1] - start
         theta = (t - start) / h
         c = self.coefficients[index]
         y = _horner(np.moveaxis(c, 1, 0), theta)
-        if self.holds_x:
-            return y[-1], y[0], y[1:-1].T
-        return self.x0[index] + h * theta * _horner(c[:, 0] / np.arange(1, c.shape[2] + 1), theta), y[0], y[1:].T
+        powers = np.arange(1, c.shape[2] + 1)
+        ways = [self.x0[index, k] + h * theta * _horner(c[:, state] / powers, theta) for k, state in enumerate(self.layout.ways)]
+        x = [_position(body, ways, y) for body in self.layout.bodies]
+        v = [y[body.velocity] for body in self.layout.bodies]
+        return _rows(x, len(theta)), _rows(v, len(theta)), self._of_contacts(y)
+
+    def inner_rates(self, t: Array, index: Array) -> Array:
+        """Rates of the inner states (time, contact, state), as slopes of the polynomials."""
+        start = self.t[index]
+        h = self.t[index + 1] - start
+        c = self.coefficients[index]
+        slopes = np.moveaxis(c[..., 1:] * np.arange(1, c.shape[2]), 1, 0)
+        return self._of_contacts(_horner(slopes, (t - start) / h) / h)
+
+    def _of_contacts(self, y: Array) -> Array:
+        """The inner states (time, contact, state) among all states (state, time); NaN where a law has fewer than another."""
+        contacts = self.layout.contacts
+        z = np.full((len(contacts), self.layout.most_inner, y.shape[1]), np.nan)
+        for i, contact in enumerate(contacts):
+            z[i, : len(contact.inner)] = y[list(contact.inner)]
+        return np.moveaxis(z, 2, 0)
 
     def until(self, end: float) -> PolynomialPieces:
         """The same pieces up to a time, the last one cut there."""
@@ -166,23 +240,31 @@ class PolynomialPieces(_Arrays):
         return replace(self, t=np.append(self.t[:n], end), mode=self.mode[:n], x0=self.x0[:n], coefficients=c, memory=self.memory[:n])
 
 
+def _position(body: Any, ways: list[Array], y: Array) -> Array:
+    """Position of a body from its way and its state."""
+    if body.way is None:
+        return y[body.position]
+    along = ways[body.way] if body.factor == 1.0 else body.factor * ways[body.way]
+    return along if body.position is None else along + y[body.position]
+
+
+def _rows(rows: list[Array], count: int) -> Array:
+    """Rows as the columns of one array; each column stays contiguous."""
+    return np.array(rows).reshape(len(rows), count).T
+
+
 def _count_until(t: Array, end: float) -> int:
     """How many pieces begin before a time."""
     return max(int(np.searchsorted(t[:-1], end, side="left")), 1)
 
 
 def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
-    """Rates of the inner states (len(t), states), as slopes of the dense output; none for closed arcs.
+    """Rates of the inner states (time, contact, state), as slopes of the dense output.
 
     Where the bristle is stiff, a law's own rate magnifies the last digits of z; the slope does not.
     """
-    if not isinstance(pieces, PolynomialPieces):
-        return np.empty((len(t), 0))
-    start = pieces.t[index]
-    h = pieces.t[index + 1] - start
-    c = pieces.coefficients[index, 1 : -1 if pieces.holds_x else None]
-    slopes = np.moveaxis(c[..., 1:] * np.arange(1, c.shape[2]), 1, 0)
-    return (_horner(slopes, (t - start) / h) / h).T
+    inner = pieces.layout.most_inner
+    return pieces.inner_rates(t, index) if inner else np.empty((len(t), len(pieces.layout.contacts), 0))
 
 
 def _horner(c: Array, theta: Array) -> Array:
@@ -204,8 +286,8 @@ class HarmonicArcs(_Arrays):
     ----------
     t : array (n + 1,)
         Ends of the arcs [s].
-    mode : array (n,) of int8
-        +1 sliding forwards, 0 stuck, -1 sliding backwards.
+    mode : array (n, 1) of int8
+        +1 sliding forwards, 0 stuck, -1 sliding backwards. The axis of the only contact may be left out.
     x0, v0 : array (n,)
         Position [m] and velocity [m/s] at the start of each arc.
     drive_acceleration : float
@@ -214,13 +296,15 @@ class HarmonicArcs(_Arrays):
         Angular frequency of the drive [rad/s].
     resist_plus, resist_minus : float
         What friction (less gravity along the track) takes from it forwards, and backwards [m/s^2].
+    layout : StateLayout, optional
+        The names of the body and the contact.
 
     Examples
     --------
     >>> free = HarmonicArcs(np.array([0.0, 3.0]), np.array([1]), np.zeros(1), np.zeros(1), 1.0, 1.0, 0.0, 0.0)
     >>> x, v, z = free.evaluate(np.array([1.0]), np.array([0]))
-    >>> bool(abs(v[0] - (1 - np.cos(1.0))) < 1e-15), bool(abs(x[0] - (1 - np.sin(1.0))) < 1e-15)
-    (True, True)
+    >>> x.shape, bool(abs(v[0, 0] - (1 - np.cos(1.0))) < 1e-15), bool(abs(x[0, 0] - (1 - np.sin(1.0))) < 1e-15)
+    ((1, 1), True, True)
     """
 
     t: Array
@@ -231,15 +315,24 @@ class HarmonicArcs(_Arrays):
     omega: float
     resist_plus: float
     resist_minus: float
+    layout: StateLayout = field(default=_ONE, kw_only=True)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mode", _columns(self.mode))
+
+    @property
+    def memory(self) -> Array:
+        """Coulomb friction remembers nothing: (n, 0)."""
+        return np.empty((len(self.mode), 0), np.int32)
 
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and no inner states at times on the given arcs.
+        """x, v (time, 1) and no inner states (time, 1, 0) at times on the given arcs.
 
         Differences of sines are written as products, and the phase is reduced at the start of each arc,
         so the error is that of a few roundings however long the run is.
         """
         d = t - self.t[index]
-        side, v0 = self.mode[index], self.v0[index]
+        side, v0 = self.mode[index, 0], self.v0[index]
         phase, half = self._phase[index], 0.5 * self.omega * d
         amplitude = self.drive_acceleration / self.omega
         r = np.where(side > 0, self.resist_plus, -self.resist_minus)
@@ -247,7 +340,8 @@ class HarmonicArcs(_Arrays):
         swing = d * np.cos(phase) - (2 / self.omega) * np.cos(phase + half) * np.sin(half)
         x = v0 * d + amplitude * swing - 0.5 * r * d * d
         stuck = side == STUCK
-        return self.x0[index] + np.where(stuck, 0.0, x), np.where(stuck, 0.0, v), np.empty((len(d), 0))
+        x, v = self.x0[index] + np.where(stuck, 0.0, x), np.where(stuck, 0.0, v)
+        return x[:, None], v[:, None], np.empty((len(d), 1, 0))
 
     def until(self, end: float) -> HarmonicArcs:
         """The same arcs up to a time, the last one cut there."""

@@ -20,11 +20,12 @@ from typing import Any
 import numpy as np
 
 from stickslip import hdf5
-from stickslip.datasets import attributes, trajectory_columns, write_csv
+from stickslip.datasets import attributes, dims_of, names_of, trajectory_columns, write_csv
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
 from stickslip.friction.adapter import adapted
 from stickslip.jsontext import plain
+from stickslip.layout import StateLayout
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
@@ -34,8 +35,8 @@ from stickslip.variables import VARIABLES
 
 __all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_mat", "unwritable"]
 
-#: Version of the file format; a reader refuses a newer one.
-FORMAT = 1
+#: Version of the file format; a reader refuses a newer one. 1 had one body on one contact, without axes for them.
+FORMAT = 2
 
 
 @contextlib.contextmanager
@@ -96,21 +97,28 @@ def save(run: Any, path: str | Path) -> Path:
         allowed = f"{', '.join(_NETCDF[:-1])}, which `stickslip.load` reads back, or {' or '.join(_OF_COLUMNS)} for the columns alone"
         raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are {allowed}; type for example run.save('run.nc')"])
     attrs = {**attributes(run), **_model_attributes(run.model), "stickslip_format": FORMAT, "stickslip_content": "trajectory"}
-    columns = trajectory_columns(run)
+    columns, names = trajectory_columns(run), names_of(run)
     import h5netcdf
+    import h5py
 
     with moved_into_place(path, unwritable("save")) as beside, h5netcdf.File(beside, "w") as file:
         file.attrs.update(attrs)
-        file.dimensions = {"time": len(run.t)}
+        file.dimensions = {"time": len(run.t), **{dim: len(of) for dim, of in names.items()}}
+        for dim, of in names.items():
+            file.create_variable(dim, (dim,), data=np.array(of, dtype=h5py.string_dtype()))
         for name, column in columns.items():
-            dims = ("time",) if column.ndim == 1 else ("time", _dimension(file, column.shape[1]))
+            sizes = zip(dims_of(name, column, names), column.shape, strict=True)
+            dims = tuple(dim if dim in file.dimensions else _dimension(file, n) for dim, n in sizes)
             place = "time" if name == "t" else name
             made = file.create_variable(place, dims, data=column, compression="gzip", compression_opts=1, shuffle=True)
             made.attrs.update({"units": VARIABLES[name].unit or "1", "long_name": VARIABLES[name].long_name})
         group = file.create_group("pieces")
         group.attrs["kind"] = kind_of(run.pieces)
-        for name, array in run.pieces.arrays().items():
-            group.create_variable(name, tuple(_dimension(group, n) for n in array.shape), data=array)
+        for name, kept in run.pieces.arrays().items():
+            if isinstance(kept, str):
+                group.attrs[name] = kept
+            else:
+                group.create_variable(name, tuple(_dimension(group, n) for n in kept.shape), data=kept)
     return path
 
 
@@ -154,7 +162,8 @@ def read(path: str | Path, laws: Sequence[type] = ()) -> dict[str, Any]:
         with hdf5.opened(path, "load", allowance := Allowance("load", size)) as file:
             attrs = {k: _one(v) for k, v in hdf5.attributes(file, allowance, size).items()}
             _check_format(attrs, path)
-            found = {"pieces": _pieces(file, hdf5.attributes(file["pieces"], allowance, size)), "model": _model(attrs, laws)}
+            kept = hdf5.attributes(file["pieces"], allowance, size)
+            found = {"pieces": _pieces(file, kept, int(attrs["stickslip_format"])), "model": _model(attrs, laws)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
         return {**found, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
     except InputError:
@@ -169,19 +178,36 @@ def _one(value: Any) -> Any:
     return value.item() if hasattr(value, "item") and value.size == 1 else value
 
 
-def _pieces(file: Any, attrs: dict[str, Any]) -> Any:
-    """The dense output: its arrays, without the dimensions of netCDF beside them."""
+def _pieces(file: Any, attrs: dict[str, Any], version: int) -> Any:
+    """The dense output: its arrays, without the dimensions of netCDF beside them, and its layout."""
     arrays = {k: np.asarray(hdf5.values(v)) for k, v in hdf5.members(file["pieces"], "load") if v is not None and "CLASS" not in v.attrs}
     count = len(arrays["t"]) - 1
     if count < 1 or not np.all(np.diff(arrays["t"]) >= 0) or any(a.shape[:1] != (count,) for k, a in arrays.items() if k != "t" and a.ndim):
         raise ValueError("its pieces do not follow one another")
-    return pieces_from_arrays(_one(attrs["kind"]), arrays)
+    kept = _since_format_1(arrays) if version == 1 else {**arrays, "layout": _one(attrs["layout"])}
+    try:
+        return pieces_from_arrays(_one(attrs["kind"]), kept)
+    except InputError as error:
+        raise ValueError("; ".join(error.problems)) from None
+
+
+def _since_format_1(arrays: dict[str, Any]) -> dict[str, Any]:
+    """The arrays of a file of format 1, one body on one contact: `holds_x` said whether x is a state, which then had a way too."""
+    if "coefficients" not in arrays:
+        return arrays
+    knows_position = bool(arrays.get("holds_x", 0.0))
+    memories = np.shape(arrays.get("memory", np.empty((1, 0))))[1]
+    layout = StateLayout.of_one(arrays["coefficients"].shape[1] - 1 - knows_position, memories, knows_position)
+    left_out = ("holds_x", "x0") if knows_position else ("holds_x",)
+    return {**{name: array for name, array in arrays.items() if name not in left_out}, "layout": layout.to_text()}
 
 
 def _check_format(attrs: Any, path: Path) -> None:
     version, content = int(attrs.get("stickslip_format", 0)), attrs.get("stickslip_content")
     if version == 0:
         why = "was not written by stickslip (it has no attribute stickslip_format); xarray.open_dataset may read it"
+    elif version < 0:
+        why = f"has format {version}, which there is not; allowed are 1 to {FORMAT}; type run.save(path) of the run itself again"
     elif version > FORMAT:
         why = f"has format {version}, this stickslip reads up to {FORMAT}; type pip install --upgrade stickslip"
     elif content != "trajectory":
@@ -243,7 +269,7 @@ def to_mat(run: Any, path: str | Path) -> Path:
     columns = trajectory_columns(run)
     units = {name: VARIABLES[name].unit or "1" for name in columns}
     with moved_into_place(path, unwritable("to_mat")) as beside:
-        savemat(beside, {**columns, "units": units, "run": attributes(run)}, oned_as="column", appendmat=False)
+        savemat(beside, {**columns, "units": units, "run": attributes(run), **names_of(run)}, oned_as="column", appendmat=False)
     return path
 
 
@@ -252,7 +278,7 @@ def to_csv(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a CSV file, units in its first line; returns its path."""
     path = as_path(path, "to_csv", "run.csv")
     with moved_into_place(path, unwritable("to_csv")) as beside:
-        write_csv(trajectory_columns(run), beside)
+        write_csv(trajectory_columns(run), beside, names_of(run))
     return path
 
 

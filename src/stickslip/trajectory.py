@@ -14,7 +14,9 @@ from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
+from stickslip.parts import BodyRun, ContactRun
 from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
 from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, of_run
@@ -28,7 +30,8 @@ __all__ = ["STATUS", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Sum
 
 
 def _as_column(z: Any) -> Any:
-    return None if z.shape[1] == 0 else z[:, 0] if z.shape[1] == 1 else z
+    """None for no inner states; the only one without an axis of its own, where there is none for contacts either."""
+    return None if z.shape[-1] == 0 else z[:, 0] if z.shape[1:] == (1,) else z
 
 
 def _force_column(name: str) -> property:
@@ -36,7 +39,8 @@ def _force_column(name: str) -> property:
 
     def column(self: Any) -> Any:
         if name not in self._forces:
-            raise AttributeError(f"this run has no {name}: {type(self.model).__name__} has no drive")
+            why = f"{type(self.model).__name__} has no drive" if variable.dims == ("time",) else "only machines of several contacts have it"
+            raise AttributeError(f"this run has no {name}: {why}")
         return self._forces[name]
 
     return property(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
@@ -45,12 +49,17 @@ def _force_column(name: str) -> property:
 @sealed
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One run of one robot or mechanism. It is computed once by `solve`; everything here only reads it.
+    """One run of one machine. It is computed once by `solve`; everything here only reads it.
 
     The columns ``t, x, v, z, mode, acceleration, friction_force, drive_force, xi, xi_rate, xi_acceleration,
     actuator_force, actuator_power`` are arrays over the same instants: `samples` in each drive period (ten times `samples`
     over the whole run where the model has no period) and, exactly, every event (twice where v jumps). Units and meanings
     stand in `stickslip.variables`. Columns from ``drive_force`` on exist where there is a drive.
+
+    A `Robot` or a mechanism has one body on one contact, and a column is an array (time,). Of a machine of several x, v and
+    acceleration are (time, body), mode and friction_force (time, contact), and z is (time, contact, state), NaN where a law has fewer
+    states than another. Of any run ``run.bodies[name].x`` and ``run.contacts[name].mode`` are (time,); the names of a Robot's are
+    "body" and "contact".
 
     Parameters
     ----------
@@ -85,6 +94,8 @@ class Trajectory:
     >>> run = Trajectory(robot, arcs, periods=1, settle=0, rtol=1e-6, method="by hand")
     >>> run.t.size, run.events, float(run.at(0.01)["v"])
     (401, [], 0.0)
+    >>> run.x.shape, bool((run.bodies["body"].x == run.x).all())
+    ((401,), True)
     """
 
     model: Any
@@ -130,8 +141,20 @@ class Trajectory:
 
     @cached_property
     def events(self) -> list[Event]:
-        """Every change of mode, impulse and switch of a memory, in order. Under a dynamic law changes of mode are reversals of v."""
-        return events_of(self.pieces, [t for t, _ in self._impulses], self.lost_contact)
+        """Every change of mode, impulse and switch of a memory, in order. Under a dynamic law changes of mode are reversals of v.
+
+        At one instant there is one for each contact that changed, in the order of `contacts`.
+        """
+        return events_of(self.pieces, self._impulses, self._lost)
+
+    @property
+    def _lost(self) -> list[str]:
+        """Names of the contacts that were lost at the end."""
+        names = list(self.contacts)
+        if not self.lost_contact or len(names) == 1:
+            return names if self.lost_contact else []
+        last, most = self.load[-1], abs(self.load).max(axis=0)
+        return [name for name, load, largest in zip(names, last, most, strict=True) if load <= 1e-9 * largest]
 
     @cached_property
     def _impulses(self) -> list[tuple[float, float]]:
@@ -143,7 +166,7 @@ class Trajectory:
         nodes, step = self.pieces.t, self._step
         grid = np.arange(max(int(np.ceil((nodes[-1] - nodes[0]) / step - 1e-6)), 1) + 1) * step + nodes[0]
         grid[-1] = nodes[-1]
-        changes = np.flatnonzero(np.diff(self.pieces.mode)) + 1
+        changes = np.flatnonzero(np.any(np.diff(self.pieces.mode, axis=0) != 0, axis=1)) + 1
         changes = np.union1d(changes, nodes_at(self.pieces, [t for t, _ in self._impulses])).astype(int)
         events = nodes[changes]
         if len(events):
@@ -158,11 +181,40 @@ class Trajectory:
 
     def _jumps(self, changes: Any) -> Any:
         before, after = (self.pieces.evaluate(self.pieces.t[changes], index)[1] for index in (changes - 1, changes))
-        return abs(after - before) > 1e-6 * self.model.velocity_scale
+        return np.any(abs(after - before) > 1e-6 * machine_of(self.model).velocity_scale, axis=1)
 
     def _index(self, t: Any) -> Any:
         """The piece on which a time lies (the later one at a node)."""
         return np.clip(np.searchsorted(self.pieces.t, t, side="right") - 1, 0, len(self.pieces.mode) - 1)
+
+    # ---- bodies and contacts ----
+    def _flat(self, column: Any) -> Any:
+        """A column without its axis of bodies or contacts, where the machine has one of each by its kind: the one place where it goes."""
+        return column[:, 0] if self.pieces.layout.single else column
+
+    def _part(self, column: Any, number: int) -> Any:
+        """The column of one body or contact."""
+        return column if self.pieces.layout.single else column[:, number]
+
+    def _states_at(self, t: Any, index: Any) -> tuple[Any, Any, Any]:
+        """x, v and z at times on given pieces, with the axes of the columns; z always has one for its states."""
+        x, v, z = map(self._flat, self.pieces.evaluate(t, index))
+        return x, v, z
+
+    @property
+    def _modes(self) -> Any:
+        """The mode on each piece, with the axes of the columns."""
+        return self._flat(self.pieces.mode)
+
+    @property
+    def bodies(self) -> dict[str, BodyRun]:
+        """The columns of each body by its name."""
+        return {body.name: BodyRun(self, i) for i, body in enumerate(self.pieces.layout.bodies)}
+
+    @property
+    def contacts(self) -> dict[str, ContactRun]:
+        """The columns of each contact by its name."""
+        return {contact.name: ContactRun(self, i) for i, contact in enumerate(self.pieces.layout.contacts)}
 
     # ---- columns ----
     @property
@@ -172,36 +224,37 @@ class Trajectory:
 
     @cached_property
     def _states(self) -> tuple[Any, Any, Any]:
-        return self.pieces.evaluate(*self._instants)
+        return self._states_at(*self._instants)
 
     @property
     def x(self) -> Any:
-        """Position of the body [m]."""
+        """Position of the body [m]; (time, body) of a machine of several."""
         return self._states[0]
 
     @property
     def v(self) -> Any:
-        """Velocity of the body [m/s]."""
+        """Velocity of the body [m/s]; (time, body) of a machine of several."""
         return self._states[1]
 
     @property
     def z(self) -> Any:
-        """Inner state of the law: (n,) if it has one, (n, states) if more, None if it has none."""
+        """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
         return _as_column(self._states[2])
 
     @cached_property
     def mode(self) -> Any:
-        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact)."""
-        return np.asarray(self.pieces.mode)[self._instants[1]]
+        """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact); (time, contact) of several."""
+        return self._modes[self._instants[1]]
 
     @cached_property
     def _forces(self) -> dict[str, Any]:
         return self._forces_at(*self._instants, *self._states)
 
     def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
-        rates = inner_rates(self.pieces, t, index)
-        memory = tuple(self.pieces.memory[index].T) if hasattr(self.pieces, "memory") else ()
-        return forces.columns(self.model, np.asarray(self.pieces.mode)[index], self._within(t, index), x, v, z.T, rates.T, memory)
+        """Every force, with the axes of the columns; z and its rates are given as one such column for each state."""
+        z, rates = (np.moveaxis(of, -1, 0) for of in (z, self._flat(inner_rates(self.pieces, t, index))))
+        memory = tuple(self.pieces.memory[index].T)
+        return forces.columns(self.model, self._modes[index], self._within(t, index), x, v, z, rates, memory)
 
     def _within(self, t: Any, index: Any) -> Any:
         """Times moved off the ends of their pieces where the drive may jump there, so that it answers for the right piece."""
@@ -212,6 +265,8 @@ class Trajectory:
 
     acceleration = _force_column("acceleration")
     friction_force = _force_column("friction_force")
+    slip = _force_column("slip")
+    load = _force_column("load")
     drive_force = _force_column("drive_force")
     xi = _force_column("xi")
     xi_rate = _force_column("xi_rate")
@@ -231,7 +286,8 @@ class Trajectory:
         Returns
         -------
         dict
-            t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states).
+            t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states), of a machine of several
+            bodies and contacts with their axis behind it.
         """
         shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
         first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
@@ -241,10 +297,9 @@ class Trajectory:
             raise InputError("Trajectory.at", [f"{given}; allowed is {allowed}, the time of the run"])
         t = np.clip(t, first, last)
         index = self._index(t)
-        x, v, z = self.pieces.evaluate(t, index)
-        found = {"t": t, "x": x, "v": v, "mode": np.asarray(self.pieces.mode)[index], **self._forces_at(t, index, x, v, z)}
-        inner = {"z": None if z.shape[1] == 0 else z.reshape(shape + (() if z.shape[1] == 1 else z.shape[1:]))}
-        return {name: column.reshape(shape)[()] for name, column in found.items()} | inner
+        x, v, z = self._states_at(t, index)
+        found = {"t": t, "x": x, "v": v, "mode": self._modes[index], **self._forces_at(t, index, x, v, z), "z": _as_column(z)}
+        return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in found.items()}
 
     # ---- strobe ----
     @cached_property
@@ -258,24 +313,32 @@ class Trajectory:
         """States and memories at the strobe times, after an impulse that falls on one."""
         t, nodes = self.strobe_times, self.pieces.t
         index = self._index(t + 1e-12 * self.period_time)
-        x, v, z = self.pieces.evaluate(np.maximum(t, nodes[index]), index)
-        memory = np.array(self.pieces.memory[index]) if hasattr(self.pieces, "memory") else np.empty((len(t), 0), int)
+        x, v, z = self._states_at(np.maximum(t, nodes[index]), index)
+        memory = np.array(self.pieces.memory[index])
         jump = sum(jump for time, jump in self._impulses if abs(time - t[-1]) < 1e-9 * self.period_time and t[-1] >= nodes[-1])
-        slip = float(self.model.contact_velocity(float(v[-1])))
-        if memory.shape[1] and slip * (slip + jump) < 0:
-            load = forces.normal_load(self.model, float(t[-1]), float(x[-1]))
-            z[-1], memory[-1] = law_of(self.model).passed_zero(tuple(map(float, z[-1])), load, tuple(map(int, memory[-1])))
+        if memory.shape[1] and np.any(jump):
+            z[-1], memory[-1] = self._thrown(float(t[-1]), x[-1], v[-1], z[-1], memory[-1], jump)
         v[-1] += jump
         return x, v, z, memory
 
+    def _thrown(self, t: float, x: Any, v: Any, z: Any, memory: Any, jump: Any) -> tuple[Any, Any]:
+        """Inner states and memories after an impulse, which may carry the slip through zero."""
+        of_one_contact("run.strobe_z", self, "an impulse at its end carries the memories of one law through zero")
+        x, v, jump = (float(np.ravel(of)[0]) for of in (x, v, jump))
+        slip = float(self.model.contact_velocity(v))
+        if slip * (slip + jump) >= 0:
+            return z, memory
+        load = forces.normal_load(self.model, t, x)
+        return law_of(self.model).passed_zero(tuple(map(float, np.ravel(z))), load, tuple(map(int, memory)))
+
     @property
     def strobe_x(self) -> Any:
-        """Position at the strobe times [m]."""
+        """Position at the strobe times [m], shaped like `x`."""
         return self._strobe[0]
 
     @property
     def strobe_v(self) -> Any:
-        """Velocity at the strobe times [m/s], after an impulse at that instant."""
+        """Velocity at the strobe times [m/s], after an impulse at that instant, shaped like `v`."""
         return self._strobe[1]
 
     @property
@@ -285,7 +348,7 @@ class Trajectory:
 
     @property
     def strobe_memory(self) -> Any:
-        """Whole numbers that the law remembers, at the strobe times, shaped like `z`; None where it remembers none."""
+        """Whole numbers that laws remember, at the strobe times: (time,), or (time, memory) if there are several; None if none."""
         return _as_column(self._strobe[3])
 
     # ---- doors ----
@@ -297,7 +360,9 @@ class Trajectory:
     @property
     def notes(self) -> list[str]:
         """Remarks on the robot's numbers, and on a motion that has not settled."""
-        return [*machine_of(self.model).notes, *([self.steadiness.note] if self.steadiness.note else [])]
+        layout = self.pieces.layout
+        settled = self.steadiness.note if layout.is_one else f"whether a motion of {layout.says} has settled is not judged"
+        return [*machine_of(self.model).notes, *([settled] if settled else [])]
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

@@ -18,22 +18,27 @@ class Variable:
     long_name: str
 
 
+#: Of a machine of one body on one contact a column has neither the dimension "body" nor "contact".
 _TIME: tuple[str, ...] = ("time",)
+_BODY: tuple[str, ...] = ("time", "body")
+_CONTACT: tuple[str, ...] = ("time", "contact")
 _CASE: tuple[str, ...] = ()
 
 VARIABLES: dict[str, Variable] = {
     v.name: v
     for v in (
         Variable("t", "t", "s", _TIME, "time"),
-        Variable("x", "x", "m", _TIME, "position of the body"),
-        Variable("v", "v", "m/s", _TIME, "velocity of the body"),
-        Variable("z", "z", "m", _TIME, "inner state of the friction law (mean bristle deflection)"),
-        Variable("mode", "mode", "1", _TIME, "+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact)"),
-        Variable("acceleration", "dv/dt", "m/s^2", _TIME, "acceleration of the body"),
+        Variable("x", "x", "m", _BODY, "position of the body"),
+        Variable("v", "v", "m/s", _BODY, "velocity of the body"),
+        Variable("z", "z", "m", (*_CONTACT, "inner_state"), "inner state of the friction law (mean bristle deflection)"),
+        Variable("mode", "mode", "1", _CONTACT, "+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact)"),
+        Variable("acceleration", "dv/dt", "m/s^2", _BODY, "acceleration of the body"),
         Variable("xi", "ξ", "m", _TIME, "position of the inner mass relative to the body"),
         Variable("xi_rate", "dξ/dt", "m/s", _TIME, "velocity of the inner mass relative to the body"),
         Variable("xi_acceleration", "d²ξ/dt²", "m/s^2", _TIME, "acceleration of the inner mass relative to the body"),
-        Variable("friction_force", "R", "N", _TIME, "friction force on the body, positive against forward motion"),
+        Variable("friction_force", "R", "N", _CONTACT, "friction force on the body, positive against forward motion"),
+        Variable("slip", "w", "m/s", _CONTACT, "slip velocity of the contact"),
+        Variable("load", "N", "N", _CONTACT, "normal force that presses the contact"),
         Variable("drive_force", "−m d²ξ/dt²", "N", _TIME, "inertial drive force on the whole system"),
         Variable("actuator_force", "F", "N", _TIME, "force of the actuator on the body (Eq. 2.1)"),
         Variable("actuator_power", "−F dξ/dt", "W", _TIME, "mechanical power that the actuator delivers"),

@@ -98,7 +98,7 @@ def energy(run: Run) -> Energy:
     >>> ss.energy(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand")).friction.tolist()
     [0.0]
     """
-    needs_run("energy", run)
+    run = needs_run("energy", run, "it balances the friction of one contact")
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
@@ -117,12 +117,12 @@ def _borders(run: Any) -> tuple[Array, Array, Array]:
     """Times between which energy is balanced, with x and v there: the strobe points and the end."""
     ends = run.pieces.t[[0, -1]]
     if run.model.period is None:
-        x, v, _ = run.pieces.evaluate(ends, np.array([0, len(run.pieces.mode) - 1]))
+        x, v, _ = run._states_at(ends, np.array([0, len(run.pieces.mode) - 1]))
         return ends, x, v
     t, x, v = run.strobe_times, run.strobe_x, run.strobe_v
     if ends[1] - t[-1] <= 1e-9 * run.period_time:
         return t, x, v
-    last = run.pieces.evaluate(ends[1:], np.array([len(run.pieces.mode) - 1]))
+    last = run._states_at(ends[1:], np.array([len(run.pieces.mode) - 1]))
     return np.append(t, ends[1]), np.append(x, last[0]), np.append(v, last[1])
 
 
@@ -143,7 +143,7 @@ def _rows(run: Any, borders: Array) -> Array:
 
 def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
-    x, v, z = run.pieces.evaluate(t, index)
+    x, v, z = run._states_at(t, index)
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}
@@ -164,10 +164,10 @@ def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[st
 
 def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: float, row: int) -> None:
     """Work of an impulse: its size times the mean of the velocities before and after."""
-    model, pieces = run.model, run.pieces
+    model = run.model
     before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
-    v = float(pieces.evaluate(np.array([min(t, pieces.t[before + 1])]), np.array([before]))[1][0])
-    later = float(pieces.evaluate(np.array([t]), np.array([after]))[1][0]) if after > before else v + jump
+    v = float(run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[1][0])
+    later = float(run._states_at(np.array([t]), np.array([after]))[1][0]) if after > before else v + jump
     works["drive"][row] += model.total_mass * jump * 0.5 * (v + later)
     moment = 1e-12 * run.period_time
     xi_rate = 0.5 * (model.drive.velocity(t - moment) + model.drive.velocity(t + moment))

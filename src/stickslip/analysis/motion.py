@@ -116,7 +116,7 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     if hasattr(run, "channels"):  # a measured record
         return run.motion(dwell=dwell)
     _check(run, slip_ratio, dwell)
-    needs_run("motion", run)
+    run = needs_run("motion", run, "its types and patterns are those of one velocity")
     period = period_number(run)
     raw = raw_segments(run, period or 1, slip_ratio)
     told = _typed(run, raw, period, dwell)
@@ -220,6 +220,7 @@ def threshold_table(
     list of dict
         One row for each pair: slip_ratio, dwell, type, pattern. A set-valued law needs no thresholds and gives one row, with None for both.
     """
+    run = needs_run("threshold_table", run, "its types and patterns are those of one velocity")
     if not law_of(run.model).dynamic:
         m = motion(run)
         return [{"slip_ratio": None, "dwell": None, "type": m.type, "pattern": m.pattern}]

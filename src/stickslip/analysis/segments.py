@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.forces import offered_force, slip_ratio_of
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
@@ -42,12 +43,13 @@ def raw_segments(run: Any, period: int, slip_ratio: float) -> Segments:
         return Segments(np.diff(edges) / run.period_time, code, np.inf)
     edges, index = clipped(run.pieces, start, end)
     margin = np.inf if law_of(run.model).dynamic else _force_margin(run, edges, index)
-    return Segments(np.diff(edges) / run.period_time, 2 * np.asarray(run.pieces.mode)[index].astype(int), margin)
+    return Segments(np.diff(edges) / run.period_time, 2 * run._modes[index].astype(int), margin)
 
 
 def shares(run: Any) -> dict[str, float]:
     """Parts of a whole run's time in which the contact slides forwards and backwards, and in which it sticks."""
-    lengths, modes = np.diff(run.pieces.t), np.asarray(run.pieces.mode)
+    run = of_one_contact("shares", run, "they are the parts of one contact's time")
+    lengths, modes = np.diff(run.pieces.t), run._modes
     return {name: float(lengths[modes == mode].sum() / lengths.sum()) for name, mode in (("forward", 1), ("backward", -1), ("stick", 0))}
 
 
@@ -62,8 +64,8 @@ def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
 # ---- dynamic laws: where does the bristle yield? ----
 def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
     """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
-    x, v, z = run.pieces.evaluate(t, index)
-    return slip_ratio_of(run.model, np.asarray(run.pieces.mode)[index], t, x, v, z, tuple(run.pieces.memory[index].T))
+    x, v, z = run._states_at(t, index)
+    return slip_ratio_of(run.model, run._modes[index], t, x, v, z, tuple(run.pieces.memory[index].T))
 
 
 def _elastic_segments(run: Any, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
@@ -74,7 +76,7 @@ def _elastic_segments(run: Any, start: float, end: float, slip_ratio: float) -> 
     row, col = np.nonzero(above[:, 1:] != above[:, :-1])
     crossings = _bisected(run, t[row, col], t[row, col + 1], index[row], above[row, col], slip_ratio)
     begins, yielding = np.concatenate([left, crossings]), np.concatenate([above[:, 0], above[row, col + 1]])
-    side = np.asarray(run.pieces.mode)[np.concatenate([index, index[row]])].astype(int)
+    side = run._modes[np.concatenate([index, index[row]])].astype(int)
     order = np.argsort(begins, kind="stable")
     times, codes = begins[order], (side * (1 + yielding))[order]
     new = np.flatnonzero(np.diff(codes, prepend=99))
@@ -95,7 +97,7 @@ def _bisected(run: Any, low: Array, high: Array, index: Array, above_low: Array,
 # ---- set-valued laws: how close was the offered force to break-away? ----
 def _force_margin(run: Any, edges: Array, index: Array) -> float:
     """Smallest relative distance to break-away, at reversals without rest and at extremes of the offered force during rest."""
-    mode = np.asarray(run.pieces.mode)[index]
+    mode = run._modes[index]
     reversals = edges[1:-1][(mode[1:] * mode[:-1]) == -1]
     cyclic = mode[0] * mode[-1] == -1
     times = [np.append(reversals, edges[-1]) if cyclic else reversals]
@@ -108,7 +110,7 @@ def _force_margin(run: Any, edges: Array, index: Array) -> float:
     t = np.concatenate(times)
     if not len(t):
         return float("inf")
-    x = run.pieces.evaluate(t, run._index(t))[0]
+    x = run._states_at(t, run._index(t))[0]
     offered = np.broadcast_to(offered_force(run.model, t, x), t.shape)
     limits = [np.broadcast_to(limit, t.shape) for limit in law_of(run.model).breakaway(normal_load(run.model, t, x))]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -119,13 +121,13 @@ def _force_margin(run: Any, edges: Array, index: Array) -> float:
 def _extremes(run: Any, start: float, end: float) -> Array:
     """Times inside a rest at which the offered force has an extreme (parabolas, sharpened twice)."""
     t = np.linspace(start, end, 257)
-    F = np.broadcast_to(offered_force(run.model, t, run.pieces.evaluate(t, run._index(t))[0]), t.shape)
+    F = np.broadcast_to(offered_force(run.model, t, run._states_at(t, run._index(t))[0]), t.shape)
     rise = np.sign(np.diff(F))
     middle, step = t[1:-1][rise[1:] * rise[:-1] < 0], t[1] - t[0]
     for _ in range(3):
         sides = np.stack([middle - step, middle, middle + step])
         flat = sides.ravel()
-        x = run.pieces.evaluate(flat, run._index(flat))[0]
+        x = run._states_at(flat, run._index(flat))[0]
         a, b, c = (offered_force(run.model, flat, x) * np.ones_like(flat)).reshape(sides.shape)
         bend = a - 2 * b + c
         middle = middle + np.where(bend != 0, 0.5 * (a - c) / np.where(bend != 0, bend, 1.0), 0.0) * step

@@ -8,7 +8,8 @@ import numpy as np
 
 from stickslip import recurrence, steadiness
 from stickslip.arguments import Model, explains_arguments
-from stickslip.errors import InputError
+from stickslip.errors import InputError, is_whole
+from stickslip.layout import of_one_contact
 from stickslip.summary import Summary
 
 __all__ = [
@@ -21,17 +22,20 @@ LONGEST_PERIOD = recurrence.LONGEST
 
 
 @explains_arguments
-def mean_velocity(run: Any) -> Any:
+def mean_velocity(run: Any, body: int | str | None = None) -> Any:
     r"""Mean steady velocity of a run, as the paper defines it.
 
     .. math:: V = \frac{x(t_2) - x(t_1)}{t_2 - t_1}
 
     The window is what follows after settling; the whole run where the model has no period. Where a period was found it holds
-    whole motion periods, so that a period-two motion does not leave half of it over.
+    whole motion periods, so that a period-two motion does not leave half of it over. Of a machine of several bodies it is that of their
+    centre of mass, or of one of them.
 
     Parameters
     ----------
     run : Trajectory, Summary or Record
+    body : int or str, optional
+        Number (from 0) or name of one body of a machine of several; of a trajectory.
 
     Returns
     -------
@@ -52,17 +56,44 @@ def mean_velocity(run: Any) -> Any:
     >>> round(float(run.x[-1] / run.t[-1]), 9)  # of the whole run, with the start from rest
     0.00201604
     """
+    if body is not None:
+        return _of_body(run, body)
     if isinstance(run, Summary):
         return run.mean_velocity[()]
     if hasattr(run, "channels"):  # a measured record
         return run.mean_velocity()
-    needs_run("mean_velocity", run)
-    if run.model.period is None:
-        ends = np.array(run.window)
-        return float(np.diff(run.at(ends)["x"])[0] / np.diff(ends)[0])
-    if len(run.strobe_times) < 2:
+    _is_run("mean_velocity", run)
+    if run.model.period is not None and len(run.strobe_times) < 2:
         raise InputError("mean_velocity", [_too_short(run)])
     return run.steadiness.mean_velocity
+
+
+def _of_body(run: Any, body: int | str) -> float:
+    """Mean velocity of one body over the window of the mean."""
+    if isinstance(run, Summary) or not hasattr(run, "pieces"):
+        given = type(run).__name__
+        raise InputError(
+            "mean_velocity", [f"body = {body!r} of a {given}; allowed is a Trajectory; a {given} keeps one velocity; leave body out"]
+        )
+    names = list(run.bodies)
+    if body not in names and not (is_whole(body) and 0 <= int(body) < len(names)):
+        raise InputError("mean_velocity", [f"body = {body!r}; allowed are {', '.join(map(repr, names))} or 0 to {len(names) - 1}"])
+    of = run.bodies[body if isinstance(body, str) else names[int(body)]]
+    if run.model.period is None:
+        inside = (run.t >= run.window[0]) & (run.t <= run.window[1])
+        t, x = run.t[inside], of.x[inside]
+    elif len(run.strobe_times) < 2:
+        raise InputError("mean_velocity", [_too_short(run)])
+    else:
+        count = steadiness.window_count(len(run.strobe_times) - 1, int(run.settle), run.steadiness.period)
+        t, x = run.strobe_times[-1 - count :], of.strobe_x[-1 - count :]
+    return float((x[-1] - x[0]) / (t[-1] - t[0]))
+
+
+def _is_run(what: str, run: Any) -> None:
+    """Say what to type where something else than a run was given."""
+    if not hasattr(run, "settle"):
+        raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
 
 
 def _too_short(run: Any) -> str:
@@ -92,7 +123,7 @@ def velocity_range(run: Any) -> tuple[float, float]:
     >>> low < ss.mean_velocity(run) < high
     True
     """
-    needs_run("velocity_range", run)
+    run = needs_run("velocity_range", run, "it is the range of one velocity")
     if run.model.period is None:
         return _extremes(run, run.window[0])
     count = period_number(run) or _settled_count(run)
@@ -104,10 +135,10 @@ def _extremes(run: Any, since: float) -> tuple[float, float]:
     return float(v.min()), float(v.max())
 
 
-def needs_run(what: str, run: Any) -> None:
-    """Say what to type where something else than a run was given."""
-    if not hasattr(run, "settle"):
-        raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
+def needs_run(what: str, run: Any, why: str) -> Any:
+    """A run of one body on one contact; what to type where something else was given, and `why` one of several cannot be taken."""
+    _is_run(what, run)
+    return of_one_contact(what, run, why)
 
 
 def _settled_count(run: Any) -> int:

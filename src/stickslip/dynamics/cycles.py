@@ -20,6 +20,7 @@ from stickslip.dynamics.sections import halved
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
@@ -107,7 +108,7 @@ class LimitCycle(ClosedMotion):
     @cached_property
     def pattern(self) -> str:
         """Signs of the contact's velocity in order, rest as 0, beginning with rest if there is any."""
-        mode = np.asarray(self.run.pieces.mode)
+        mode = self.run._modes
         signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode[np.append(True, np.diff(mode) != 0)]]
         signs = signs[:-1] if len(signs) > 1 and signs[0] == signs[-1] else signs
         first = signs.index("0") if "0" in signs else 0
@@ -240,6 +241,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
             )
         options: dict[str, Any] = {"rtol": 1e-8} if law_of(model).dynamic else {}
         run = solve(model, duration=_SETTLING * clock(model), start=guess, samples=_SAMPLES, **options)
+    run = of_one_contact("periodic_orbit", run, "a cycle is a state of one body")
     t = _turns(run)
     steady = len(t) < 2 or float(np.ptp(run.at(np.linspace(t[-2], t[-1], 64))["v"])) <= _STEADY * float(np.max(model.velocity_scale))
     if steady or len(t) < period + 2:
@@ -251,7 +253,7 @@ def _guessed(model: Any, period: int, guess: Any, rtol: float) -> tuple[Array, f
     last = run.at(t[-1:])
     z = np.asarray([] if last["z"] is None else last["z"], float).reshape(-1)
     piece = min(int(np.searchsorted(run.pieces.t, t[-1], side="right")) - 1, len(run.pieces.mode) - 1)
-    memory = np.asarray(run.pieces.memory[piece] if hasattr(run.pieces, "memory") else [], float)
+    memory = np.asarray(run.pieces.memory[piece], float)
     c = float(_far_end(model))
     return np.concatenate([[float(last["x"][0]) - c * t[-1], c], z, memory]), float(t[-1] - t[-1 - period])
 

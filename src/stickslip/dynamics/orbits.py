@@ -28,6 +28,7 @@ from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
@@ -83,7 +84,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        return multipliers_of(self.monodromy, not law_of(self.model).dynamic and bool(np.any(np.asarray(self.run.pieces.mode) == 0)))
+        return multipliers_of(self.monodromy, not law_of(self.model).dynamic and bool(np.any(self.run._modes == 0)))
 
     @cached_property
     def differences(self) -> Array:
@@ -245,7 +246,7 @@ def _one_state(start: Any, at: Coordinates) -> Array:
     if isinstance(start, PeriodicOrbit):
         return start.state
     if hasattr(start, "strobe_v"):
-        return strobe_states(start)[-1]
+        return strobe_states(of_one_contact("periodic_orbit", start, "its strobe states have one velocity"))[-1]
     try:
         state = np.asarray(number(start), float).ravel()
     except (TypeError, ValueError):

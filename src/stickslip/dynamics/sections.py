@@ -41,7 +41,7 @@ def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> Any:
     >>> (strobe(run, phase=0.25).v[-2:] * 1e3).round(3).values.tolist()
     [11.296, 12.645]
     """
-    needs_run("strobe", run)
+    run = needs_run("strobe", run, "each of its points has one velocity")
     problems = Problems("strobe")
     if not (isinstance(phase, Real) and 0 <= phase <= 1):
         problems.add(f"phase = {phase!r}; allowed is 0 to 1, in drive periods; type phase=0.25")
@@ -80,7 +80,7 @@ def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, se
     >>> poincare(run, direction=1).phase[-2:].round(6).values.tolist()  # it starts forwards at one phase
     [0.100694, 0.100694]
     """
-    needs_run("poincare", run)
+    run = needs_run("poincare", run, "each of its points has one velocity")
     problems = Problems("poincare")
     _check_column(problems, run, "on", on)
     if not (isinstance(value, Real) and np.isfinite(value)):
@@ -164,7 +164,7 @@ def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | No
     """
     import xarray as xr
 
-    needs_run("spectrum", run)
+    run = needs_run("spectrum", run, "it is that of one column")
     problems, most = Problems("spectrum"), len(run.strobe_times) - 1
     _check_column(problems, run, "column", column)
     problems.whole("harmonics", harmonics, 1, example=40)

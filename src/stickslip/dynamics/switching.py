@@ -62,8 +62,8 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     """
     if law_of(orbit.model).dynamic or knows_position(orbit.model):
         raise InputError("sequence_of", ["an orbit as a sequence of arcs needs a set-valued law, and equations in which x does not appear"])
-    pieces, T = orbit.run.pieces, float(orbit.model.period)
-    t, mode = np.asarray(pieces.t), np.asarray(pieces.mode)
+    T = float(orbit.model.period)
+    t, mode = np.asarray(orbit.run.pieces.t), orbit.run._modes
     where = np.flatnonzero(np.diff(mode)) + 1
     times, modes = list(t[where] / T), [int(m) for m in mode[where]]
     if mode[-1] != mode[0]:  # a switch on the strobe itself
@@ -99,7 +99,7 @@ def _slide(model: Any, mode: int, begin: float, times: Array) -> Array:
         n = reduced(model)
         numbers = (float(a[0]) for a in (n.drive, n.omega, n.resist_plus, n.resist_minus))
         arc = HarmonicArcs(np.array([begin, np.inf]), np.array([mode]), np.zeros(1), np.zeros(1), *numbers)
-        return arc.evaluate(times, np.zeros(len(times), int))[1]
+        return arc.evaluate(times, np.zeros(len(times), int))[1][:, 0]
     return _integrated(model, mode, begin, times)
 
 

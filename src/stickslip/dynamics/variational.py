@@ -23,6 +23,7 @@ import numpy as np
 from stickslip.dynamics.flows import offer_slopes, rates
 from stickslip.dynamics.memories import remembered
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.position import knows_position
 
 __all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
@@ -54,6 +55,7 @@ def monodromy(run: Any, tolerance: float = 1e-9) -> Array:
     >>> round(float(monodromy(last)[0, 0]), 6)  # type IV forgets all but this part in one period
     0.089023
     """
+    run = of_one_contact("monodromy", run, "the switches of one contact are followed")
     before = product(transfers(run, 1)[0])
     for parts in (2, 4, 8, 16):
         after = product(transfers(run, parts)[0])
@@ -73,7 +75,7 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
         Logarithms of their determinants, by Liouville's formula: a stiff bristle's e^-1000 is far below rounding in the matrix.
     """
     pieces, model = run.pieces, run.model
-    t, mode = np.asarray(pieces.t), np.asarray(pieces.mode)
+    t, mode = np.asarray(pieces.t), run._modes
     grid = (t[:-1, None] + (np.arange(parts) / parts) * np.diff(t)[:, None]).ravel()
     h, index = np.repeat(np.diff(t) / parts, parts), np.repeat(np.arange(len(mode)), parts)
     matrices, areas = _steps(run, grid, h, index)
@@ -97,13 +99,13 @@ def _place_of_v(model: Any) -> int:
 
 def _states(run: Any, t: Array, index: Array) -> Array:
     """The coordinates (d, n) at instants on given pieces."""
-    x, v, z = run.pieces.evaluate(t, index)
+    x, v, z = run._states_at(t, index)
     return np.vstack([*([x] if knows_position(run.model) else []), v, *z.T])
 
 
 def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:
     """Radau IIA over every step at once: transfer matrices, and integrals of the trace."""
-    mode, stages = np.asarray(run.pieces.mode)[index], len(NODES)
+    mode, stages = run._modes[index], len(NODES)
     memory = run.pieces.memory[index] if law_of(run.model).modes else ()
     times = [t + min(c, _INSIDE) * h for c in NODES]
     J = [rates(run.model, mode, s, _states(run, s, index), memory)[1] for s in times]
@@ -155,7 +157,7 @@ def saltation(run: Any, node: int) -> Array:
         Number of the piece that begins with the switch.
     """
     model, pieces = run.model, run.pieces
-    t, before, after = float(pieces.t[node]), int(pieces.mode[node - 1]), int(pieces.mode[node])
+    t, before, after = float(pieces.t[node]), int(run._modes[node - 1]), int(run._modes[node])
     at, v = np.array([t]), _place_of_v(model)
     old, new = (_states(run, at, np.array([i])) for i in (node - 1, node))
     if law_of(model).modes:

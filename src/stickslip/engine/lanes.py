@@ -22,6 +22,7 @@ from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import Equations, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
 from stickslip.engine.write import Writer
+from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "plain_name", "prelude", "run"]
@@ -48,7 +49,7 @@ class Kernel:
     modes: int  # memories of the laws, kept with each piece
     contacts: int
     owners: tuple[int | None, ...]  # of each coordinate, the contact whose slip its state is
-    cyclic: bool
+    layout: StateLayout  # what its states are
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,20 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
         len(eq.modes) if eq.dynamic else 0,
         len(eq.contacts),
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
-        eq.cyclic,
+        _states_of(eq),
+    )
+
+
+def _states_of(eq: Equations) -> StateLayout:
+    """Which states are of which body and contact."""
+    first = eq.positions.start - (1 if eq.cyclic else 0)  # of the positions, as if the first coordinate had one too
+    places = [None if j == 0 and eq.cyclic else first + j for j in range(eq.coordinates)]
+    way = 0 if eq.cyclic else None
+    return StateLayout(
+        bodies=tuple(BodyStates(name, j, way, position=places[j]) for j, name in enumerate(eq.bodies)),
+        contacts=tuple(ContactStates(c.name, c.direction, c.inner, c.modes if c.branches is None else ()) for c in eq.contacts),
+        ways=(0,) if eq.cyclic else (),
+        single=eq.single,
     )
 
 

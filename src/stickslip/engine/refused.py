@@ -24,6 +24,8 @@ def refused(model: Any) -> str:
         return f"it has no contact, so that nothing rubs; the compiled methods are for machines with friction; {other}"
     if not all(law.compiles for law in m.laws):
         return f"one of its laws is written for plain numbers only; {other}"
+    if m.coordinates < len(m.bodies):
+        return f"it has bodies at prescribed distances; {other}"
     if m.stops:
         return f"its stops throw bodies back at once, which the compiled methods do not do yet; {other}, or give the stops a stiffness"
     dynamic = [law.dynamic for law in m.laws]

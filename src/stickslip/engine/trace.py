@@ -76,6 +76,8 @@ class Equations:
     t: Sym
     y: tuple[Sym, ...]
     f: tuple[Sym, ...]  # dy/dt
+    bodies: tuple[str, ...]  # names, one for each coordinate
+    single: bool  # one body with one contact by its kind, as a robot
     offsets: tuple[Sym, ...]  # velocity of each coordinate less the state that stands for it
     contacts: tuple[Contact, ...]
     free: Sym  # acceleration of the first coordinate without friction
@@ -309,7 +311,8 @@ def _traced(model: Any, cyclic: bool) -> Equations:
     switches = {len(graph.guards) + k: switch(*event) for k, (_, *event) in enumerate(parts.events)}
     switches |= {parts.contacts[i].guard or 0: switch(*changes) for i, changes in parts.at_rest.items()}
     return Equations(
-        graph=graph, names=m.names, t=m.t, y=y, f=f, offsets=m.offsets, contacts=tuple(parts.contacts),
+        graph=graph, names=m.names, t=m.t, y=y, f=f,
+        bodies=m.equations.bodies, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),
         jacobian=tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f),
         by_time=tuple(graph.derivative(fi, m.t) for fi in f),
         guards=guards, guard_rates=tuple(_along_flow(graph, g, m.t, y, f) for g in guards), signs=len(graph.guards), switches=switches,

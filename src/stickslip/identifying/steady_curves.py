@@ -42,7 +42,7 @@ class SteadyCurve:
 
     def _states(self, phase: Any) -> tuple[Any, Any, Any]:
         t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run.pieces.evaluate(t, self.run._index(t))
+        return self.run._states_at(t, self.run._index(t))
 
     def v(self, phase: Any) -> Any:
         """Velocity at phases counted in drive periods [m/s]."""
@@ -118,7 +118,7 @@ class TransientCurve:
 
     def _states(self, phase: Any) -> tuple[Any, Any, Any]:
         t = np.clip(np.asarray(phase) * self.run.period_time, self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run.pieces.evaluate(t, self.run._index(t))
+        return self.run._states_at(t, self.run._index(t))
 
     def v(self, phase: Any) -> Any:
         """Velocity [m/s]."""

@@ -12,6 +12,7 @@ from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
@@ -29,7 +30,7 @@ def _runs(run: Any) -> list[Any]:
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
-    return runs
+    return [of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
 
 
 def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
@@ -76,7 +77,7 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
     """Where the contact sticks: exactly under a set-valued law, by the rule of `motion` under a dynamic one that is driven."""
     if not law_of(run.model).dynamic:
-        t, mode = run.pieces.t, np.asarray(run.pieces.mode)
+        t, mode = run.pieces.t, run._modes
         found = [(t[i], t[i + 1]) for i in np.flatnonzero(mode == 0)]
     elif run.model.period is None:
         return []  # a dynamic law never rests, and without a period the rule of `motion` has no clock

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
@@ -50,6 +51,7 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
     """
     from stickslip.fields import leaves
 
+    run = of_one_contact("report", run, "its page shows one body")
     return page(
         "run.html",
         title=title,

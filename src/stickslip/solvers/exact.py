@@ -216,7 +216,7 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
     --------
     >>> import stickslip as ss
     >>> arcs, counts = solve_one(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=2)
-    >>> arcs.mode.tolist(), counts
+    >>> arcs.mode[:, 0].tolist(), counts
     ([0, 1, 0, -1, -1, 0, 1, 0, -1], {'arcs': 9, 'switches': 7})
     """
     numbers = reduced(model)

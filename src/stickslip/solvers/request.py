@@ -17,6 +17,7 @@ from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import law_of
 from stickslip.machine import is_machine, machine_of
+from stickslip.solvers.starts import start_of_parts
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
@@ -31,7 +32,7 @@ class Request:
     settle: int
     auto: bool
     rtol: float
-    start: Any  # (cases, 2 + inner states + memories): x, v, inner states, memories of the law
+    start: Any  # (cases, 2 coordinates + inner states + memories): positions, velocities, inner states, memories of the laws
     given_start: dict[str, Any]
     workers: int
     keep: str
@@ -60,7 +61,7 @@ def request(
         raise InputError(
             "solve",
             [
-                f"{model!r} is no model; allowed is a Robot or a mechanism; "
+                f"{model!r} is no model; allowed is a Robot, a mechanism, or a machine of several bodies; "
                 "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
             ],
         )
@@ -178,6 +179,8 @@ def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any]
 
 def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) -> Any:
     """Start values as a table (cases, 2 + inner states + memories)."""
+    if not machine_of(model).is_single:
+        return start_of_parts(model, labels, start, problems)
     inner, memories = law_of(model).states, law_of(model).modes
     cases = int(np.prod(labels.shape, dtype=np.int64))
     table = np.zeros((cases, 2 + inner + memories))
@@ -252,6 +255,7 @@ def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str,
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
     settings |= {} if todo.duration is None else {"duration": todo.duration}
-    kinds = {"law": type(todo.model.friction).__name__, "model": type(todo.model).__name__}
+    laws = dict.fromkeys(law.name for law in machine_of(todo.model).laws)
+    kinds = {"law": " + ".join(laws), "model": type(todo.model).__name__}
     parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
     return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import rows_of, spread
+from stickslip.batch import numbers_by_name, rows_of
 from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
-from stickslip.forces import rest_velocity
+from stickslip.fields import replace_leaf
 from stickslip.friction.adapter import law_of
+from stickslip.layout import StateLayout
+from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
-from stickslip.position import knows_position
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
@@ -41,7 +42,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
         checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
-            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table)}. "
+            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table, kernel.layout)}. "
             f"Try another rtol (now {todo.rtol:g}) "
             'or start, check the law\'s numbers, or type method="radau" (SciPy on the law in plain Python: slower)'
         )
@@ -49,11 +50,15 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
 
 
-def _state(todo: Request, end: Any, table: _Table) -> str:
+def _state(todo: Request, end: Any, table: _Table, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
+    if not machine_of(todo.model).is_single:
+        velocities = end[1 : 1 + table.offsets.shape[1]] + table.offsets[0]
+        values = [*velocities, *end[1 + len(velocities) :]]
+        return ", ".join(f"{name} = {float(value):.9g}" for name, value in zip(layout.names, values, strict=False))
     inner = law_of(todo.model).states
     z = [f"z{k}" for k in range(inner)] if inner > 1 else ["z"] * inner
-    values = [float(end[0]), float(end[1] + table.offset[0]), *map(float, end[2 : 2 + inner])]
+    values = [float(end[0]), float(end[1] + table.offsets[0, 0]), *map(float, end[2 : 2 + inner])]
     return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
 
 
@@ -65,7 +70,7 @@ def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Sum
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
     summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table, slice(None)))])
     x, v, z, _ = np.split(results.end, [1, 2, 2 + law_of(todo.model).states], axis=1)
-    return summary, x[:, 0], v[:, 0] + table.offset, z, results.memory
+    return summary, x[:, 0], v[:, 0] + table.offsets[:, 0], z, results.memory
 
 
 def _method(tableau: Tableau | None) -> str:
@@ -79,22 +84,35 @@ def _job(todo: Request, rtol: float) -> lanes.Job:
 
 
 class _Table:
-    """The cases as the kernel takes them: rows of numbers, starts (x, the states, the memories), and what to add to get v."""
+    """The cases as the kernel takes them: rows of numbers, starts (way, the states, the memories), and what to add to get velocities."""
 
     def __init__(self, todo: Request, kernel: lanes.Kernel):
-        model, labels = todo.model, todo.labels
+        model = todo.model
         names = [n for n in kernel.names if n != trace.SPAN]
         self.rows = rows_of(model, tuple(names))
         self.span = np.broadcast_to(todo.span, (todo.cases,))
         if len(names) < len(kernel.names):
             self.rows = np.column_stack([self.rows, self.span])
-        self.offset = spread(rest_velocity(model), labels)  # velocity of the body less that at the contact
-        x, v, z, memory = np.split(todo.start, [1, 2, 2 + law_of(model).states], axis=1)
-        v = v - self.offset[:, None]
-        self.cyclic = not knows_position(model)
-        steps = self.cyclic and not law_of(model).dynamic
-        self.carried = self.offset if steps else 0.0 * self.offset  # Taylor steps integrate the way over the contact
-        self.start = np.ascontiguousarray(np.hstack([x, v, z, *(() if self.cyclic else (x,)), memory]))
+        count = len(kernel.owners)
+        offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
+        own = [0.0 if i is None else -offsets[i] for i in kernel.owners]
+        self.offsets = np.stack([_spread(offset, todo.cases) for offset in own], axis=1)
+        cyclic = bool(kernel.layout.ways)
+        steps = cyclic and not machine_of(model).has_inner_states
+        self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
+        q, u, z, memory = np.split(todo.start, [count, 2 * count, todo.start.shape[1] - _memories(model)], axis=1)
+        places = q[:, 1:] - q[:, :1] if cyclic else q
+        self.start = np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
+
+
+def _spread(value: Any, cases: int) -> Any:
+    """A number, or one for each case, for every case."""
+    return np.broadcast_to(np.asarray(value, float), (cases,))
+
+
+def _memories(model: Any) -> int:
+    """How many whole numbers the laws remember."""
+    return sum(law.modes for law in machine_of(model).laws)
 
 
 def _parts(todo: Request, kernel: lanes.Kernel, table: _Table, job: lanes.Job) -> Any:
@@ -126,7 +144,7 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
 
 
 def _raw(r: lanes.Results, table: _Table, cases: slice) -> Raw:
-    offset, carried = table.offset[cases], table.carried[cases] * table.span[cases]
+    offset, carried = table.offsets[cases, 0], table.carried[cases] * table.span[cases]
     return Raw(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
@@ -143,9 +161,11 @@ def _pieces(pieces: Any, kernel: lanes.Kernel, table: _Table, periods: int) -> P
     t = np.concatenate([[0.0], ends])
     good = np.diff(t) > 0
     t, pieces = np.concatenate([[0.0], ends[good]]), pieces[good]
-    first = 5 + kernel.modes
+    contacts = kernel.contacts
+    first = 4 + contacts + kernel.modes
     coefficients = pieces[:, first:].reshape(len(pieces), kernel.states, kernel.degree + 1).copy()
-    coefficients[:, 0, 0] += table.offset[0]
-    memory = pieces[:, 5:first].astype(np.int32)
+    coefficients[:, : len(kernel.owners), 0] += table.offsets[0]
+    memory = pieces[:, 4 + contacts : first].astype(np.int32)
     x = pieces[:, 3] + table.carried[0] * t[:-1]
-    return PolynomialPieces(t, pieces[:, 4].astype(np.int8), x, coefficients, memory, holds_x=not table.cyclic)
+    ways = x[:, None] if kernel.layout.ways else np.empty((len(x), 0))
+    return PolynomialPieces(t, pieces[:, 4 : 4 + contacts].astype(np.int8), ways, coefficients, memory, kernel.layout)

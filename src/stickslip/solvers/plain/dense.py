@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.layout import StateLayout
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain.equations import Memory
 
@@ -64,7 +65,8 @@ def joined(parts: list[Part], end: float, cyclic: bool) -> PolynomialPieces:
     good = np.diff(times) > 0
     c = np.stack([np.pad(p.coefficients, ((0, states - len(p.coefficients)), (0, width - p.coefficients.shape[1]))) for p in parts])
     memory = np.array([part.memory or (0,) * memories for part in parts], np.int32).reshape(len(parts), memories)
+    x0 = np.array([[p.x] if cyclic else [] for p in parts])
     return PolynomialPieces(
-        t=np.append(times[:-1][good], times[-1]), mode=np.array([p.mode for p in parts], np.int8)[good],
-        x0=np.array([p.x for p in parts])[good], coefficients=c[good], memory=memory[good], holds_x=not cyclic,
+        t=np.append(times[:-1][good], times[-1]), mode=np.array([[p.mode] for p in parts], np.int8)[good],
+        x0=x0[good], coefficients=c[good], memory=memory[good], layout=StateLayout.of_one(states - 1 - (not cyclic), memories, not cyclic),
     )  # fmt: skip

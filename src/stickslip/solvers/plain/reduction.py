@@ -19,35 +19,36 @@ _LOOKS = 5000  # per period
 def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> dict[str, Any]:
     """Raw results of one case."""
     T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
-    strobe = _strobe(todo, model, pieces)
+    run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
+    strobe = _strobe(run)
     found = strobes.reduced(model, strobe, todo.settle, todo.method, todo.rtol)
     period = found["period"]
     if todo.auto and period:
         found = strobes.reduced(model, strobe, todo.periods - period, todo.method, todo.rtol)
     count = _LOOKS * (period or 1)
     t = pieces.t[-1] - (period or 1) * T * (1 - (np.arange(count) + 0.5) / count)
-    index = np.clip(np.searchsorted(pieces.t, t, side="right") - 1, 0, len(pieces.mode) - 1)
-    x, v, z = pieces.evaluate(t, index)
-    mode, memory = np.asarray(pieces.mode)[index].astype(int), tuple(pieces.memory[index].T)
+    index = run._index(t)
+    x, v, z = run._states_at(t, index)
+    mode, memory = run._modes[index].astype(int), tuple(pieces.memory[index].T)
     codes = strobes.codes_of(model, v, z, mode, todo.slip_ratio, t, x, memory)
     number, seg_time, seg_code = strobes.segments_of(np.full(count, (period or 1) * T / count), codes)
     return {
         **found, "periods_run": todo.periods, "status": 0,
-        "v_min": v.min(), "v_max": v.max(), **_wide(pieces, T * found["window"], v),
+        "v_min": v.min(), "v_max": v.max(), **_wide(run, T * found["window"], v),
         "seg_count": number, "seg_time": seg_time, "seg_code": seg_code, "margin_force": strobes.margin_force(model),
     }  # fmt: skip
 
 
-def _wide(pieces: PolynomialPieces, window: float, last: Any) -> dict[str, float]:
+def _wide(run: Trajectory, window: float, last: Any) -> dict[str, float]:
     """Extremes over the window, at the ends of the pieces in it, and of the last motion period."""
-    index = np.flatnonzero(pieces.t[:-1] >= pieces.t[-1] - window * (1 + 1e-12))
-    v = np.concatenate([last, pieces.evaluate(pieces.t[index], index)[1]])
+    t = run.pieces.t
+    index = np.flatnonzero(t[:-1] >= t[-1] - window * (1 + 1e-12))
+    v = np.concatenate([last, run._states_at(t[index], index)[1]])
     return {"wide_min": v.min(), "wide_max": v.max()}
 
 
-def _strobe(todo: Request, model: Any, pieces: PolynomialPieces) -> Any:
+def _strobe(run: Trajectory) -> Any:
     """States at the borders of the periods, or at both ends of a run that has none."""
-    run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
-    if model.period is None:
-        return np.column_stack(pieces.evaluate(pieces.t[[0, -1]], np.array([0, len(pieces.mode) - 1])))
+    if run.model.period is None:
+        return np.column_stack(run._states_at(run.pieces.t[[0, -1]], np.array([0, len(run.pieces.mode) - 1])))
     return np.column_stack([run.strobe_x, run.strobe_v, *([] if run.strobe_z is None else [run.strobe_z])])

@@ -1,0 +1,109 @@
+"""The columns of one body or one contact of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.variables import VARIABLES
+
+__all__ = ["BodyRun", "ContactRun"]
+
+
+def _column(name: str) -> property:
+    variable = VARIABLES[name]
+
+    def column(self: Any) -> Any:
+        return self.run._part(getattr(self.run, name), self.number)
+
+    return property(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BodyRun:
+    """One body of a run: its columns are arrays (time,), strobe points (strobe times,).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2)
+    >>> run.bodies, bool((run.bodies["body"].v == run.v).all())
+    ({'body': <body 'body' of a run>}, True)
+    """
+
+    run: Any
+    number: int
+
+    x = _column("x")
+    v = _column("v")
+    acceleration = _column("acceleration")
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return str(self.run.pieces.layout.bodies[self.number].name)
+
+    @property
+    def strobe_x(self) -> Any:
+        """Position at the strobe times [m]."""
+        return self.run._part(self.run.strobe_x, self.number)
+
+    @property
+    def strobe_v(self) -> Any:
+        """Velocity at the strobe times [m/s]."""
+        return self.run._part(self.run.strobe_v, self.number)
+
+    def __repr__(self) -> str:
+        return f"<body {self.name!r} of a run>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactRun:
+    """One contact of a run: its columns are arrays (time,); `z` is (time, states), or (time,) if there is one, or None.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=2)
+    >>> run.contacts, run.contacts["contact"].events == run.events, run.contacts["contact"].z
+    ({'contact': <contact 'contact' of a run>}, True, None)
+    """
+
+    run: Any
+    number: int
+
+    mode = _column("mode")
+    friction_force = _column("friction_force")
+    slip = _column("slip")
+    load = _column("load")
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return str(self.run.pieces.layout.contacts[self.number].name)
+
+    @property
+    def z(self) -> Any:
+        """Inner states of its law."""
+        return self._inner(self.run.z)
+
+    @property
+    def strobe_z(self) -> Any:
+        """Inner states at the strobe times."""
+        return self._inner(self.run.strobe_z)
+
+    def _inner(self, z: Any) -> Any:
+        """Its own inner states, without those that only other laws have."""
+        count = len(self.run.pieces.layout.contacts[self.number].inner)
+        if z is None or not count:
+            return None
+        own = self.run._part(z, self.number)
+        return own if own.ndim == 1 else own[:, 0] if count == 1 else own[:, :count]
+
+    @property
+    def events(self) -> list[Any]:
+        """Its events, in order."""
+        return [event for event in self.run.events if event.part == self.name]
+
+    def __repr__(self) -> str:
+        return f"<contact {self.name!r} of a run>"

@@ -1,0 +1,72 @@
+"""Runs of several bodies and contacts made by hand: polynomials that can be integrated and differentiated on paper."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.layout import BodyStates, ContactStates, StateLayout
+from stickslip.pieces import PolynomialPieces
+from stickslip.trajectory import Trajectory
+
+T = np.array([0.0, 0.5, 0.75, 1.0])
+#: v.head, v.tail, l.tail, z.head.0, z.head.1, z.tail.0
+STATES = ("v.head", "v.tail", "l.tail", "z.head.0", "z.head.1", "z.tail.0")
+LAYOUT = StateLayout(
+    (BodyStates("head", velocity=0, way=0), BodyStates("tail", velocity=1, way=0, factor=0.5, position=2)),
+    (ContactStates("head", (1.0, 0.0), (3, 4), (0,)), ContactStates("tail", (0.0, 1.0), (5,)), ContactStates("belt", (1.0, -1.0))),
+    ways=(0,),
+)
+MODE = np.array([[1, 1, -1], [0, 0, -1], [0, 1, -1]], np.int8)
+
+
+@dataclass(frozen=True)
+class Pair:
+    """What a trajectory asks of a machine beside its forces."""
+
+    impulses: tuple = ()
+    period: float | None = 1.0
+    velocity_scale: float = 1.0
+    load: float = 1.0
+    notes: tuple = ()
+
+    def to_toml(self):
+        return "a pair"
+
+
+def coefficients(seed=0, degree=4):
+    """Random polynomials (pieces, states, powers) whose states join at the nodes."""
+    c = np.random.default_rng(seed).normal(size=(len(T) - 1, len(STATES), degree + 1))
+    for before, after in itertools.pairwise(c):
+        after[:, 0] = before.sum(axis=1)
+    return c
+
+
+def ways(c):
+    """The way of the head at the start of each piece, integrated exactly."""
+    steps = np.diff(T) * (c[:, 0] / np.arange(1, c.shape[2] + 1)).sum(axis=1)
+    return np.concatenate([[3.0], 3.0 + np.cumsum(steps)[:-1]])[:, None]
+
+
+def pieces(c=None, mode=MODE, memory=((1,), (1,), (2,)), layout=LAYOUT):
+    c = coefficients() if c is None else c
+    return PolynomialPieces(T, mode, ways(c), c, np.array(memory), layout)
+
+
+def pair_run(made=None, model=None, **more):
+    return Trajectory(model or Pair(), made or pieces(), periods=1, settle=0, rtol=1e-6, method="by hand", samples=20, **more)
+
+
+def state(c, number, piece):
+    """A state on a piece as a polynomial in time, made and evaluated by NumPy."""
+    return np.polynomial.Polynomial(c[piece, number], domain=T[piece : piece + 2], window=[0, 1])
+
+
+def forces(model, mode, t, x, v, z, zdot, memory):
+    """Stands for the forces of several contacts: numbers with their axes, and what they were given."""
+    return {
+        "acceleration": 10 * v + 1, "friction_force": mode * 2.0 + 100 * np.arange(mode.shape[1]), "slip": mode * 0.5,
+        "load": np.ones(mode.shape) * np.where(np.arange(mode.shape[1]) == 1, 1.0 - t[:, None], 4.0),
+    }  # fmt: skip
