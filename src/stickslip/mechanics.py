@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 from stickslip.fields import Frozen
 from stickslip.friction.adapter import LawAdapter, adapted, law_of
@@ -21,7 +21,7 @@ _LOOKS = 8  # instants of a period at which applied forces are looked at for the
 _LEAST = 1e-3  # of the velocity that a force as large as the load gives: the scale of a machine that nothing drives
 
 
-class Mechanics:
+class Mechanics(Protocol):
     """What solvers ask of a machine. Coordinates q [m] have velocities u; bodies, contacts and stops have names.
 
     A contact's slip velocity is w = g u + b(t), with its row g of `directions` and its offset b.
@@ -35,22 +35,18 @@ class Mechanics:
     @property
     def coordinates(self) -> int:
         """How many bodies, or groups of them, move by themselves."""
-        raise NotImplementedError
 
     @property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
-        raise NotImplementedError
 
     @property
     def masses(self) -> tuple[Any, ...]:
         """What moves with each coordinate [kg]."""
-        raise NotImplementedError
 
     @property
     def directions(self) -> tuple[tuple[float, ...], ...]:
         """Of each contact, what its slip takes of each coordinate's velocity."""
-        raise NotImplementedError
 
     @property
     def start(self) -> tuple[Any, ...]:
@@ -69,15 +65,12 @@ class Mechanics:
 
     def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers) -> tuple[Any, ...]:
         """Accelerations of the coordinates [m/s^2] under the contacts' friction forces R [N]."""
-        raise NotImplementedError
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
         """Slip velocity of each contact while no coordinate moves [m/s]."""
-        raise NotImplementedError
 
     def loads(self, t: Any, q: Numbers) -> tuple[Any, ...]:
         """Normal force on each contact [N]."""
-        raise NotImplementedError
 
     def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
         """Position of each body [m]."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip import recurrence
 from stickslip.friction.adapter import law_of
+from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
@@ -204,6 +205,8 @@ def window_count(done: int, settle: int, period: int) -> int:
 
 def of_run(run: Any) -> Steadiness:
     """The steadiness of a trajectory."""
+    if machine_of(run.model).is_single:
+        run = of_one_contact("run.steadiness", run, "it is judged by one mean velocity")
     if run.model.period is None:
         first, last = run.window
         x = run.at(np.array([first, last]))["x"]
@@ -258,7 +261,7 @@ def centre_of_mass(model: Any, x: Any) -> Any:
     """Position of the centre of mass from those of the bodies (..., bodies) [m]."""
     mechanics = machine_of(model).mechanics
     masses = np.array([float(m) for m in mechanics.masses])
-    q = np.stack(mechanics.coordinates_of(np.moveaxis(np.asarray(x), -1, 0)), axis=-1)
+    q = np.stack(mechanics.coordinates_of(tuple(np.moveaxis(np.asarray(x), -1, 0))), axis=-1)
     return q @ masses / masses.sum()
 
 

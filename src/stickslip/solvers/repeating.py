@@ -54,6 +54,6 @@ def _loads(mechanics: Mechanics, t: Any) -> Any:
 def _missed(mechanics: Mechanics, f: Any) -> tuple[Any, Any]:
     """How far a function of the machine and of time is from itself a period later, and its largest value, for each case."""
     T = mechanics.period
-    now, later = ([value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1))
-    now, later = (np.array(np.broadcast_arrays(*values), float) for values in (now, later))
+    rows = ([value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1))
+    now, later = (np.array(np.broadcast_arrays(*values), float) for values in rows)
     return np.max(abs(later - now), axis=0), np.max(np.maximum(abs(now), abs(later)), axis=0)
