@@ -275,7 +275,8 @@ class Frozen:
         mine, theirs = dict(leaves(self, kinds=True)), dict(leaves(other, kinds=True))
         return mine.keys() == theirs.keys() and all(same(mine[k], theirs[k]) for k in mine)
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        return hash(tuple((name, _key(value)) for name, value in leaves(self, kinds=True)))
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``."""
@@ -363,6 +364,16 @@ def _look_up(record: Any, path: str) -> Any:
 def example_of(cls: Any, field: dataclasses.Field[Any]) -> str:
     """What to type for a number of a record: the example of its field, or that of its law."""
     return str(field.metadata.get("example", getattr(cls, "_example", {}).get(field.name, "1.0")))
+
+
+def _key(value: Any) -> Any:
+    """What stands for a value of a field in a hash: values that are the same have the same."""
+    if not is_array(value):
+        return value
+    import numpy as np
+
+    array = np.asarray(value)
+    return array.shape, (array + 0.0).tobytes() if array.dtype.kind in "fiu" else array.tobytes()
 
 
 def same(a: Any, b: Any) -> bool:
