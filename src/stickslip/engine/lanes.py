@@ -17,10 +17,12 @@ from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text, straight
+from stickslip.engine.symbols import Sym
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import Equations, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
+from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
 from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
@@ -254,7 +256,9 @@ def _look(eq: Equations) -> str:
     writers = [Writer(prefix=letter) for letter in "pqrs"]
     for k, clock in enumerate(eq.clocks):
         writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
-    news = [f"mode[{i}] = {writers[1].value(new, bind)}" for i, new in enumerate(eq.first_modes)]
+    for k in _flags_in(eq.first_modes):
+        writers[1].line(f"b{k}", f"-1.0 if {writers[1].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+    news = [f"mode[{i}] = {writers[1].value(new, bind | sides)}" for i, new in enumerate(eq.first_modes)]
     for k, guard in enumerate(eq.guards):
         writers[2].line(f"out[{k}]", f"1.0 * {writers[2].value(guard, bind | sides)}")
         if k < eq.signs:
@@ -273,6 +277,11 @@ def _look(eq: Equations) -> str:
             parts.append(straight(name.lower(), takes, [*before, *after]))
             calls += [f"    if what == {what}:", f"        {name.lower()}({takes})"]
     return "\n".join([*parts, *calls, "    return"])
+
+
+def _flags_in(roots: Iterable[Sym]) -> list[int]:
+    """The guards whose flags some expressions need, those that others need first."""
+    return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
 
 
 def _force(eq: Equations, degree: int) -> str:

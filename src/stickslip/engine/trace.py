@@ -215,6 +215,10 @@ class _Mechanics:
         forces = [R.get(i, 0.0) for i in range(len(self.laws))]
         return tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces))
 
+    def feet(self, i: int) -> list[int]:
+        """The contacts of the coordinate that a contact brakes, where it brakes one alone."""
+        return [k for k, row in enumerate(self.directions) if row == self.directions[i]]
+
     def period(self, given: Any) -> Sym:
         return self.graph.case(SPAN) if given.period is None else self.lift(self.model.period)
 
@@ -291,8 +295,17 @@ def _traced(model: Any, cyclic: bool) -> Equations:
     for y in m.y:
         graph.units[y.name] = graph.select(scale, scale, graph.constant(1.0))
     parts = _Writer(m)
+    lifted = [None if each is None else m.lift(each) for each in speeds]
     for i, law in enumerate(m.laws):
-        (_add_dynamic if law.dynamic else _add_set_valued)(parts, i, None if speeds[i] is None else m.lift(speeds[i]))
+        if law.dynamic:
+            _add_dynamic(parts, i, lifted[i])
+        elif len(m.feet(i)) == 1:
+            _add_set_valued(parts, i, lifted[i])
+        elif m.feet(i)[0] == i:
+            _add_feet(parts, m.feet(i), lifted)
+    parts.contacts.sort(key=lambda contact: m.equations.contacts.index(contact.name))
+    for stop in m.equations.stops:
+        _add_stop(parts, stop)
     moved = m.accelerations(parts.forces)
     f = tuple(a if own is None else own for a, own in zip(moved, parts.f, strict=True))
     places = tuple(place for place in m.places if place is not zero)
@@ -414,6 +427,90 @@ def _add_set_valued(parts: _Writer, i: int, speed: Sym | None) -> None:
     parts.contacts.append(
         Contact(m.equations.contacts[i], slip, m.directions[i], j if owned else None, guard, (), (number,), branches, speed, False)
     )
+
+
+def _add_feet(parts: _Writer, feet: list[int], speeds: list[Sym | None]) -> None:
+    """Several contacts of one coordinate under laws that may hold it: one unknown acceleration, and a weighted median decides who rests."""
+    m = parts.m
+    graph, zero = m.graph, m.graph.constant(0.0)
+    one = graph.constant(1.0)
+    j = next(k for k, g in enumerate(m.directions[feet[0]]) if g)
+    own = {i: parts.mode(zero) for i in feet}
+    modes = {i: mode for i, (_, mode) in own.items()}
+    held = {i: -graph.derivative(m.slips[i], m.t) for i in feet}  # acceleration at which the foot's slip stays as it is
+    slide: dict[int, tuple[Sym, Sym]] = {}
+    for i in feet:
+        forces = []
+        for side in (1.0, -1.0):
+            graph.assumed[m.slips[i].number] = side
+            forces.append(m.lift(m.laws[i].sliding(m.slips[i], m.loads[i])))
+        graph.assumed.clear()
+        slide[i] = (forces[0], forces[1])
+    limits = {i: tuple(map(m.lift, m.laws[i].breakaway(m.loads[i]))) for i in feet}  # backward, forward
+
+    def by_mode(mode: Sym, forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
+        return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
+
+    def acceleration(now: dict[int, Sym], at_rest: dict[int, Sym]) -> Sym:
+        """With friction forces at rest as given."""
+        return m.accelerations({i: by_mode(now[i], *slide[i], at_rest[i]) for i in feet})[j]
+
+    def beside(i: int, k: int, same: int) -> Sym:
+        """Force of a foot k that rests now, if foot i were to rest: it would slip to the side to which its rest moves away."""
+        apart = held[i] - held[k]
+        return graph.select(apart, limits[k][1], graph.select(-apart, limits[k][0], limits[k][same]))
+
+    def decided(now: dict[int, Sym]) -> dict[int, Sym]:
+        """Modes of all feet: those at rest may stay or slip."""
+        found = {}
+        for i in feet:
+            push = acceleration(now, {k: beside(i, k, 1) for k in feet}) - held[i]
+            pull = held[i] - acceleration(now, {k: beside(i, k, 0) for k in feet})
+            found[i] = by_mode(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
+        return {own[i][0]: new for i, new in found.items()}
+
+    sliding = acceleration(modes, dict.fromkeys(feet, zero))
+    motion = sliding
+    for i in reversed(feet):
+        motion = by_mode(modes[i], motion, motion, held[i])
+    forwards = acceleration(modes, {k: limits[k][1] for k in feet})
+    backwards = acceleration(modes, {k: limits[k][0] for k in feet})
+    for i in feet:
+        number, mode = own[i]
+        arrives = {**modes, i: zero}
+        parts.events += [
+            (by_mode(mode, m.slips[i], -m.slips[i], one), decided(arrives), {j: m.y[j] - m.slips[i]}, 0),
+            (by_mode(mode, one, one, held[i] - forwards), {number: one}, {}, 0),
+            (by_mode(mode, one, one, backwards - held[i]), {number: -one}, {}, 0),
+        ]
+    first = decided({i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in feet})
+    for number, new in first.items():
+        parts.first_modes[number] = new
+    parts.f[j] = motion
+    for i in feet:
+        branches = Branches(sliding, sliding, forwards - held[i], held[i] - backwards)
+        state = j if m.owner[j] == i else None
+        name = m.equations.contacts[i]
+        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (own[i][0],), branches, speeds[i], False))
+
+
+def _add_stop(parts: _Writer, stop: Any) -> None:
+    """A stop with restitution: where its gap closes, velocities jump, and contacts whose slip jumps are free."""
+    m = parts.m
+    graph = m.graph
+    masses = list(map(m.lift, m.equations.masses))
+    weights = [h / mass if h else None for h, mass in zip(stop.direction, masses, strict=True)]
+    G = sum((abs(h) * abs(h) / mass for h, mass in zip(stop.direction, masses, strict=True) if h), graph.constant(0.0))
+    impulse = (1.0 + m.lift(stop.restitution)) * m.lift(stop.rate(m.t, m.v)) / G
+    states = {c: m.y[c] - weight * impulse for c, weight in enumerate(weights) if weight is not None}
+    modes = {}
+    for contact in parts.contacts:
+        thrown = sum((g * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0))
+        if contact.branches is not None and thrown is not graph.constant(0.0):
+            after, (number,) = contact.slip + thrown, contact.modes
+            one = graph.constant(1.0)
+            modes[number] = graph.select(after, one, graph.select(-after, -one, parts.modes[number]))
+    parts.events.append((m.lift(stop.gap(m.t, m.places)), modes, states, 0))
 
 
 def _offered(m: _Mechanics) -> Sym | None:
