@@ -49,6 +49,11 @@ class Mechanics(Protocol):
         """Of each contact, what its slip takes of each coordinate's velocity."""
 
     @property
+    def slips_of(self) -> tuple[tuple[float, ...], ...]:
+        """Of each contact, what its slip takes of each body's velocity."""
+        return self.directions
+
+    @property
     def start(self) -> tuple[Any, ...]:
         """Coordinates at which a run begins that says nothing else [m]."""
         return (0.0,) * len(self.masses)
@@ -211,6 +216,11 @@ class SeveralBodies(Mechanics):
     def directions(self) -> tuple[tuple[float, ...], ...]:
         """1 at the coordinate of the contact's body, -1 at that of the body it rubs on."""
         return tuple(self.row(c.body, c.on if isinstance(c.on, str) else None) for c in self.joints.values())
+
+    @property
+    def slips_of(self) -> tuple[tuple[float, ...], ...]:
+        """1 at the contact's body, -1 at the body it rubs on."""
+        return tuple(tuple((name == c.body) - 1.0 * (name == c.on) for name in self.bodies) for c in self.joints.values())
 
     def row(self, first: str, second: str | None) -> tuple[float, ...]:
         """What the distance of two bodies, or of one and the ground, takes of each coordinate."""

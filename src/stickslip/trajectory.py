@@ -34,6 +34,15 @@ def _as_column(z: Any) -> Any:
     return None if z.shape[-1] == 0 else z[:, 0] if z.shape[1:] == (1,) else z
 
 
+def _at_distances(mechanics: Any, t: Any, x: Any, v: Any) -> tuple[Any, Any]:
+    """Positions and velocities of bodies at prescribed distances, whose columns hold those of the coordinates they move with."""
+    first = {mechanics.coordinate_of(name): i for i, name in reversed(list(enumerate(mechanics.bodies)))}
+    q, u = (tuple(of[:, first[c]] for c in range(mechanics.coordinates)) for of in (x, v))
+    rows = (mechanics.positions(t, q), mechanics.velocities(t, u))
+    x, v = (np.stack([np.broadcast_to(each, t.shape) for each in of], axis=1) for of in rows)
+    return x, v
+
+
 def _force_column(name: str) -> property:
     variable = VARIABLES[name]
 
@@ -198,8 +207,11 @@ class Trajectory:
 
     def _states_at(self, t: Any, index: Any) -> tuple[Any, Any, Any]:
         """x, v and z at times on given pieces, with the axes of the columns; z always has one for its states."""
-        x, v, z = map(self._flat, self.pieces.evaluate(t, index))
-        return x, v, z
+        x, v, z = self.pieces.evaluate(t, index)
+        machine = machine_of(self.model)
+        if not machine.is_single and machine.mechanics.coordinates < len(machine.mechanics.bodies):
+            x, v = _at_distances(machine.mechanics, t, x, v)
+        return self._flat(x), self._flat(v), self._flat(z)
 
     @property
     def _modes(self) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.engine.symbols import Sym
-from stickslip.engine.trace import Equations
+from stickslip.engine.system import Equations
 from stickslip.engine.write import Writer, horner
 
 __all__ = ["EventWriter"]

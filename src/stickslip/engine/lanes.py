@@ -145,8 +145,11 @@ def _states_of(eq: Equations) -> StateLayout:
     places = [None if j == 0 and eq.cyclic else first + j for j in range(eq.coordinates)]
     way = 0 if eq.cyclic else None
     return StateLayout(
-        bodies=tuple(BodyStates(name, j, way, position=places[j]) for j, name in enumerate(eq.bodies)),
-        contacts=tuple(ContactStates(c.name, c.direction, c.inner, c.modes if c.branches is None else ()) for c in eq.contacts),
+        bodies=tuple(BodyStates(name, j, way, position=places[j]) for name, j in eq.bodies),
+        contacts=tuple(
+            ContactStates(c.name, of, c.inner, c.modes if c.branches is None else ())
+            for c, of in zip(eq.contacts, eq.slips_of, strict=True)
+        ),
         ways=(0,) if eq.cyclic else (),
         single=eq.single,
     )

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from stickslip.machine import machine_of
 
-__all__ = ["refused"]
+__all__ = ["groups_of", "refused"]
+
+#: Contacts of one group, of which all combinations of rest and slip are tried.
+MOST = 4
 
 
 def _apart(stops: tuple[Any, ...]) -> bool:
@@ -35,8 +40,29 @@ def refused(model: Any) -> str:
     dynamic = [law.dynamic for law in m.laws]
     if any(dynamic) and not all(dynamic):
         return f"some of its laws rest exactly and others have inner states; {other}"
-    if not all(dynamic) and any(sum(map(abs, row)) != 1.0 for row in m.directions):
-        return f"bodies rub on one another under a law that rests exactly; {other}"
+    for group in [] if any(dynamic) else groups_of(m.directions, list(range(len(dynamic)))):
+        rows = [m.directions[i] for i in group]
+        alike = len(set(rows)) == 1 and sum(map(abs, rows[0])) == 1.0
+        if not alike and (len(group) > MOST or np.linalg.matrix_rank(np.array(rows)) < len(group)):
+            names = ", ".join(m.contacts[i] for i in group)
+            why = f"more than {MOST} of them" if len(group) > MOST else "and the slips of some follow from those of others"
+            return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"
     if m.jumps and any(law.switching for law in m.laws):
         return f"its velocities jump and a law remembers; {other}"
     return ""
+
+
+def groups_of(directions: tuple[tuple[float, ...], ...], which: list[int]) -> list[list[int]]:
+    """Contacts that act on one another in the same instant, because they share a coordinate: the blocks of G.
+
+    Examples
+    --------
+    >>> groups_of(((1.0, 0.0, 0.0), (0.0, 1.0, -1.0), (0.0, 0.0, 1.0)), [0, 1, 2])
+    [[0], [1, 2]]
+    """
+    groups: list[list[int]] = []
+    for i in which:
+        joined = [group for group in groups if any(a and b for k in group for a, b in zip(directions[i], directions[k], strict=True))]
+        groups = [group for group in groups if group not in joined]
+        groups.append(sorted([i, *(k for group in joined for k in group)]))
+    return sorted(groups)

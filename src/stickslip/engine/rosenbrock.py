@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from stickslip.engine.events import EventWriter
 from stickslip.engine.symbols import Sym
+from stickslip.engine.system import Contact, Equations
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
-from stickslip.engine.trace import Contact, Equations
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 
 __all__ = ["CONTROL", "Control", "Step", "sides", "write_step"]

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.engine.rosenbrock import Step
-from stickslip.engine.trace import Equations
+from stickslip.engine.system import Equations
 
 __all__ = ["Layout", "bound", "held", "step_text", "straight", "used"]
 

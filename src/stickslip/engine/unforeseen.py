@@ -12,7 +12,7 @@ from __future__ import annotations
 from stickslip.engine.rosenbrock import Step
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import Graph, Sym
-from stickslip.engine.trace import Equations
+from stickslip.engine.system import Equations
 from stickslip.engine.write import Writer
 
 __all__ = ["FLOOR", "NEAR_POLE", "POINTS", "active", "hides", "slopes"]

@@ -1,0 +1,126 @@
+"""What each contact adds to the equations of a machine: inner states and their rates, or modes with the guards that end them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.engine.coupled import add_box, add_feet
+from stickslip.engine.parts import Parts
+from stickslip.engine.refused import groups_of
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import Branches, Contact
+
+__all__ = ["add_contacts", "add_stop"]
+
+
+def _add_dynamic(parts: Parts, i: int, speed: Sym | None) -> None:
+    """A law with inner states: rate and force; its memory of whole numbers, if it has one, changes by switches."""
+    m = parts.m
+    law, graph, slip, load = m.laws[i], m.graph, m.slips[i], m.loads[i]
+    graph.sign(slip)
+    guard = next(k for k, known in enumerate(graph.guards) if known is slip)
+    names = [f"z{k}" if m.single else f"z{i}_{k}" for k in range(law.states)]
+    z = tuple(map(graph.variable, names))
+    own = [parts.mode(graph.constant(0.0)) for _ in range(law.modes)]
+    modes = tuple(mode for _, mode in own)
+    zdot = tuple(map(m.lift, law.rate(slip, z, load, modes)))
+    applied = m.model.total_mass * m.accelerations({})[0] if law.needs_applied else None
+    parts.forces[i] = law.force(slip, z, zdot, load, modes, applied)
+    first = len(m.y) + len(parts.inner)
+    _add_switches(parts, i, z, own, first)
+    typical = law.scale(m.first_loads[i])
+    parts.scales += [None] * law.states if typical is None else list(map(m.lift, typical))
+    parts.inner += z
+    parts.rates += zdot
+    state = m.owner.index(i) if i in m.owner else None
+    inner = tuple(range(first, first + law.states))
+    parts.contacts.append(
+        Contact(
+            m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied
+        )
+    )
+
+
+def _add_switches(parts: Parts, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
+    """The law's switches; those at the instant when v passes zero belong to the guard that is there already."""
+    m, passing = parts.m, abs(parts.m.slips[i])
+    for guard, new_modes, new_z in m.laws[i].switches(m.slips[i], z, m.loads[i], tuple(mode for _, mode in own)):
+        modes = {number: m.lift(new) for (number, _), new in zip(own, new_modes, strict=True)}
+        states = {} if new_z is None else {first + k: m.lift(new) for k, new in enumerate(new_z)}
+        if guard is passing:
+            parts.at_rest[i] = (modes, states)
+        else:
+            parts.events.append((m.lift(guard), modes, states, 0))
+
+
+def _add_set_valued(parts: Parts, i: int, speed: Sym | None) -> None:
+    """A law that may hold the body: mode +1 slides forwards, -1 backwards, 0 is stuck until the forces reach break-away."""
+    m = parts.m
+    graph, law, slip, load = m.graph, m.laws[i], m.slips[i], m.loads[i]
+    j = next(k for k, g in enumerate(m.directions[i]) if g)  # the coordinate that it brakes
+    one, zero = graph.constant(1.0), graph.constant(0.0)
+    place, first = len(parts.modes), graph.constant(0.0)
+    sliding = []
+    number, mode = parts.mode(first)
+    for side in (1.0, -1.0):
+        graph.assumed[slip.number] = side
+        sliding.append(m.accelerations({i: law.sliding(slip, load)})[j])
+    backward, forward = law.breakaway(load)
+    owned = m.owner[j] == i
+    still = zero if owned else -(slip - m.y[j])
+    held = zero if owned else graph.derivative(still, m.t)  # acceleration of the body while it rests on what it rubs on
+    push = m.accelerations({i: forward}, {j: still})[j] - held  # > 0: breaks away forwards
+    pull = -(m.accelerations({i: backward}, {j: still})[j] - held)
+    graph.assumed.clear()
+
+    def by_mode(forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
+        return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
+
+    rest = graph.select(push, one, graph.select(pull, -one, zero))
+    parts.events += [
+        (by_mode(slip, -slip, one), {place: rest}, {j: still}, 0),
+        (by_mode(one, one, -push), {place: one}, {}, 0),
+        (by_mode(one, one, -pull), {place: -one}, {}, 0),
+    ]
+    parts.first_modes[number] = graph.select(slip, one, graph.select(-slip, -one, rest))
+    parts.f[j] = by_mode(sliding[0], sliding[1], held)
+    branches = Branches(*sliding, push, pull)
+    guard = 0 if m.single else None
+    parts.contacts.append(
+        Contact(m.equations.contacts[i], slip, m.directions[i], j if owned else None, guard, (), (number,), branches, speed, False)
+    )
+
+
+def add_contacts(parts: Parts, speeds: list[Sym | None]) -> None:
+    """All contacts of a machine; those under laws that rest exactly in groups of which each decides for itself."""
+    m = parts.m
+    for i, law in enumerate(m.laws):
+        if law.dynamic:
+            _add_dynamic(parts, i, speeds[i])
+    for group in groups_of(m.directions, [i for i, law in enumerate(m.laws) if not law.dynamic]):
+        if len(group) == 1 and sum(map(abs, m.directions[group[0]])) == 1.0:
+            _add_set_valued(parts, group[0], speeds[group[0]])
+        elif len({m.directions[i] for i in group}) == 1:
+            add_feet(parts, group, speeds)
+        else:
+            add_box(parts, group, speeds)
+    parts.contacts.sort(key=lambda contact: m.equations.contacts.index(contact.name))
+
+
+def add_stop(parts: Parts, stop: Any) -> None:
+    """A stop with restitution: where its gap closes, velocities jump, and contacts whose slip jumps are free."""
+    m = parts.m
+    graph = m.graph
+    masses = list(map(m.lift, m.equations.masses))
+    weights = [h / mass if h else None for h, mass in zip(stop.direction, masses, strict=True)]
+    G = sum((abs(h) * abs(h) / mass for h, mass in zip(stop.direction, masses, strict=True) if h), graph.constant(0.0))
+    impulse = (1.0 + m.lift(stop.restitution)) * m.lift(stop.rate(m.t, m.v)) / G
+    states = {c: m.y[c] - weight * impulse for c, weight in enumerate(weights) if weight is not None}
+    modes = {}
+    for contact in parts.contacts:
+        thrown = sum((g * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0))
+        if contact.branches is not None and thrown is not graph.constant(0.0):
+            after, (number,) = contact.slip + thrown, contact.modes
+            one = graph.constant(1.0)
+            modes[number] = graph.select(after, one, graph.select(-after, -one, parts.modes[number]))
+    parts.events.append((m.lift(stop.gap(m.t, m.places)), modes, states, 0))

@@ -1,0 +1,217 @@
+"""Contacts under laws that rest exactly and that act on one another in the same instant: feet of one body, and bodies on bodies.
+
+Between events the modes are held; at an event, and at the start, they are decided anew for the contacts whose slip is zero.
+"""
+
+from __future__ import annotations
+
+import itertools
+from functools import reduce
+from typing import Any
+
+from stickslip.engine.parts import Parts
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import Branches, Contact
+
+__all__ = ["add_box", "add_feet"]
+
+_TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
+
+
+def add_feet(parts: Parts, feet: list[int], speeds: list[Sym | None]) -> None:
+    """Several contacts of one coordinate under laws that may hold it: one unknown acceleration, and a weighted median decides who rests."""
+    m = parts.m
+    graph, zero = m.graph, m.graph.constant(0.0)
+    one = graph.constant(1.0)
+    j = next(k for k, g in enumerate(m.directions[feet[0]]) if g)
+    own = {i: parts.mode(zero) for i in feet}
+    modes = {i: mode for i, (_, mode) in own.items()}
+    held = {i: -graph.derivative(m.slips[i], m.t) for i in feet}  # acceleration at which the foot's slip stays as it is
+    slide = {i: sliding_both_ways(parts, i) for i in feet}
+    limits = {i: tuple(map(m.lift, m.laws[i].breakaway(m.loads[i]))) for i in feet}  # backward, forward
+
+    def by_mode(mode: Sym, forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
+        return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
+
+    def acceleration(now: dict[int, Sym], at_rest: dict[int, Sym]) -> Sym:
+        """With friction forces at rest as given."""
+        return m.accelerations({i: by_mode(now[i], *slide[i], at_rest[i]) for i in feet})[j]
+
+    def beside(i: int, k: int, same: int) -> Sym:
+        """Force of a foot k that rests now, if foot i were to rest: it would slip to the side to which its rest moves away."""
+        apart = held[i] - held[k]
+        return graph.select(apart, limits[k][1], graph.select(-apart, limits[k][0], limits[k][same]))
+
+    def decided(now: dict[int, Sym]) -> dict[int, Sym]:
+        """Modes of all feet: those at rest may stay or slip."""
+        found = {}
+        for i in feet:
+            push = acceleration(now, {k: beside(i, k, 1) for k in feet}) - held[i]
+            pull = held[i] - acceleration(now, {k: beside(i, k, 0) for k in feet})
+            found[i] = by_mode(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
+        return {own[i][0]: new for i, new in found.items()}
+
+    sliding = acceleration(modes, dict.fromkeys(feet, zero))
+    motion = sliding
+    for i in reversed(feet):
+        motion = by_mode(modes[i], motion, motion, held[i])
+    forwards = acceleration(modes, {k: limits[k][1] for k in feet})
+    backwards = acceleration(modes, {k: limits[k][0] for k in feet})
+    for i in feet:
+        number, mode = own[i]
+        arrives = {**modes, i: zero}
+        parts.events += [
+            (by_mode(mode, m.slips[i], -m.slips[i], one), decided(arrives), {j: m.y[j] - m.slips[i]}, 0),
+            (by_mode(mode, one, one, held[i] - forwards), {number: one}, {}, 0),
+            (by_mode(mode, one, one, backwards - held[i]), {number: -one}, {}, 0),
+        ]
+    first = decided({i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in feet})
+    for number, new in first.items():
+        parts.first_modes[number] = new
+    parts.f[j] = motion
+    for i in feet:
+        branches = Branches(sliding, sliding, forwards - held[i], held[i] - backwards)
+        state = j if m.owner[j] == i else None
+        name = m.equations.contacts[i]
+        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (own[i][0],), branches, speeds[i], False))
+
+
+def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
+    """Bodies on bodies: what rests together has forces that follow from one another, and every combination is looked at."""
+    box = _Box(parts, group)
+    m, graph = parts.m, parts.m.graph
+    one, zero = graph.constant(1.0), graph.constant(0.0)
+    forces = box.forces(box.modes)
+    parts.forces |= forces
+    for i in group:
+        number, mode = box.own[i]
+        low, high = box.limits[i]
+        arrives = {**box.modes, i: zero}
+
+        def resting(left: Sym, mode: Sym = mode) -> Sym:
+            return graph.select(mode, one, graph.select(-mode, one, left))
+
+        slip = graph.select(mode, m.slips[i], graph.select(-mode, -m.slips[i], one))
+        at_rest = {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0 and sum(map(abs, m.directions[i])) == 1.0}
+        parts.events += [
+            (slip, box.decided(arrives), at_rest, 0),
+            (resting(high - forces[i]), {number: one}, {}, 0),
+            (resting(forces[i] - low), {number: -one}, {}, 0),
+        ]
+        state = m.owner.index(i) if i in m.owner else None
+        branches = Branches(zero, zero, forces[i] - high, low - forces[i])
+        name = m.equations.contacts[i]
+        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (number,), branches, speeds[i], False))
+    sides = {i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in group}
+    for number, new in box.decided(sides).items():
+        parts.first_modes[number] = new
+
+
+class _Box:
+    """The contact problem of a group: rates of slips w' = beta - G R, with R told by mode or found where contacts rest."""
+
+    def __init__(self, parts: Parts, group: list[int]):
+        self.parts, self.m, self.group = parts, parts.m, group
+        m, graph = parts.m, parts.m.graph
+        self.own = {i: parts.mode(graph.constant(0.0)) for i in group}
+        self.modes = {i: mode for i, (_, mode) in self.own.items()}
+        self.slide = {i: sliding_both_ways(parts, i) for i in group}
+        self.limits = {i: tuple(map(m.lift, m.laws[i].breakaway(m.loads[i]))) for i in group}  # backward, forward
+        masses, rows = list(map(m.lift, m.equations.masses)), m.directions
+        self.G = {
+            (i, k): _total([graph.constant(0.0), *(a * b / mass for a, b, mass in zip(rows[i], rows[k], masses, strict=True) if a * b)])
+            for i in group
+            for k in group
+        }
+        self.free = self._rates(m.accelerations({}))
+
+    def _rates(self, accelerations: tuple[Sym, ...]) -> dict[int, Sym]:
+        """Rates of the slips under accelerations of the coordinates."""
+        m = self.m
+        return {
+            i: _total([*(g * a for g, a in zip(m.directions[i], accelerations, strict=True) if g), m.graph.derivative(m.slips[i], m.t)])
+            for i in self.group
+        }
+
+    def beta(self, forces: dict[int, Sym]) -> dict[int, Sym]:
+        """Rates of the slips under some of the forces."""
+        return {i: _total([self.free[i], *(-(self.G[i, k] * R) for k, R in forces.items())]) for i in self.group}
+
+    def held(self, pattern: tuple[int, ...], beta: dict[int, Sym]) -> dict[int, Sym]:
+        """Forces under which the contacts of a pattern rest: G R = beta, by elimination without pivots (G is positive definite)."""
+        rows = {i: ({k: self.G[i, k] for k in pattern}, beta[i]) for i in pattern}
+        for n, p in enumerate(pattern):
+            for i in pattern[n + 1 :]:
+                factor = rows[i][0][p] / rows[p][0][p]
+                rows[i] = ({k: rows[i][0][k] - factor * rows[p][0][k] for k in pattern[n + 1 :]}, rows[i][1] - factor * rows[p][1])
+        found: dict[int, Sym] = {}
+        for p in reversed(pattern):
+            known = _total([rows[p][1], *(-(rows[p][0][k] * found[k]) for k in found)])
+            found[p] = known / rows[p][0][p]
+        return found
+
+    def forces(self, modes: dict[int, Sym]) -> dict[int, Sym]:
+        """The friction forces in any mode: those of what slides, and what holds the rest."""
+        graph, zero = self.m.graph, self.m.graph.constant(0.0)
+        sliding = {i: graph.select(modes[i], self.slide[i][0], graph.select(-modes[i], self.slide[i][1], zero)) for i in self.group}
+        beta = self.beta(sliding)
+
+        def by_rest(left: list[int], pattern: tuple[int, ...], i: int) -> Sym:
+            """The force of contact i at rest, by which of the others rest."""
+            if not left:
+                return self.held(pattern, beta)[i]
+            k, *others = left
+            moving, resting = by_rest(others, pattern, i), by_rest(others, tuple(sorted((*pattern, k))), i)
+            return graph.select(modes[k], moving, graph.select(-modes[k], moving, resting))
+
+        found = {}
+        for i in self.group:
+            at_rest = by_rest([k for k in self.group if k != i], (i,), i)
+            found[i] = graph.select(modes[i], self.slide[i][0], graph.select(-modes[i], self.slide[i][1], at_rest))
+        return found
+
+    def decided(self, now: dict[int, Sym]) -> dict[int, Sym]:
+        """Modes of the contacts: the first combination that agrees with its own forces, those with more contacts at rest first."""
+        graph, group = self.m.graph, self.group
+        one = graph.constant(1.0)
+        sets = sorted(itertools.product((0, 1, -1), repeat=len(group)), key=lambda sides: sum(map(abs, sides)))
+        new = {i: graph.constant(0.0) for i in group}
+        for sides in reversed(sets):
+            given = dict(zip(group, sides, strict=True))
+            agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), self._conditions(given, now), one)
+            new = {i: graph.select(agrees, graph.constant(float(given[i])), new[i]) for i in group}
+        return {self.own[i][0]: mode for i, mode in new.items()}
+
+    def _conditions(self, given: dict[int, int], now: dict[int, Sym]) -> list[Sym]:
+        """What must be positive for a combination: forces inside their limits, slips that begin to the right side, what slides slides."""
+        graph, one = self.m.graph, self.m.graph.constant(1.0)
+        at_limit = {i: self.limits[i][1 if side > 0 else 0] for i, side in given.items() if side}
+        sliding = {i: graph.select(now[i], self.slide[i][0], graph.select(-now[i], self.slide[i][1], at_limit[i])) for i in at_limit}
+        beta = self.beta(sliding)
+        held = self.held(tuple(i for i, side in given.items() if not side), beta)
+        rates = self.beta(sliding | held)
+        conditions = []
+        for i, side in given.items():
+            low, high = self.limits[i]
+            slack = _TIE * (high - low)
+            moves = graph.select(now[i], one, graph.select(-now[i], one, -one))  # whether it slides already
+            if side == 0:
+                conditions += [-moves, high - held[i] + slack, held[i] - low + slack]
+            else:
+                begins = side * rates[i] + self.G[i, i] * slack
+                conditions.append(graph.select(moves, side * now[i], begins))
+        return conditions
+
+
+def sliding_both_ways(parts: Parts, i: int) -> tuple[Sym, Sym]:
+    """Friction force of a contact that slides forwards, and backwards."""
+    m, found = parts.m, []
+    for side in (1.0, -1.0):
+        m.graph.assumed[m.slips[i].number] = side
+        found.append(m.lift(m.laws[i].sliding(m.slips[i], m.loads[i])))
+    m.graph.assumed.clear()
+    return found[0], found[1]
+
+
+def _total(terms: list[Any]) -> Any:
+    return reduce(lambda a, b: a + b, terms)

@@ -1,0 +1,34 @@
+"""The equations of a machine on their way: what contact by contact makes of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.engine.symbolic import Symbolic
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import Contact
+
+__all__ = ["Parts"]
+
+
+class Parts:
+    """Collects what contact by contact makes of the equations."""
+
+    def __init__(self, m: Symbolic):
+        self.m, n = m, len(m.y)
+        self.forces: dict[int, Any] = {}  # of dynamic laws
+        self.f: list[Any] = [None] * n  # of the coordinates, where a set-valued contact decides them
+        self.inner: list[Sym] = []
+        self.rates: list[Sym] = []
+        self.scales: list[Sym | None] = []
+        self.modes: list[Sym] = []
+        self.first_modes: list[Sym] = []
+        self.events: list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]] = []  # guard, new modes, new states, status
+        self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by number of the contact
+        self.contacts: list[Contact] = []
+
+    def mode(self, first: Sym) -> tuple[int, Sym]:
+        """A new mode, and its number."""
+        self.modes.append(self.m.graph.mode(f"mode{len(self.modes)}"))
+        self.first_modes.append(first)
+        return len(self.modes) - 1, self.modes[-1]

@@ -1,0 +1,102 @@
+"""A machine whose numbers, time and states are symbols: its declaration is called as it stands, and what comes out is an expression."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.engine.symbols import STATE, Graph, Sym
+from stickslip.fields import leaves, replace_leaf
+from stickslip.machine import machine_of
+
+__all__ = ["SPAN", "Symbolic", "numbers_of"]
+
+#: Name of the column that holds the length of the run, for a model without a period.
+SPAN = "span"
+
+
+def numbers_of(model: Any) -> tuple[str, ...]:
+    """Names of the numbers that make a case's row.
+
+    An exponent that is 1 or 2 for all cases belongs to the kind: its power is written out.
+    """
+    return tuple(
+        name for name, value in leaves(model) if not (name.endswith(".exponent") and isinstance(value, float) and value in (1.0, 2.0))
+    )
+
+
+class Symbolic:
+    """A model with symbols for its numbers, time, velocities and positions."""
+
+    def __init__(self, model: Any, cyclic: bool):
+        self.graph = graph = Graph()
+        self.cyclic = cyclic
+        names = numbers_of(model)
+        self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
+        self.machine = machine_of(self.model)
+        self.single, self.equations = self.machine.is_single, self.machine.mechanics
+        self.names = names if model.period is not None else (*names, SPAN)
+        self.laws, self.directions = self.equations.laws, self.equations.directions
+        self.t, n = graph.variable("t"), self.equations.coordinates
+        self.y = tuple(graph.variable(f"v{j}" if n > 1 else "v") for j in range(n))
+        self.places = self._places()
+        if self.single:
+            graph.sign(self.y[0])  # of one body, flag 0 is always the side of v
+        rates = tuple(map(self.lift, self.equations.offsets(self.t)))
+        zero = graph.constant(0.0)
+        self.owner = _owners(graph, self.directions, rates, n)  # of each coordinate, the contact whose slip its state is
+        self.offsets = tuple(zero if i is None else -rates[i] for i in self.owner)
+        self.v = tuple(y + offset for y, offset in zip(self.y, self.offsets, strict=True))
+        self.slips = tuple(self.y[self.owner.index(i)] if i in self.owner else self._slip(i) for i in range(len(self.laws)))
+        for slip, law in zip(self.slips, self.laws, strict=True):
+            if law.dynamic:
+                graph.sign(slip)  # of each contact, before any other condition
+        self.loads = tuple(map(self.lift, self.equations.loads(self.t, self.places)))
+        self.first_loads = tuple(map(self.lift, self.equations.loads(zero, (zero,) * n)))  # typical loads, where they vary
+
+    def _slip(self, i: int) -> Sym:
+        return self.lift(self.equations.slips(self.t, self.v)[i])
+
+    def _places(self) -> tuple[Sym, ...]:
+        """Positions of the coordinates; where only their differences matter, from the first one."""
+        graph, n = self.graph, len(self.y)
+        zero = graph.constant(0.0)
+        names = ["x"] if n == 1 else [f"{'l' if self.cyclic else 'x'}{j}" for j in range(n)]
+        return tuple(zero if j == 0 and self.cyclic else graph.variable(name) for j, name in enumerate(names))
+
+    def lift(self, value: Any) -> Sym:
+        """A number or symbol as a symbol."""
+        return value if isinstance(value, Sym) else self.graph.constant(value)
+
+    def accelerations(self, R: dict[int, Any], at: dict[int, Sym] | None = None) -> tuple[Sym, ...]:
+        """Accelerations of the coordinates under the friction forces R by contact, with other states `at` those of the coordinates."""
+        v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
+        forces = [R.get(i, 0.0) for i in range(len(self.laws))]
+        return tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces))
+
+    def feet(self, i: int) -> list[int]:
+        """The contacts of the coordinate that a contact brakes, where it brakes one alone."""
+        return [k for k, row in enumerate(self.directions) if row == self.directions[i]]
+
+    def period(self, given: Any) -> Sym:
+        """Period of the equations, or how long the run is."""
+        return self.graph.case(SPAN) if given.period is None else self.lift(self.model.period)
+
+
+def _owners(graph: Graph, directions: Any, offsets: tuple[Sym, ...], coordinates: int) -> tuple[int | None, ...]:
+    """For each coordinate the first contact whose slip is its velocity plus what does not vary in time."""
+    found = []
+    for j in range(coordinates):
+        alone = [i for i, row in enumerate(directions) if row[j] == 1.0 and sum(map(abs, row)) == 1.0 and not graph.varies(offsets[i])]
+        found.append(alone[0] if alone else None)
+    return tuple(found)
+
+
+def _spread(node: Sym, factor: Sym | None = None) -> Sym:
+    """A sum with the case's factors multiplied into its terms, where they are computed once per case."""
+    graph = node.graph
+    if node.op in ("add", "subtract"):
+        a, b = (_spread(x, factor) for x in node.args)
+        return a + b if node.op == "add" else a - b
+    if node.op == "multiply" and node.args[0].level < STATE and node.args[1].op in ("add", "subtract"):
+        return _spread(node.args[1], node.args[0] if factor is None else graph.multiply(factor, node.args[0]))
+    return node if factor is None else graph.multiply(factor, node)

@@ -1,0 +1,117 @@
+"""What a step needs to know of a machine: states with their rates, contacts, guards with what they switch, known instants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stickslip.engine.symbols import Graph, Sym
+
+__all__ = ["Branches", "Contact", "Equations", "Switch"]
+
+
+@dataclass(frozen=True)
+class Switch:
+    """What happens when a guard falls to zero, beside the flip of its flag."""
+
+    modes: tuple[Sym, ...]  # the new modes
+    states: tuple[Sym | None, ...]  # the new states; None: unchanged
+    status: int = 0  # the run ends with this status
+
+
+@dataclass(frozen=True)
+class Branches:
+    """Accelerations at a set-valued contact: while it slides, and how much is left at the limits of rest."""
+
+    forwards: Sym
+    backwards: Sym
+    push: Sym  # > 0: the body breaks away forwards
+    pull: Sym  # > 0: backwards
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One contact: where it stands in the states, guards and modes."""
+
+    name: str
+    slip: Sym
+    direction: tuple[float, ...]  # what its slip takes of each coordinate's velocity: 1, -1 or 0
+    state: int | None  # the state that is its slip velocity; None where the slip is made of several, or of time
+    guard: int | None  # the guard whose flag holds the side of its slip; None of a set-valued law of several contacts: its mode does
+    inner: tuple[int, ...]  # its inner states among the states
+    modes: tuple[int, ...]  # its modes among the modes: +1, -1 or 0 (at rest) of a set-valued law, else the law's memories
+    branches: Branches | None  # of a set-valued law
+    stribeck_velocity: Sym | None
+    balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What a step needs to know of a model.
+
+    States are the velocity of each coordinate (less that of what its contact rubs on, where that does not vary), the laws' inner states
+    contact by contact, and then the positions that the equations need: of all coordinates, or of all but the first as differences to
+    it, whose own position is the integral of its velocity (none, for a single body). For one body y[0] = velocity at the contact.
+    """
+
+    graph: Graph
+    names: tuple[str, ...]  # the case's numbers, in the order of a row
+    t: Sym
+    y: tuple[Sym, ...]
+    f: tuple[Sym, ...]  # dy/dt
+    bodies: tuple[tuple[str, int], ...]  # names, each with the number of the coordinate with which it moves
+    slips_of: tuple[tuple[float, ...], ...]  # of each contact, what its slip takes of each body's velocity
+    single: bool  # one body with one contact by its kind, as a robot
+    offsets: tuple[Sym, ...]  # velocity of each coordinate less the state that stands for it
+    contacts: tuple[Contact, ...]
+    free: Sym  # acceleration of the first coordinate without friction
+    inertia: Sym | None  # what the drive's mass does to the body [N], where there is one
+    jacobian: tuple[tuple[Sym, ...], ...]
+    by_time: tuple[Sym, ...]
+    guards: tuple[Sym, ...]
+    guard_rates: tuple[Sym, ...]  # total derivative of each guard along the flow
+    signs: int  # the first guards have flags that flip; the others are positive until their switch
+    switches: dict[int, Switch]  # by number of the guard
+    modes: tuple[Sym, ...]
+    first_modes: tuple[Sym, ...]  # from the state, at the start and after an impulse
+    clocks: tuple[Sym, ...]
+    instants: tuple[Sym, ...]  # when each clock's flag changes
+    impulses: tuple[tuple[Sym, tuple[Sym, ...]], ...]  # instant, jump of each coordinate's velocity
+    period: Sym
+    velocity_scale: Sym
+    free_velocity: Sym  # what the body would do without friction: the unit of strobe distances
+    scales: tuple[Sym | None, ...]  # typical size of each state; None: not known
+    cyclic: bool
+    mass: Sym  # all that moves with the first contact [kg]
+    shares: tuple[Sym, ...]  # of each position among the states, in that of the centre of mass; none for one body
+    offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it; of one body
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether the laws have a rate and a force, and so never rest exactly."""
+        return all(contact.branches is None for contact in self.contacts)
+
+    @property
+    def states(self) -> int:
+        """Number of states."""
+        return len(self.y)
+
+    @property
+    def coordinates(self) -> int:
+        """Number of velocities, the first states."""
+        return len(self.offsets)
+
+    @property
+    def positions(self) -> range:
+        """The states that are positions, or differences of positions: the last ones."""
+        count = self.coordinates - 1 if self.cyclic else self.coordinates
+        return range(self.states - count, self.states)
+
+    @property
+    def offset(self) -> Sym:
+        """Velocity of the first coordinate less the state that stands for it."""
+        return self.offsets[0]
+
+    @property
+    def contact(self) -> Branches | None:
+        """Of a set-valued law of one contact."""
+        return self.contacts[0].branches
