@@ -92,11 +92,11 @@ def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
             return graph.select(mode, one, graph.select(-mode, one, left))
 
         slip = graph.select(mode, m.slips[i], graph.select(-mode, -m.slips[i], one))
-        at_rest = {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0 and sum(map(abs, m.directions[i])) == 1.0}
+        exactly = {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0}  # zero slip, to the last digit
         parts.events += [
-            (slip, box.decided(arrives), at_rest, 0),
-            (resting(high - forces[i]), {number: one}, {}, 0),
-            (resting(forces[i] - low), {number: -one}, {}, 0),
+            (slip, box.decided(arrives), exactly, 0),
+            (resting(high - forces[i]), {number: one}, exactly, 0),
+            (resting(forces[i] - low), {number: -one}, exactly, 0),
         ]
         state = m.owner.index(i) if i in m.owner else None
         branches = Branches(zero, zero, forces[i] - high, low - forces[i])
