@@ -231,3 +231,42 @@ class ThreeBlocks(ss.Machine):
     def links(self):
         ground = {(f"block {i}", None): (ss.Spring(1.0, damping=1.0) if i == 1 else ss.Spring(0.0, damping=1.0)) for i in (1, 2, 3)}
         return {**ground, ("block 2", "block 1"): ss.Spring(1.0), ("block 3", "block 2"): ss.Spring(1.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Clutches(ss.Machine):
+    r"""Four inertias in a row with three clutches, whose normal forces vary in time. Read rad, kg m^2 and N m.
+
+    While all clutches hold, all inertias turn with the acceleration :math:`a = \sum T_i/\sum J_i`, and clutch k bears what the inertias
+    before it leave over: :math:`C_k = \sum_{i\le k} (T_i - J_i a)`. While clutch 2 slips with the torque C of sliding and the others
+    hold, it is the same for the two halves: the first has :math:`a = (T_1+T_2-C)/(J_1+J_2)` and the second
+    :math:`a = (T_3+T_4+C)/(J_3+J_4)`. A clutch holds while :math:`|C_k| \le \mu N_k(t)`.
+    """
+
+    mu: float = 0.5
+    drive: float = 2.0
+    drag: float = 1.5
+    omega: float = 2.0
+
+    inertias = (1.0, 0.5, 0.8, 1.2)
+
+    @property
+    def period(self):
+        return 2 * math.pi / self.omega
+
+    def torques(self, t):
+        """Applied torques."""
+        return self.drive * sin(self.omega * t), 0.2, 0.0, -self.drag * sin(self.omega * t) - 0.1
+
+    def load(self, k, t):
+        """Normal force of a clutch."""
+        return (3.0, 2.4, 3.2)[k] * (1.0 + 0.4 * cos(self.omega * t + (0.3, 1.9, 4.0)[k]))
+
+    def bodies(self):
+        return {f"disc {i}": ss.Body(J, force=lambda t, x, v, i=i: self.torques(t)[i]) for i, J in enumerate(self.inertias)}
+
+    def contacts(self):
+        law = ss.Coulomb(self.mu, self.mu)
+        return {
+            f"clutch {k}": ss.Contact(f"disc {k}", law, on=f"disc {k + 1}", load=lambda t, x, k=k: self.load(k, t)) for k in range(3)
+        }

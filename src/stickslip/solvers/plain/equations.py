@@ -132,9 +132,8 @@ class Equations:
         """What rounding makes of slips that are differences."""
         terms = [[abs(g * v) for g, v in zip(row, u, strict=True) if g] for row in self.rows]
         rest = [abs(value - _dot(row, u)) for value, row in zip(w, self.rows, strict=True)]
-        return [
-            0.0 if len(each) == 1 and b <= ROUNDING * each[0] else ROUNDING * (sum(each) + b) for each, b in zip(terms, rest, strict=True)
-        ]
+        told = [0.0 if b <= ROUNDING * sum(each) else b + self.scale_of_velocity for each, b in zip(terms, rest, strict=True)]
+        return [0.0 if len(each) == 1 and not b else ROUNDING * (sum(each) + b) for each, b in zip(terms, told, strict=True)]
 
     def gaps(self, t: float, q: Sequence[float]) -> Floats:
         """What is left until stops are closed [m]."""
