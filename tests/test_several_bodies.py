@@ -182,15 +182,15 @@ def test_a_worm_of_which_one_mass_always_holds():
     run = plain(problems.Worm(0.1, 0.3, frequency=2.0), 3)
     assert last_period(run) == pytest.approx([0.012] * 3, rel=1e-13)
     assert_phases(run, [(1 / 12, (1, 1, 0)), (5 / 12, (0, 1, 1)), (9 / 12, (1, 0, 1))])
-    assert np.all(run.slip[run.mode == 0] == pytest.approx(0.0, abs=1e-16))
+    assert abs(run.slip[run.mode == 0]).max() < 1e-14  # of velocities of .03, as polynomials of degree 7
 
 
 def test_prescribed_distances_are_kept():
     machine = problems.Worm(0.1, 0.3, frequency=2.0)
     run = plain(machine, 1)
     first, last = machine.links().values()
-    assert run.x[:, 0] - run.x[:, 1] == pytest.approx(first.position(run.t), abs=1e-16)
-    assert run.v[:, 1] - run.v[:, 2] == pytest.approx(last.velocity(run.t), abs=1e-16)
+    assert run.x[:, 0] - run.x[:, 1] == pytest.approx(first.position(run.t), abs=1e-15)
+    assert run.v[:, 1] - run.v[:, 2] == pytest.approx(last.velocity(run.t), abs=1e-14)
 
 
 @pytest.mark.slow
@@ -219,7 +219,7 @@ def test_a_capsule_whose_inner_mass_grazes_the_stop_is_hit_or_not():
     for part, hit in ((1 + 1e-9, False), (1 - 1e-9, True)):
         machine = problems.Capsule(alpha=1.0, omega=omega, gap=problems.GRAZING * part, mass=4.0, restitution=0.6)
         run = hits_of(machine, periods=2, start=start)
-        assert bool(run.hits) == hit and all(part.mode == (0,) for part in run.parts)
+        assert bool(run.hits) == hit and (hit or all(part.mode == (0,) for part in run.parts))
         if hit:  # the gap is narrower by d: the mass meets it with the velocity omega sqrt(2 A d)
             assert run.hits[0].velocity == pytest.approx(-omega * problems.GRAZING * math.sqrt(2e-9), rel=1e-4)
 
@@ -354,14 +354,13 @@ def test_a_bouncing_ball_comes_to_rest_in_a_geometric_series_and_lifts_off_when_
 
 def test_equal_balls_hand_a_hit_on_and_unequal_restitutions_at_one_instant_are_refused():
     """e = 1, no weight: the ground returns the first ball, which hands its velocity to the second."""
-    run = hits_of(Balls(1.0, other=1.0, count=2, weight=0.0), duration=3.0, start={"x": [1.0, 2.0], "v": [-1.0, 0.0]})
-    assert [(hit.part, hit.t, hit.velocity) for hit in run.hits] == [("ball 0", 1.0, -1.0), ("ball 1-ball 0", 3.0, -1.0)][: len(run.hits)]
-    together = {"x": [1.0, 1.0], "v": [-1.0, -2.0]}
+    run = hits_of(Balls(1.0, other=1.0, count=2, weight=0.0), duration=4.0, start={"x": [1.0, 2.0], "v": [-1.0, 0.0]})
+    assert [(hit.part, hit.velocity) for hit in run.hits] == [("ball 0", -1.0), ("ball 1-ball 0", pytest.approx(-1.0))]
+    assert [hit.t for hit in run.hits] == pytest.approx([1.0, 3.0], rel=1e-15) and run.y[2:] == pytest.approx([0.0, 1.0], abs=1e-15)
     with pytest.raises(ss.SolveError, match="hit at one instant"):
         hits_of(Balls(0.5, other=0.4, count=2, weight=0.0), duration=2.0, start={"x": [0.0, 0.0], "v": [-1.0, -2.0]})
     both = hits_of(Balls(0.5, other=0.5, count=2, weight=0.0), duration=2.0, start={"x": [0.0, 0.0], "v": [-1.0, -2.0]})
     assert both.y[2:] == pytest.approx([0.5, 1.0], rel=1e-15)  # every rate of parting is half the rate of approach
-    assert together["x"][0] == 1.0
 
 
 def test_a_start_beyond_a_stop_is_said():
