@@ -200,7 +200,7 @@ def _by_derivatives(
     for m in range(1, _ORDERS + 1):
         low = [float(c[1][n, m]) if "-" in bound else -np.inf for n, bound in enumerate(bounds)]
         high = [float(c[2][n, m]) if "+" in bound else np.inf for n, bound in enumerate(bounds)]
-        found = decide(G, c[0][:, m], low, high)
+        found = decide(G, c[0][:, m], low, high, small=size)
         rates = c[0][:, m] - G @ np.array(found.R)
         freed = {rows[n]: _sign(rates[n]) for n, bound in enumerate(bounds) if bound and abs(rates[n]) > size}
         if freed:

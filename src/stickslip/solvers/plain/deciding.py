@@ -47,6 +47,7 @@ class _Block:
     forced: Mapping[int, int]
     rested: Sequence[bool]
     rank: Sequence[int]
+    small: float = 0.0  # error of beta
 
     def __len__(self) -> int:
         return len(self.beta)
@@ -64,7 +65,7 @@ class _Block:
     def noise(self, R: Any) -> Any:
         """What rounding makes of the rates w'."""
         sizes = [abs(v) for pair in (self.lo, self.hi) for v in pair if math.isfinite(v)]
-        return ROUNDING * (abs(self.beta) + abs(self.G) @ abs(R) + np.diag(self.G) * max(sizes, default=0.0))
+        return self.small + ROUNDING * (abs(self.beta) + abs(self.G) @ abs(R) + np.diag(self.G) * max(sizes, default=0.0))
 
     def preference(self, sides: Sequence[int]) -> tuple[int, int, tuple[int, ...]]:
         """Rested before, then the larger set, then the lower index."""
@@ -99,7 +100,7 @@ def is_common(G: Any) -> bool:
 
 def decide(
     G: Any, beta: Any, lo: Limits, hi: Limits, slide: tuple[Limits, Limits] | None = None, forced: Mapping[int, int] | None = None,
-    rested: Sequence[bool] | None = None, rank: Sequence[int] | None = None,
+    rested: Sequence[bool] | None = None, rank: Sequence[int] | None = None, small: float = 0.0,
 ) -> Answer:  # fmt: skip
     """Forces and modes of contacts at zero slip velocity.
 
@@ -119,6 +120,8 @@ def decide(
         Contacts that rested before: they are preferred where several answers are consistent.
     rank : sequence of int, optional
         Order of contacts on one coordinate whose beta are equal now, a moment later.
+    small : float, optional
+        Error of beta, where it is more than rounding [m/s^2].
 
     Examples
     --------
@@ -130,7 +133,7 @@ def decide(
     G, beta, count = np.asarray(G, float), np.asarray(beta, float), len(beta)
     whole = _Block(
         G, beta, np.asarray(lo, float), np.asarray(hi, float), slide if slide is not None else (lo, hi), forced or {},
-        rested if rested is not None else [False] * count, rank if rank is not None else [0] * count,
+        rested if rested is not None else [False] * count, rank if rank is not None else [0] * count, small,
     )  # fmt: skip
     R, sides = [0.0] * count, [0] * count
     for block in blocks(G):
@@ -146,7 +149,7 @@ def _part(whole: _Block, block: list[int]) -> _Block:
     slide = tuple([values[i] for i in block] for values in whole.slide)
     return _Block(
         whole.G[np.ix_(block, block)], whole.beta[block], whole.lo[block], whole.hi[block], (slide[0], slide[1]), forced,
-        [whole.rested[i] for i in block], [whole.rank[i] for i in block],
+        [whole.rested[i] for i in block], [whole.rank[i] for i in block], whole.small,
     )  # fmt: skip
 
 
@@ -190,7 +193,7 @@ def _common(block: _Block) -> tuple[list[float], list[int]]:
 
 def _medians(block: _Block, level: Any, sign: Any, free: list[int]) -> Iterable[list[int]]:
     """Every order-respecting choice: a group of equal contacts rests, or the border lies between two groups."""
-    keys = sorted({_key(level, block.rank, i, free) for i in free})
+    keys = sorted({_key(level, block.rank, i, free, block.small) for i in free})
     borders = [*[(key, key) for key in keys], *itertools.pairwise([(-1, -1), *keys, (len(level), 0)])]
     for low, high in borders:
         sides = [0] * len(level)
@@ -198,15 +201,15 @@ def _medians(block: _Block, level: Any, sign: Any, free: list[int]) -> Iterable[
             if i in block.forced:
                 sides[i] = block.forced[i]
                 continue
-            key = _key(level, block.rank, i, free)
+            key = _key(level, block.rank, i, free, block.small)
             above = 0 if key == low == high else 1 if key >= high else -1
             sides[i] = above * int(sign[i])
         yield sides
 
 
-def _key(level: Any, rank: Sequence[int], i: int, free: list[int]) -> tuple[int, int]:
+def _key(level: Any, rank: Sequence[int], i: int, free: list[int], small: float) -> tuple[int, int]:
     """Number of a contact's level among those that differ by more than rounding, then its rank."""
-    size = ROUNDING * max((abs(float(level[j])) for j in free), default=0.0)
+    size = small + ROUNDING * max((abs(float(level[j])) for j in free), default=0.0)
     values = sorted(float(level[j]) for j in free)
     number = 0
     for before, value in itertools.pairwise(values):
@@ -238,7 +241,7 @@ def _is_consistent_median(block: _Block, level: Any, sign: Any, sizes: Any, side
         return False
     group = [i for i, side in enumerate(sides) if side == 0]
     push = _sliding(block, sign, sizes, sides)
-    noise = ROUNDING * (abs(push) + max(abs(level)) / block.G[0, 0])
+    noise = block.small / block.G[0, 0] + ROUNDING * (abs(push) + max(abs(level)) / block.G[0, 0])
     if group:
         low, high = _turned(block, sign, sizes, group)
         return sum(low) - noise <= _needed(block, level, sign, sizes, sides) <= sum(high) + noise
@@ -306,25 +309,35 @@ def hold(G: Any, beta: Any, lo: Any, hi: Any, noise: Any) -> Any:
 
 def most_slack(G: Any, beta: Any, lo: Any, hi: Any) -> tuple[Any, float]:
     """Of the forces that hold a dependent set those farthest from their limits, and how far, in parts of the limits' distance."""
-    from scipy.optimize import linprog
+    G, beta = np.asarray(G, float), np.asarray(beta, float)
+    values, vectors = np.linalg.eigh(G)
+    loose = vectors[:, values <= _SAME * values[-1]]
+    tight = vectors[:, values > _SAME * values[-1]]
+    R = tight @ ((tight.T @ beta) / values[values > _SAME * values[-1]])
+    rows, left = [], []  # in parts of the limits' distance, left - rows @ s is what is left of one limit
+    for i, (low, high) in enumerate(zip(lo, hi, strict=True)):
+        width = high - low if math.isfinite(high - low) and high > low else 1.0
+        for side, bound in ((1, high), (-1, -low)):
+            if math.isfinite(bound):
+                rows.append(side * loose[i] / width)
+                left.append((bound - side * R[i]) / width)
+    if not rows:
+        return R, 1.0
+    s, margin = _highest(np.array(rows), np.array(left))
+    return R + loose @ s, margin
 
-    k = len(beta)
-    width = np.array([b - a if math.isfinite(b - a) and b > a else 1.0 for a, b in zip(lo, hi, strict=True)])
-    rows = [[*(float(sign * (j == i)) for j in range(k)), width[i]] for sign in (1, -1) for i in range(k)]
-    bounds = [*hi, *(-np.asarray(lo))]
-    finite = [n for n, bound in enumerate(bounds) if math.isfinite(bound)]
-    A, b = np.array(rows).reshape(-1, k + 1)[finite], np.array(bounds)[finite]
-    left, values, _ = np.linalg.svd(G)
-    rank = int(np.sum(values > _SAME * values[0]))
-    solvable = np.hstack([left[:, :rank].T @ G, np.zeros((rank, 1))])
-    found = linprog(
-        [0.0] * k + [-1.0], A_ub=A if len(A) else None, b_ub=b if len(A) else None, A_eq=solvable, b_eq=left[:, :rank].T @ beta,
-        bounds=[(None, None)] * k + [(None, 1.0)],
-    )  # fmt: skip
-    if found.status != 0:
-        return None, -math.inf
-    R = found.x[:k]
-    return R + np.linalg.pinv(G, rcond=_SAME, hermitian=True) @ (beta - G @ R), float(found.x[k])
+
+def _highest(rows: Any, left: Any) -> tuple[Any, float]:
+    """The s at which the least of left - rows s is largest, and that: the least lies on a corner of the planes, so all corners are tried."""
+    n, least = rows.shape[1], float(np.min(left))
+    planes = np.hstack([rows, np.ones((len(rows), 1))])
+    corners = np.array(list(itertools.combinations(range(len(rows)), n + 1)), int).reshape(-1, n + 1)
+    corners = corners[abs(np.linalg.det(planes[corners])) > _SAME]
+    at = np.linalg.solve(planes[corners], left[corners][..., None])[..., 0]
+    below = np.min(left - at[:, :n] @ rows.T, axis=1, initial=math.inf)
+    at = at[below >= at[:, n] - ROUNDING * (1 + abs(left).max())]
+    best = int(np.argmax(at[:, n])) if len(at) else -1
+    return (at[best, :n], float(at[best, n])) if len(at) else (np.zeros(n), least)
 
 
 def _goes(block: _Block, sides: Sequence[int], R: Any) -> bool:

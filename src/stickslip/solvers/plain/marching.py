@@ -70,7 +70,7 @@ def _known(model: Any, end: float) -> list[tuple[float, Jumps]]:
     for s, jump in machine.mechanics.jumps:
         jumps[float(s)] = tuple(a + float(b) for a, b in zip(jumps.get(float(s), nothing), jump, strict=True))
     breaks = machine.breaks
-    if not breaks and not jumps:
+    if not breaks and not jumps and (machine.is_single or model.period is None):
         return [(0.0, nothing), (end, nothing)]
     T = float(model.period)
     inside = sorted({0.0, *breaks, *jumps})

@@ -97,18 +97,16 @@ class _Box(Group):
 
 @dataclass(frozen=True)
 class _Dependent(Group):
-    """Rows of which some follow from others: of all forces that hold them those farthest from the limits are taken."""
+    """Rows of which some follow from others: their forces are not unique, and the smallest will do, for all give the same motion."""
 
     G: Any
+    inverse: Any
 
     def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
-        own = limits()
-        low, high = zip(*(own[i] for i in self.rows), strict=True)
-        R, _ = most_slack(self.G, np.asarray(beta), low, high)
-        return self.project(beta) if R is None else R.tolist()
+        return self.project(beta)
 
     def project(self, w: Sequence[float]) -> Sequence[float]:
-        return (np.linalg.pinv(self.G, rcond=1 / _SINGULAR, hermitian=True) @ np.asarray(w)).tolist()
+        return (self.inverse @ np.asarray(w)).tolist()
 
     def margins(self, R: Sequence[float], limits: Bounds) -> list[tuple[int | None, int, float, float]]:
         low, high = (np.array([limits[i][n] for i in self.rows]) for n in (0, 1))
@@ -125,4 +123,4 @@ def group_of(rows: list[int], G: Any, effective: list[float]) -> Group:
         return _Common(rows, effective[rows[0]], np.sign(part[0]).tolist())
     if np.linalg.cond(part) < _SINGULAR:
         return _Box(rows, np.linalg.inv(part))
-    return _Dependent(rows, part)
+    return _Dependent(rows, part, np.linalg.pinv(part, rcond=1 / _SINGULAR, hermitian=True))
