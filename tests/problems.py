@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import stickslip as ss
+from stickslip.maths import cos, sin, where, within
 
 #: LuGre runs of the paper's rig from rest, mean velocity over periods 100 to 200 [m/s]: name -> (preset arguments, V).
 #: P5 never slides. P10 is the true incline with isotropic LuGre.
@@ -66,3 +68,205 @@ def random_robots(count: int, seed: int = 1) -> ss.Robot:
     mu, skew, rise = wide(0.18), 1 + wide(0.4), 1 + wide(0.17)
     law = ss.LuGre(mu, mu * skew, mu * rise, mu * skew * rise, sigma0=wide(4e5), sigma1=wide(100.0), sigma2=wide(0.04), v_s=wide(2e-3))
     return ss.Robot(total - inner, inner, ss.Harmonic(amplitude=wide(5e-4), omega=wide(205.46)), law)
+
+
+# machines of several bodies, contacts and stops -------------------------------------------------------------------
+# Numbers from two independent solvers: arcs by matrix exponentials with enumerated modes, and Taylor series of order 16.
+
+BODY, INNER, LOW, HIGH = 0.06259, 0.00948, ss.Coulomb(0.15, 0.21), ss.Coulomb(0.2, 0.35)
+
+
+def module(friction: object = LOW, amplitude: float = 6e-4, body: float = BODY, **more: object) -> ss.Robot:
+    """A shaken module of a chain."""
+    return ss.Robot(body, INNER, ss.Harmonic(amplitude=amplitude, omega=65.4 * math.pi), friction, **more)
+
+
+def chain(*phases: float, modules: tuple[ss.Robot, ...] | None = None, link: object = None) -> ss.Chain:
+    """Modules in a row, joined by springs of 1200 N/m."""
+    own = (module(),) * len(phases) if modules is None else modules
+    return ss.Chain(own, link=ss.Spring(stiffness=1200.0, damping=0.4) if link is None else link, phases=phases)
+
+
+@dataclass(frozen=True)
+class Wave:
+    """A distance that goes as mean + amplitude f(omega t - phase), f a sine or two cosines."""
+
+    amplitude: float
+    omega: float
+    phase: float
+    second: float = 0.0  # 0: sine; else cos + second cos(2 . + .6)
+
+    def _wave(self, t, derivative):
+        angle = self.omega * t - self.phase
+        if self.second == 0.0:
+            return (sin(angle), cos(angle), -sin(angle))[derivative]
+        twice = 2 * angle + 0.6
+        shapes = (
+            cos(angle) + self.second * cos(twice),
+            -sin(angle) - 2 * self.second * sin(twice),
+            -cos(angle) - 4 * self.second * cos(twice),
+        )
+        return shapes[derivative]
+
+    def position(self, t):
+        return self.amplitude * self._wave(t, 0)
+
+    def velocity(self, t):
+        return self.amplitude * self.omega * self._wave(t, 1)
+
+    def acceleration(self, t):
+        return self.amplitude * self.omega**2 * self._wave(t, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Worm(ss.Machine):
+    """Three masses of 50 g whose distances are prescribed as a travelling wave; the middle one is a third of a wave behind the head."""
+
+    mu_plus: float
+    mu_minus: float
+    frequency: float
+    amplitude: float = 2e-3
+    lag: float = 2 * math.pi / 3
+    second: float = 0.0
+
+    @property
+    def period(self):
+        return 1 / self.frequency
+
+    def bodies(self):
+        return {name: ss.Body(0.05) for name in ("head", "middle", "tail")}
+
+    def contacts(self):
+        return {name: ss.Contact(name, ss.Coulomb(self.mu_plus, self.mu_minus)) for name in ("head", "middle", "tail")}
+
+    def links(self):
+        omega = 2 * math.pi * self.frequency
+        first, last = (Wave(self.amplitude, omega, phase, self.second) for phase in (0.0, self.lag))
+        return {("head", "middle"): first, ("middle", "tail"): last}
+
+
+@dataclass(frozen=True, eq=False)
+class Capsule(ss.Machine):
+    r"""An inner mass driven within a capsule, without dimensions, with a stop between them.
+
+    .. math:: \ddot x_1 = \alpha\cos\omega t + (x_2-x_1) + 2\xi(\dot x_2-\dot x_1) - C, \quad
+              \gamma\ddot x_2 = -(x_2-x_1) - 2\xi(\dot x_2-\dot x_1) + C - f(\dot x_2) - [\alpha\cos\omega t]
+    """
+
+    alpha: float
+    omega: float
+    gap: float
+    mass: float
+    damping: float = 0.05
+    stiffness: float | None = None  # of the stop
+    restitution: float | None = None
+    reaction: float = 1.0  # 0: what drives the inner mass does not push the capsule back
+
+    @property
+    def period(self):
+        return 2 * math.pi / self.omega
+
+    def bodies(self):
+        def force(t, x, v):
+            return self.alpha * cos(self.omega * t)
+
+        return {"inner": ss.Body(1.0, force=force), "capsule": ss.Body(self.mass, force=lambda t, x, v: -self.reaction * force(t, x, v))}
+
+    def contacts(self):
+        return {"capsule": ss.Contact("capsule", ss.Coulomb(1.0, 1.0), load=1.0)}
+
+    def links(self):
+        return {("inner", "capsule"): ss.Spring(1.0, damping=2 * self.damping)}
+
+    def stops(self):
+        return {("inner", "capsule"): ss.Stop(self.gap, restitution=self.restitution, stiffness=self.stiffness)}
+
+
+CAPSULE_1 = Capsule(alpha=1.6, omega=0.95, gap=0.02, mass=5.0, stiffness=15.0, reaction=0.0)
+CAPSULE_3 = Capsule(alpha=1.6, omega=0.95, gap=0.5, mass=4.0, restitution=0.6)
+GRAZING = 1.0 / math.hypot(1 - 0.36, 2 * 0.05 * 0.6)  # amplitude of the inner mass of a capsule that rests
+
+
+@dataclass(frozen=True, eq=False)
+class Forced(ss.Machine):
+    """A body with an inner mass on a spring, pushed apart by 1.5 sin + .75 cos 2, or by a pulse over .35 of the period."""
+
+    damping: float
+    pulse: float = 0.0
+
+    period = 0.06
+
+    def bodies(self):
+        return {"body": ss.Body(0.193, breaks=(0.35 * self.period,) if self.pulse else ()), "inner": ss.Body(0.074)}
+
+    def contacts(self):
+        return {"body": ss.Contact("body", ss.Coulomb(0.29, 0.29), load=(0.193 + 0.074) * 9.81)}
+
+    def links(self):
+        return {("inner", "body"): ss.Spring(256.23, damping=self.damping)}
+
+    def forces(self, t, x, v):
+        omega = 2 * math.pi / self.period
+        push = 1.5 * sin(omega * t) + 0.75 * cos(2 * omega * t)
+        if self.pulse:
+            push = where(within(t, self.period) < 0.35 * self.period, self.pulse, 0.0)
+        return {"body": -push, "inner": push}
+
+
+@dataclass(frozen=True, eq=False)
+class ThreeBlocks(ss.Machine):
+    """Unit masses in a row: springs of 1 between neighbours and to the wall, dampers of 1 to the ground, 10 cos(pi t) on the third."""
+
+    period = 2.0
+
+    def bodies(self):
+        return {f"block {i}": ss.Body(1.0, force=self.push if i == 3 else 0.0) for i in (1, 2, 3)}
+
+    def push(self, t, x, v):
+        return 10 * cos(math.pi * t)
+
+    def contacts(self):
+        return {name: ss.Contact(name, ss.Coulomb(0.3, 0.3), load=1.0) for name in ("block 1", "block 2", "block 3")}
+
+    def links(self):
+        ground = {(f"block {i}", None): (ss.Spring(1.0, damping=1.0) if i == 1 else ss.Spring(0.0, damping=1.0)) for i in (1, 2, 3)}
+        return {**ground, ("block 2", "block 1"): ss.Spring(1.0), ("block 3", "block 2"): ss.Spring(1.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Clutches(ss.Machine):
+    r"""Four inertias in a row with three clutches, whose normal forces vary in time. Read rad, kg m^2 and N m.
+
+    While all clutches hold, all inertias turn with the acceleration :math:`a = \sum T_i/\sum J_i`, and clutch k bears what the inertias
+    before it leave over: :math:`C_k = \sum_{i\le k} (T_i - J_i a)`. While clutch 2 slips with the torque C of sliding and the others
+    hold, it is the same for the two halves: the first has :math:`a = (T_1+T_2-C)/(J_1+J_2)` and the second
+    :math:`a = (T_3+T_4+C)/(J_3+J_4)`. A clutch holds while :math:`|C_k| \le \mu N_k(t)`.
+    """
+
+    mu: float = 0.5
+    drive: float = 2.0
+    drag: float = 1.5
+    omega: float = 2.0
+
+    inertias = (1.0, 0.5, 0.8, 1.2)
+
+    @property
+    def period(self):
+        return 2 * math.pi / self.omega
+
+    def torques(self, t):
+        """Applied torques."""
+        return self.drive * sin(self.omega * t), 0.2, 0.0, -self.drag * sin(self.omega * t) - 0.1
+
+    def load(self, k, t):
+        """Normal force of a clutch."""
+        return (3.0, 2.4, 3.2)[k] * (1.0 + 0.4 * cos(self.omega * t + (0.3, 1.9, 4.0)[k]))
+
+    def bodies(self):
+        return {f"disc {i}": ss.Body(J, force=lambda t, x, v, i=i: self.torques(t)[i]) for i, J in enumerate(self.inertias)}
+
+    def contacts(self):
+        law = ss.Coulomb(self.mu, self.mu)
+        return {
+            f"clutch {k}": ss.Contact(f"disc {k}", law, on=f"disc {k + 1}", load=lambda t, x, k=k: self.load(k, t)) for k in range(3)
+        }

@@ -176,6 +176,10 @@ class Stopper:
         """How fast the gap opens [m/s]."""
         return -self.part.side * self.mechanics.distance(self.ends, self.mechanics.velocities(t, u))
 
+    def offset_rate(self, t: Any) -> Any:
+        """What prescribed distances add to the acceleration of the gap [m/s^2]."""
+        return -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
+
 
 class SeveralBodies(Mechanics):
     """A machine that lists its bodies, contacts, links and stops.
@@ -230,7 +234,7 @@ class SeveralBodies(Mechanics):
             found[self.coordinate[second]] -= 1.0
         return tuple(found)
 
-    @property
+    @cached_property
     def start(self) -> tuple[Any, ...]:
         """Centre of mass of the bodies of each coordinate, where they begin [m]."""
         return tuple(
@@ -369,6 +373,8 @@ class SeveralBodies(Mechanics):
 
     def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
         """What prescribed distances add to each body's position, velocity or acceleration, beyond its coordinate's."""
+        if not self.told:
+            return (0.0,) * len(self.bodies)
         found: dict[str, Any] = {}
         for group in self.groups:
             raw = {name: _sum(sign * getattr(link, what)(t) for sign, link in self.arms[name]) for name in group}

@@ -208,9 +208,9 @@ class Trajectory:
     def _states_at(self, t: Any, index: Any) -> tuple[Any, Any, Any]:
         """x, v and z at times on given pieces, with the axes of the columns; z always has one for its states."""
         x, v, z = self.pieces.evaluate(t, index)
-        machine = machine_of(self.model)
-        if not machine.is_single and machine.mechanics.coordinates < len(machine.mechanics.bodies):
-            x, v = _at_distances(machine.mechanics, t, x, v)
+        bodies = self.pieces.layout.bodies
+        if len({body.velocity for body in bodies}) < len(bodies):
+            x, v = _at_distances(machine_of(self.model).mechanics, t, x, v)
         return self._flat(x), self._flat(v), self._flat(z)
 
     @property

@@ -2,47 +2,45 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from stickslip.layout import StateLayout
+from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.pieces import PolynomialPieces
-from stickslip.solvers.plain.equations import Memory
+from stickslip.solvers.plain.equations import Equations, Mode
 
-__all__ = ["Part", "joined", "part_of", "resting"]
+__all__ = ["Part", "joined", "part_of"]
 
 
 @dataclass
 class Part:
-    """One piece of dense output: where it begins, and the polynomials of v, z and (if the equations know it) x."""
+    """One piece of dense output: where it begins, and the polynomials of `Equations.output`."""
 
     t: float
-    x: float
+    x: float  # the first coordinate at its beginning [m]
     coefficients: Any  # (states, degree + 1)
-    mode: int
-    memory: Memory
+    mode: tuple[int, ...]  # of each contact
+    memory: tuple[int, ...]
 
-    def end_at_rest(self, v: float) -> None:
-        """The zero of the contact's velocity was found to rounding only: take that rounding off."""
-        self.coefficients[0, -1] += v - self.coefficients[0].sum()
-
-
-def resting(t: float, end: float, y: Any, v: float, cyclic: bool) -> Part:
-    """A body stuck on its contact, which moves with velocity v."""
-    states = np.array([[v, 0.0]] if cyclic else [[v, 0.0], [float(y[0]), v * (end - t)]])
-    return Part(t, float(y[0]), states, 0, ())
+    def end_at(self, values: Any) -> None:
+        """An event was found to rounding only: take that rounding off."""
+        self.coefficients[:, -1] += np.asarray(values) - self.coefficients.sum(axis=1)
 
 
-def part_of(dense: Any, start: float, end: float, before: Any, after: Any, mode: int, memory: Memory, cyclic: bool) -> Part:
+def part_of(e: Equations, dense: Any, start: float, end: float, before: Any, after: Any, mode: Mode) -> Part:
     """A step, or the beginning of one up to `end`, as polynomials; its ends are the integrator's own states."""
     degree = _degree(dense)
     theta = 0.5 - 0.5 * np.cos(np.pi * np.arange(degree + 1) / degree)
-    values = np.linalg.solve(theta[:, None] ** np.arange(degree + 1), dense(start + (end - start) * theta).T).T
-    values[:, 0] = before
-    values[:, -1] += after - values.sum(axis=1)
-    return Part(start, float(before[0]), values[1:] if cyclic else np.concatenate([values[1:], values[:1]]), mode, memory)
+    times = start + (end - start) * theta
+    states = [before, *(dense(t) for t in times[1:-1]), after]
+    values = np.array([e.output(float(t), y, mode) for t, y in zip(times, states, strict=True)])
+    coefficients = np.linalg.solve(theta[:, None] ** np.arange(degree + 1), values).T
+    coefficients[:, 0] = values[0]
+    coefficients[:, -1] += values[-1] - coefficients.sum(axis=1)
+    return Part(start, float(before[0]), coefficients, mode.sides[: e.k], tuple(m for own in mode.memory for m in own))
 
 
 def _degree(piece: Any) -> int:
@@ -57,16 +55,30 @@ def _degree(piece: Any) -> int:
     return max(int(order), 1)
 
 
-def joined(parts: list[Part], end: float, cyclic: bool) -> PolynomialPieces:
+def joined(parts: list[Part], end: float, equations: Equations) -> PolynomialPieces:
     """All parts as one dense output."""
     width = max(part.coefficients.shape[1] for part in parts)
-    states, memories = max(len(part.coefficients) for part in parts), max(len(part.memory) for part in parts)
     times = np.append([part.t for part in parts], max(parts[-1].t, end))
     good = np.diff(times) > 0
-    c = np.stack([np.pad(p.coefficients, ((0, states - len(p.coefficients)), (0, width - p.coefficients.shape[1]))) for p in parts])
-    memory = np.array([part.memory or (0,) * memories for part in parts], np.int32).reshape(len(parts), memories)
-    x0 = np.array([[p.x] if cyclic else [] for p in parts])
-    return PolynomialPieces(
-        t=np.append(times[:-1][good], times[-1]), mode=np.array([[p.mode] for p in parts], np.int8)[good],
-        x0=x0[good], coefficients=c[good], memory=memory[good], layout=StateLayout.of_one(states - 1 - (not cyclic), memories, not cyclic),
-    )  # fmt: skip
+    c = np.stack([np.pad(p.coefficients, ((0, 0), (0, width - p.coefficients.shape[1]))) for p in parts])
+    mode = np.array([part.mode for part in parts], np.int8).reshape(len(parts), -1)
+    memory = np.array([part.memory for part in parts], np.int32).reshape(len(parts), -1)
+    x0 = np.array([[part.x] if equations.cyclic else [] for part in parts])
+    times = np.append(times[:-1][good], times[-1])
+    return PolynomialPieces(t=times, mode=mode[good], x0=x0[good], coefficients=c[good], memory=memory[good], layout=_layout(equations))
+
+
+def _layout(e: Equations) -> StateLayout:
+    """What the states of `Equations.output` are."""
+    if e.single:
+        return StateLayout.of_one(e.laws[0].states, e.laws[0].modes, not e.cyclic)
+    names = e.mechanics.bodies
+    inner = itertools.pairwise(itertools.accumulate((law.states for law in e.laws), initial=2 * len(names)))
+    memory = itertools.pairwise(itertools.accumulate((law.modes for law in e.laws), initial=0))
+    return StateLayout(
+        tuple(BodyStates(name, velocity=j, position=len(names) + j) for j, name in enumerate(names)),
+        tuple(
+            ContactStates(name, direction, tuple(range(*own)), tuple(range(*held)))
+            for name, direction, own, held in zip(e.mechanics.contacts, e.mechanics.slips_of, inner, memory, strict=True)
+        ),
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,23 +12,42 @@ import numpy as np
 from stickslip.errors import SolveError
 from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
-from stickslip.solvers.plain.dense import Part, joined, resting
-from stickslip.solvers.plain.equations import LOAD, SLIP, Equations, Memory
-from stickslip.solvers.plain.stretch import Stretch, integrate
+from stickslip.solvers.plain import hits
+from stickslip.solvers.plain.choosing import begun, chosen, conditioned
+from stickslip.solvers.plain.dense import Part, joined
+from stickslip.solvers.plain.equations import Equations, Mode
+from stickslip.solvers.plain.guards import Guard
+from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
 
-__all__ = ["march"]
+__all__ = ["Hit", "Run", "march", "marched"]
 
-_GRID = 400  # looks per period at the offered force of a stuck body
-_CHUNK = 4096
 _EVENTS = 20_000  # events in one period that are taken for chatter
 _LOST = 6
+_BEFORE = 1e-9  # of the velocity scale: a slip that a contact at rest gets from asking beside a break, and not from a jump
+
+Jumps = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Hit:
+    """A stop was hit, with a velocity of approach, or closed for good (0)."""
+
+    t: float
+    part: str
+    velocity: float
 
 
 def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[str, Any], int]:
-    """The dense output of one case, what it cost, and how it ended (0, or 6 where the contact was lost)."""
+    """The dense output of one case, what it cost, and how it ended (0, or 6 where a contact was lost)."""
+    run = marched(todo, model, case)
+    return joined(run.parts, run.t, run.equations), run.counts, _LOST if run.lost else 0
+
+
+def marched(todo: Request, model: Any, case: int) -> Run:
+    """The run of one case."""
     equations = Equations(model)
-    run = _Run(todo, equations, todo.start[case])
+    run = Run(todo, equations, todo.start[case])
     end = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0]) * todo.periods
     end = end if todo.duration is None else min(end, todo.duration)
     known = _known(model, end)
@@ -39,62 +59,70 @@ def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[
         run.go(last[0])
         if run.lost:
             break
-    return joined(run.parts, run.t, equations.cyclic), run.counts, _LOST if run.lost else 0
+    return run
 
 
-def _known(model: Any, end: float) -> list[tuple[float, float]]:
-    """The instants that are known beforehand, with the impulse at each: start, breaks, impulses, borders of their periods, end."""
-    breaks = machine_of(model).breaks
-    jumps: dict[float, float] = {}
-    for s, jump in machine_of(model).impulses:
-        jumps[float(s)] = jumps.get(float(s), 0.0) + float(jump)
-    if not breaks and not jumps:
-        return [(0.0, 0.0), (end, 0.0)]
+def _known(model: Any, end: float) -> list[tuple[float, Jumps]]:
+    """The instants that are known beforehand, with the jumps at each: start, breaks, impulses, borders of their periods, end."""
+    machine = machine_of(model)
+    nothing = (0.0,) * len(machine.mechanics.masses)
+    jumps: dict[float, Jumps] = {}
+    for s, jump in machine.mechanics.jumps:
+        jumps[float(s)] = tuple(a + float(b) for a, b in zip(jumps.get(float(s), nothing), jump, strict=True))
+    breaks = machine.breaks
+    if not breaks and not jumps and (machine.is_single or model.period is None):
+        return [(0.0, nothing), (end, nothing)]
     T = float(model.period)
     inside = sorted({0.0, *breaks, *jumps})
-    known = [(k * T + s, jumps.get(s, 0.0)) for k in range(math.ceil(end / T)) for s in inside]
-    return [*((t, jump) for t, jump in known if t < end - 1e-12 * T), (end, 0.0)]
+    known = [(k * T + s, jumps.get(s, nothing)) for k in range(math.ceil(end / T)) for s in inside]
+    return [*((t, jump) for t, jump in known if t < end - 1e-12 * T), (end, nothing)]
 
 
-class _Run:
-    """A run on its way: its state, its mode, the memories of its law, and the parts of its dense output."""
+class Run:
+    """A run on its way: its state, its mode, and the parts of its dense output."""
 
     def __init__(self, todo: Request, equations: Equations, start: Any):
-        self.todo, self.equations, self.t, self.y = todo, equations, 0.0, np.array(start[: 2 + equations.inner], float)
-        self.memory: Memory = tuple(int(m) for m in start[2 + equations.inner :])
+        self.todo, self.equations, self.t = todo, equations, 0.0
+        self.y = np.array(start[: equations.size], float)
         self.parts: list[Part] = []
+        self.hits: list[Hit] = []
         self.counts, self.lost = {"steps": 0, "evaluations": 0, "restarts": 0}, False
         self.since, self.events = 0.0, 0
-        equations.first_load = float(equations.load(0.0, float(self.y[0])))
-        if equations.first_load <= 0.0:
+        equations.first_loads = equations.loads(0.0, self.y)
+        if any(load <= 0.0 for load in equations.first_loads):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
-        self.mode = equations.side(0.0, self.y, 0, self.memory)
+        self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
 
-    def throw(self, jump: float) -> None:
-        """An impulse: v jumps, x and z stay."""
-        if jump == 0.0:
-            if self.mode == 0 or self._slip() == 0.0:
-                self._ask(self.mode)
-            return
-        before = self._slip()
-        self.y[1] += jump
-        if before * self._slip() <= 0.0:
-            self._pass_zero()
-        self._ask(0)
+    def _memories(self, values: Any) -> tuple[tuple[int, ...], ...]:
+        whole = iter([int(m) for m in values])
+        return tuple(tuple(itertools.islice(whole, law.modes)) for law in self.equations.laws)
 
-    def _slip(self) -> float:
-        return float(self.equations.model.contact_velocity(float(self.y[1])))
+    # ---- instants that are known ----
+    def throw(self, jump: Jumps) -> None:
+        """An impulse, or an instant at which something that is prescribed changes: slips may jump, positions stay."""
+        e, before = self.equations, self.mode
+        self.y[e.n : 2 * e.n] += jump
+        w = e.slips(self.t, e.state(self.y)[1])
+        sides = {i: 1 if w[i] > 0 else -1 for i, side in enumerate(before.sides[: e.k]) if self._jumped(i, side, w[i], any(jump))}
+        for i in sides:
+            if e.dynamic[i]:
+                self._pass_zero(i)
+        still = [i for i, side in enumerate(before.sides[: e.k]) if side and w[i] == 0.0]
+        self.mode = conditioned(e, self.t, self.y, self.mode.moved(sides))
+        self._choose(still)
+        self._bounce([])
 
-    def _ask(self, before: int) -> None:
-        self.mode = self.equations.side(self.t, self.y, before, self.memory)
+    def _jumped(self, i: int, side: int, w: float, thrown: bool) -> bool:
+        """Whether a slip has left its side."""
+        if side:
+            return side * w < 0.0
+        return w != 0.0 if thrown and self.equations.n == 1 else abs(w) > _BEFORE * self.equations.scale_of_velocity
 
+    # ---- between them ----
     def go(self, end: float) -> None:
-        """Run up to a time, or until the contact is lost."""
+        """Run up to a time, or until a contact is lost."""
         while self.t < end and not self.lost:
-            if self.mode == 0:
-                self._rest(end)
-            else:
-                self._move(end)
+            self._move(end)
             self.counts["restarts"] += 1
             self._count()
         if not self.lost:
@@ -111,77 +139,104 @@ class _Run:
             )
 
     def _move(self, end: float) -> None:
-        stretch = integrate(self.todo, self.equations, self.t, self.y, end, self.mode, self.memory)
+        e = self.equations
+        stretch = integrate(self.todo, e, self.t, self.y, end, self.mode)
         self.parts += stretch.parts
         self.counts["steps"] += stretch.steps
         self.counts["evaluations"] += stretch.evaluations
-        self.t, self.y = stretch.t, np.array(stretch.y, float)
-        self._take(stretch)
+        self.t, self.y = stretch.t, e.at_rest(stretch.t, stretch.y, self.mode)
+        if stretch.fired:
+            self._take(stretch.fired, bool(stretch.parts))
 
-    def _take(self, stretch: Stretch) -> None:
-        """Do what the event says."""
-        if stretch.fired == SLIP:
-            self._pass_zero()
-            self._ask(self.mode)
-        elif stretch.fired == LOAD:
+    # ---- events ----
+    def _take(self, fired: list[Guard], moved: bool) -> None:
+        """Do what the events of one instant say."""
+        parts = {sort: [guard for guard in fired if guard.sort == sort] for sort in {guard.sort for guard in fired}}
+        if "load" in parts:
             self.lost = True
-        elif stretch.fired is not None:
-            self._switch(self.equations.slip(self.y, self.mode), stretch.fired - 2)
+            return
+        e, touched = self.equations, [guard.part for guard in parts.get("slip", [])]
+        if touched:
+            self.y = e.at_rest(self.t, self.y, self.mode.moved(dict.fromkeys(touched, 0)))
+            if moved:
+                self.parts[-1].end_at(e.output(self.t, self.y, self.mode))
+        for guard in parts.get("switch", []):
+            self._switch(guard.part, guard.which)
+        for i in touched:
+            if e.dynamic[i]:
+                self._pass_zero(i)
+        for guard in parts.get("kink", []):
+            self._flip(guard.part, guard.which)
+        if "gap" in parts:
+            self._bounce([guard.part for guard in parts["gap"]], touched)
+        elif "slip" in parts or "limit" in parts or 0 in self.mode.sides:
+            self._choose(touched, self._broken(parts.get("limit", [])))
 
-    def _switch(self, slip: float, k: int) -> None:
-        """One switch of the law's memory."""
-        _, memory, z = self.equations.switches(self.t, self.y, slip, self.memory)[k]
-        self.memory = tuple(int(m) for m in memory)
+    def _broken(self, limits: list[Guard]) -> dict[int, int]:
+        """Rows that break away the way that their guard says: those that do so alone among the rows that rest with them."""
+        found: dict[int, int] = {}
+        for group in self.equations.groups(self.mode.sides):
+            own = [guard for guard in limits if guard.part in group.rows and guard.which]
+            if len(own) == 1:
+                found |= group.broken(own[0].part, own[0].which)
+        return found
+
+    def _choose(self, touched: list[int], forced: dict[int, int] | None = None) -> None:
+        self.y, self.mode = chosen(self.equations, self.t, self.y, self.mode, touched, forced)
+
+    def _switch(self, i: int, k: int) -> None:
+        """One switch of a law's memory."""
+        _, memory, z = self.equations.switches(self.t, self.y, i, self.mode)[k]
+        self._remember(i, memory, z)
+
+    def _pass_zero(self, i: int) -> None:
+        """A slip velocity is zero, or has jumped across it."""
+        z, memory = self.equations.passed_zero(self.t, self.y, i, self.mode)
+        self._remember(i, memory, z)
+
+    def _remember(self, i: int, memory: Any, z: Any) -> None:
         if z is not None:
-            self.y[2:] = z
+            first, last = self.equations.inner[i]
+            self.y[first:last] = z
+        own = [*self.mode.memory]
+        own[i] = tuple(map(int, memory))
+        self.mode = replace(self.mode, memory=tuple(own))
 
-    def _pass_zero(self) -> None:
-        """The velocity at the contact is zero."""
-        z, memory = self.equations.passed_zero(self.t, self.y, self.mode or 1, self.memory)
-        self.y[2:], self.memory = z, tuple(map(int, memory))
+    def _flip(self, what: int, n: int) -> None:
+        """A condition of forces or loads changes."""
+        kinks = [*self.mode.kinks]
+        kinks[what] = tuple(side != (m == n) for m, side in enumerate(kinks[what]))
+        self.mode = replace(self.mode, kinks=(kinks[0], kinks[1]))
 
-    def _rest(self, end: float) -> None:
-        """Stuck until the forces break it away, or the contact is lost."""
-        e, start, x = self.equations, self.t, float(self.y[0])
-        self.t, self.mode, self.lost = _break_away(e, start, x, end)
-        self.parts.append(resting(start, self.t, self.y, e.rest, e.cyclic))
-        self.y[0] = x + e.rest * (self.t - start)
+    # ---- stops ----
+    def _bounce(self, fired: list[int], touched: list[int] | None = None) -> None:
+        """Hits: velocities jump, contacts whose slips do are free, and a stop that is pressed and hardly rebounds is closed."""
+        e, before = self.equations, e_slips(self)
+        rows = hits.touching(e, self.t, self.y, fired) if e.stops else []
+        self.y, met = hits.rebound(e, self.t, self.y, rows)
+        if not met and not fired:
+            return
+        self.hits += [Hit(self.t, e.stops[i - e.k].name, velocity) for i, velocity in met.items()]
+        after = e_slips(self)
+        freed = {
+            i: 1 if after[i] > 0 else -1 for i, side in enumerate(self.mode.sides[: e.k])
+            if abs(after[i] - before[i]) > 1e-14 * e.scale_of_velocity and after[i] != 0.0
+        }  # fmt: skip
+        for i in freed:
+            if e.dynamic[i] and freed[i] != self.mode.sides[i]:
+                self._pass_zero(i)
+        opened = dict.fromkeys(rows, 1)
+        self.mode = conditioned(e, self.t, self.y, self.mode.moved(freed | opened))
+        self._choose([i for i in touched or [] if i not in freed])
+        self._close(rows)
+
+    def _close(self, rows: list[int]) -> None:
+        closed = hits.closing(self.equations, self.t, self.y, self.mode, rows)
+        if closed:
+            self.hits += [Hit(when, self.equations.stops[i - self.equations.k].name, 0.0) for i, when in closed.items()]
+            self._choose(list(closed))
 
 
-def _break_away(e: Equations, start: float, x: float, end: float) -> tuple[float, int, bool]:
-    """When a stuck body breaks away, which way, and whether it loses contact before; the end of the interval if neither happens."""
-
-    def guards(t: Any) -> Any:
-        """Positive while it rests: forward, backward, and the load."""
-        place = x + e.rest * (t - start)
-        up, down = e.excess(t, place)
-        return np.stack(np.broadcast_arrays(-up, -down, e.load(t, place)))
-
-    count = max(math.ceil((end - start) / e.scale_of_time * _GRID), 1)
-    for first in range(0, count, _CHUNK):
-        t = start + (end - start) * np.arange(first, min(first + _CHUNK, count) + 1) / count
-        found = [(s, k) for k, g in enumerate(guards(t)) if (s := _fall(lambda s, k=k: float(guards(float(s))[k]), t, g)) is not None]
-        if found:
-            s, k = min(found)
-            return s, (1, -1, 0)[k], k == 2
-    return end, 0, False
-
-
-def _fall(g: Any, t: Any, values: Any) -> float | None:
-    """The first zero of g, given at times t; also one that lies between two of them."""
-    from scipy.optimize import brentq, minimize_scalar
-
-    below = np.flatnonzero(values < 0)
-    last = int(below[0]) if len(below) else len(t) - 1
-    for i in range(1, last):
-        if min(values[i - 1], values[i + 1]) >= values[i] and values[i] <= abs(values[i + 1] - values[i - 1]) + abs(
-            values[i - 1] - 2 * values[i] + values[i + 1]
-        ):
-            lowest = minimize_scalar(g, bounds=(t[i - 1], t[i + 1]), method="bounded", options={"xatol": 1e-12 * (t[i + 1] - t[i - 1])})
-            if lowest.fun < 0:
-                return float(brentq(g, t[i - 1], lowest.x, xtol=1e-300, rtol=1e-15)) if g(t[i - 1]) > 0 else float(t[i - 1])
-    if not len(below):
-        return None
-    if last == 0 or g(t[last - 1]) <= 0:
-        return float(t[max(last - 1, 0)])
-    return float(brentq(g, t[last - 1], t[last], xtol=1e-300, rtol=1e-15))
+def e_slips(run: Run) -> list[float]:
+    """Slips of a run's state."""
+    return run.equations.slips(run.t, run.equations.state(run.y)[1])

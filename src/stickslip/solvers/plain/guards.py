@@ -1,0 +1,80 @@
+"""What ends a mode: numbers that are positive until it happens."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from stickslip.solvers.plain.deciding import ROUNDING
+from stickslip.solvers.plain.equations import Equations, Mode, held
+
+__all__ = ["NOTHING", "Guard", "guards"]
+
+NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity at which laws are asked
+
+
+class Guard(NamedTuple):
+    """One of them.
+
+    `sort` is "slip" (a slip velocity comes to zero), "load", "switch" of a memory, "limit" of what a resting row can bear, "gap" of an
+    open stop, or "kink" of forces or loads; `part` and `which` say of what.
+    """
+
+    sort: str
+    part: int
+    which: int
+    value: float
+    noise: float  # rounding: nothing has happened before it lies this far below zero
+
+
+def guards(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
+    """All of a mode, in an order that the mode alone decides."""
+    q, u = e.state(y)
+    w = e.slips(t, u)
+    noise = e.noise_of_slips(t, u, w)
+    loads = e.loads(t, y, mode)
+    found = [
+        Guard("slip", i, 0, side * w[i] + e.no_reversal[i], noise[i] or NOTHING)
+        for i, side in enumerate(mode.sides[: e.k])
+        if side
+    ]  # fmt: skip
+    found += [Guard("load", i, 0, load, 0.0) for i, load in enumerate(loads)]
+    for i in range(e.k):
+        if e.laws[i].switching:
+            found += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(_switches(e, y, i, mode, w[i], loads[i]))]
+    found += _limits(e, t, y, mode)
+    small = e.noise_of_gaps(q)
+    found += [
+        Guard("gap", e.k + s, 0, gap, small)
+        for s, gap in enumerate(e.gaps(t, q) if e.stops else [])
+        if mode.sides[e.k + s]
+    ]  # fmt: skip
+    return found + _kinks(e, t, y, mode)
+
+
+def _switches(e: Equations, y: Any, i: int, mode: Mode, w: float, load: float) -> Any:
+    pressed = max(load, 1e-12 * e.first_loads[i], 1e-300)
+    return e.laws[i].switches(held(w, mode.sides[i]), e.z(y, i), pressed, mode.memory[i])
+
+
+def _limits(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
+    if 0 not in mode.sides:
+        return []
+    R = e.motion(t, y, mode).R
+    limits = e.limits(e.pressed(e.time(t), e.state(y)[0], mode))
+    found: list[Guard] = []
+    for group in e.groups(mode.sides):
+        for row, side, margin, size in group.margins([R[i] for i in group.rows], limits):
+            found.append(Guard("limit", group.rows[0] if row is None else row, side, margin, ROUNDING * size))
+    return found
+
+
+def _kinks(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
+    if not any(mode.kinks):
+        return []
+    found = []
+    for what, (values, sides) in enumerate(zip(e.differences(t, y, mode.kinks), mode.kinks, strict=True)):
+        largest = e.largest[what]
+        for n, (value, side) in enumerate(zip(values, sides, strict=False)):
+            largest[n] = max(largest.get(n, 0.0), abs(value))
+            found.append(Guard("kink", what, n, value if side else -value, ROUNDING * largest[n]))
+    return found
