@@ -64,6 +64,35 @@ def state(c, number, piece):
     return np.polynomial.Polynomial(c[piece, number], domain=T[piece : piece + 2], window=[0, 1])
 
 
+def glued(runs):
+    """Runs of one body each that know nothing of one another, by name, as one run of several bodies: every node cuts all of them."""
+    t = np.unique(np.concatenate([run.pieces.t for run in runs.values()]))
+    states, ways, modes, bodies, contacts = [], [], [], [], []
+    for i, (name, run) in enumerate(runs.items()):
+        own, index = run.pieces, np.clip(np.searchsorted(run.pieces.t, t[:-1], side="right") - 1, 0, len(run.pieces.mode) - 1)
+        begin, h = own.t[index], np.diff(own.t)[index]
+        parts = zip(own.coefficients[index], (t[:-1] - begin) / h, np.diff(t) / h, strict=True)
+        first, inner = sum(map(len, states)), own.coefficients.shape[1] - 1
+        states.append(np.array([[_restricted(c, a, b) for c in piece] for piece, a, b in parts]).transpose(1, 0, 2))
+        ways.append(own.evaluate(t[:-1], index)[0][:, 0])
+        modes.append(own.mode[index, 0])
+        bodies.append(BodyStates(name, first, way=i))
+        direction = tuple(float(j == i) for j in range(len(runs)))
+        contacts.append(ContactStates(name, direction, tuple(range(first + 1, first + 1 + inner))))
+    layout = StateLayout(tuple(bodies), tuple(contacts), tuple(body.velocity for body in bodies))
+    c = np.concatenate(states).transpose(1, 0, 2)
+    return PolynomialPieces(t, np.array(modes).T, np.array(ways).T, c, layout=layout)
+
+
+def _restricted(c, a, b):
+    """The coefficients of the same polynomial in s where theta = a + b s."""
+    found = np.zeros(len(c))
+    for k in range(len(c) - 1, -1, -1):
+        found = np.concatenate([[0.0], found[:-1]]) * b + found * a
+        found[0] += c[k]
+    return found
+
+
 def forces(model, mode, t, x, v, z, zdot, memory):
     """Stands for the forces of several contacts: numbers with their axes, and what they were given."""
     return {

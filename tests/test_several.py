@@ -11,14 +11,15 @@ import pytest
 
 import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
-from several import LAYOUT, MODE, STATES, T, coefficients, forces, pair_run, pieces, state, ways
+from several import LAYOUT, MODE, STATES, Pair, T, coefficients, forces, glued, pair_run, pieces, state, ways
 from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.segments import shares
 from stickslip.analysis.steady import period_number, velocity_range
 from stickslip.datasets import write_csv
 from stickslip.dynamics.variational import monodromy
+from stickslip.events import events_of
 from stickslip.layout import BodyStates, ContactStates, StateLayout, of_one_contact
-from stickslip.pieces import HarmonicArcs, PolynomialPieces, events_of, inner_rates, pieces_from_arrays
+from stickslip.pieces import HarmonicArcs, PolynomialPieces, inner_rates, pieces_from_arrays
 from stickslip.summary import STATUS
 
 #: Sums of five terms of size 1 to 10, and a few more roundings.
@@ -202,6 +203,26 @@ def test_the_contact_that_was_lost_is_named(monkeypatch):
     assert [e for e in run.events if e.kind == "contact lost"] == []
     lost = [e for e in replace(run, status=STATUS[6]).events if e.kind == "contact lost"]
     assert [(e.t, e.part, e.after) for e in lost] == [(1.0, "tail", 1)]
+
+
+def test_two_robots_in_one_record_move_as_each_does_alone(monkeypatch):
+    robots = [ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude) for amplitude in (5e-4, 8e-4)]
+    alone = {name: lugre_run(robot, 3, rtol=1e-6) for name, robot in zip(("slow", "fast"), robots, strict=True)}
+    both = pair_run(glued(alone), Pair(period=robots[0].period))
+    t = np.linspace(0.0, both.pieces.t[-1], 500)
+    owns = [run.at(t) for run in alone.values()]
+    monkeypatch.setattr("stickslip.forces.columns", forces)
+    found = both.at(t)
+    for i, ((name, run), own) in enumerate(zip(alone.items(), owns, strict=True)):
+        for column, mine in (("x", found["x"][:, i]), ("v", found["v"][:, i]), ("z", found["z"][:, i, 0])):
+            assert abs(mine - own[column]).max() < 1e-13 * abs(own[column]).max(), column  # the polynomials are shifted, in ten roundings
+        assert [(e.t, e.kind, e.before, e.after) for e in both.contacts[name].events] == [
+            (e.t, e.kind, e.before, e.after) for e in run.events
+        ]
+        assert both.bodies[name].strobe_x == pytest.approx(run.strobe_x, rel=1e-12, abs=1e-18)
+        assert np.isin([e.t for e in run.events], both.t).all()
+    assert len(both.events) == sum(len(run.events) for run in alone.values()) > 8
+    assert [e.t for e in both.events] == sorted(e.t for e in both.events)
 
 
 # ---- doors ----
