@@ -89,18 +89,25 @@ def test_pieces_of_several_come_back_from_their_arrays_and_can_be_cut():
 
 
 def test_all_that_is_wrong_with_a_layout_is_told_at_once():
-    contacts = (ContactStates("pad", (1.0,), (9,)), ContactStates("pad", (1.0, 0.0), memory=(-1,)))
+    contacts = (ContactStates("pad", (1.0,), (9, 3, 3)), ContactStates("pad", (1.0, 0.0), memory=(-1,)))
     wrong = StateLayout((BodyStates("head", 0, way=1), BodyStates("tail", 7)), contacts, ways=(0,), single=True)
     with pytest.raises(ss.InputError) as error:
         pieces(layout=wrong)
     said = str(error.value)
     for flaw in (
         "names of the contacts are ['pad', 'pad']", "'tail' has neither a way nor a position", "state number 7; allowed is 0 to 5",
-        "state number 9", "way number 1; allowed is 0 to 0", "memory number -1",
+        "state number 9", "inner states are [9, 3, 3]", "way number 1; allowed is 0 to 0", "memory number -1",
         "3 columns of mode; allowed is one for each of the 2 contacts", "1 numbers in the direction of 'pad'",
         "single=True with 2 bodies (head, tail)",
     ):  # fmt: skip
         assert flaw in said, said
+
+
+def test_closed_arcs_are_those_of_one_body():
+    shared = StateLayout((BodyStates("head", 0, way=0), BodyStates("tail", 0, way=0)), (ContactStates("pad", (1.0, 0.0)),), ways=(0,))
+    for wrong in (LAYOUT, shared):
+        with pytest.raises(ss.InputError, match="HarmonicArcs"):
+            HarmonicArcs(T, MODE[:, 0], np.zeros(3), np.zeros(3), 1.0, 1.0, 0.5, 0.5, layout=wrong)
 
 
 # ---- a run ----
