@@ -16,7 +16,11 @@ T = np.array([0.0, 0.5, 0.75, 1.0])
 STATES = ("v.head", "v.tail", "l.tail", "z.head.0", "z.head.1", "z.tail.0")
 LAYOUT = StateLayout(
     (BodyStates("head", velocity=0, way=0), BodyStates("tail", velocity=1, way=0, factor=0.5, position=2)),
-    (ContactStates("head", (1.0, 0.0), (3, 4), (0,)), ContactStates("tail", (0.0, 1.0), (5,)), ContactStates("belt", (1.0, -1.0))),
+    (
+        ContactStates("head", (1.0, 0.0), (3, 4), (0,)),
+        ContactStates("tail", (0.0, 1.0), (5,)),
+        ContactStates("belt", (1.0, -1.0), memory=(1,)),
+    ),
     ways=(0,),
 )
 MODE = np.array([[1, 1, -1], [0, 0, -1], [0, 1, -1]], np.int8)
@@ -50,7 +54,7 @@ def ways(c):
     return np.concatenate([[3.0], 3.0 + np.cumsum(steps)[:-1]])[:, None]
 
 
-def pieces(c=None, mode=MODE, memory=((1,), (1,), (2,)), layout=LAYOUT):
+def pieces(c=None, mode=MODE, memory=((1, 7), (1, 7), (2, 7)), layout=LAYOUT):
     c = coefficients() if c is None else c
     return PolynomialPieces(T, mode, ways(c), c, np.array(memory), layout)
 

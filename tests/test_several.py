@@ -173,7 +173,7 @@ def test_forces_are_asked_once_for_all_contacts_with_the_axes_of_the_columns(mon
         assert run.friction_force.shape == run.load.shape
     n = len(run.t)
     shapes = ((n, 3), (n,), (n, 2), (n, 2), (2, n, 3), (2, n, 3))
-    assert [one[:6] for one in asked] == [shapes] and sorted(set(asked[0][6][0])) == [1, 2]
+    assert [one[:6] for one in asked] == [shapes] and [sorted(set(m)) for m in asked[0][6]] == [[1, 2], [7]]
 
 
 def test_an_instant_at_which_any_body_jumps_stands_there_twice(monkeypatch):
@@ -199,7 +199,7 @@ def test_events_at_one_instant_are_one_for_each_part_in_order():
     [(0.2, ["head", "tail", "belt"]), ([0.2, 0.0], ["head", "belt"]), ([0.2, 0.2], ["head", "tail"]), ([0.0, -0.1], ["tail", "belt"])],
 )
 def test_an_impulse_throws_the_contacts_whose_slip_jumps(jump, thrown):
-    still = pieces(mode=np.ones((3, 3), np.int8), memory=((1,), (1,), (1,)))
+    still = pieces(mode=np.ones((3, 3), np.int8), memory=((1, 7),) * 3)
     found = events_of(still, [(0.75, np.array(jump) if isinstance(jump, list) else jump)])
     assert [(e.t, e.kind, e.part) for e in found] == [(0.75, "impulse", name) for name in thrown]
 
