@@ -16,7 +16,11 @@ T = np.array([0.0, 0.5, 0.75, 1.0])
 STATES = ("v.head", "v.tail", "l.tail", "z.head.0", "z.head.1", "z.tail.0")
 LAYOUT = StateLayout(
     (BodyStates("head", velocity=0, way=0), BodyStates("tail", velocity=1, way=0, factor=0.5, position=2)),
-    (ContactStates("head", (1.0, 0.0), (3, 4), (0,)), ContactStates("tail", (0.0, 1.0), (5,)), ContactStates("belt", (1.0, -1.0))),
+    (
+        ContactStates("head", (1.0, 0.0), (3, 4), (0,)),
+        ContactStates("tail", (0.0, 1.0), (5,)),
+        ContactStates("belt", (1.0, -1.0), memory=(1,)),
+    ),
     ways=(0,),
 )
 MODE = np.array([[1, 1, -1], [0, 0, -1], [0, 1, -1]], np.int8)
@@ -50,7 +54,7 @@ def ways(c):
     return np.concatenate([[3.0], 3.0 + np.cumsum(steps)[:-1]])[:, None]
 
 
-def pieces(c=None, mode=MODE, memory=((1,), (1,), (2,)), layout=LAYOUT):
+def pieces(c=None, mode=MODE, memory=((1, 7), (1, 7), (2, 7)), layout=LAYOUT):
     c = coefficients() if c is None else c
     return PolynomialPieces(T, mode, ways(c), c, np.array(memory), layout)
 
@@ -62,6 +66,35 @@ def pair_run(made=None, model=None, **more):
 def state(c, number, piece):
     """A state on a piece as a polynomial in time, made and evaluated by NumPy."""
     return np.polynomial.Polynomial(c[piece, number], domain=T[piece : piece + 2], window=[0, 1])
+
+
+def glued(runs):
+    """Runs of one body each that know nothing of one another, by name, as one run of several bodies: every node cuts all of them."""
+    t = np.unique(np.concatenate([run.pieces.t for run in runs.values()]))
+    states, ways, modes, bodies, contacts = [], [], [], [], []
+    for i, (name, run) in enumerate(runs.items()):
+        own, index = run.pieces, np.clip(np.searchsorted(run.pieces.t, t[:-1], side="right") - 1, 0, len(run.pieces.mode) - 1)
+        begin, h = own.t[index], np.diff(own.t)[index]
+        parts = zip(own.coefficients[index], (t[:-1] - begin) / h, np.diff(t) / h, strict=True)
+        first, inner = sum(map(len, states)), own.coefficients.shape[1] - 1
+        states.append(np.array([[_restricted(c, a, b) for c in piece] for piece, a, b in parts]).transpose(1, 0, 2))
+        ways.append(own.evaluate(t[:-1], index)[0][:, 0])
+        modes.append(own.mode[index, 0])
+        bodies.append(BodyStates(name, first, way=i))
+        direction = tuple(float(j == i) for j in range(len(runs)))
+        contacts.append(ContactStates(name, direction, tuple(range(first + 1, first + 1 + inner))))
+    layout = StateLayout(tuple(bodies), tuple(contacts), tuple(body.velocity for body in bodies))
+    c = np.concatenate(states).transpose(1, 0, 2)
+    return PolynomialPieces(t, np.array(modes).T, np.array(ways).T, c, layout=layout)
+
+
+def _restricted(c, a, b):
+    """The coefficients of the same polynomial in s where theta = a + b s."""
+    found = np.zeros(len(c))
+    for k in range(len(c) - 1, -1, -1):
+        found = np.concatenate([[0.0], found[:-1]]) * b + found * a
+        found[0] += c[k]
+    return found
 
 
 def forces(model, mode, t, x, v, z, zdot, memory):

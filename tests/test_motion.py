@@ -12,6 +12,7 @@ import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.steady import period_number
+from stickslip.layout import StateLayout
 from stickslip.segments import intervals_of, type_of
 from stickslip.steadiness import of_run
 
@@ -195,7 +196,10 @@ def strobes(values, rtol=1e-6, settle=0):
     )
     times = np.arange(float(len(v)))
     points = dict(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v))
-    run = SimpleNamespace(**points, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0)
+    pieces = SimpleNamespace(layout=StateLayout.of_one(inner=1))
+    run = SimpleNamespace(
+        **points, pieces=pieces, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0
+    )
     run.steadiness = of_run(run)
     return run
 

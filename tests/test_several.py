@@ -11,14 +11,15 @@ import pytest
 
 import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
-from several import LAYOUT, MODE, STATES, T, coefficients, forces, pair_run, pieces, state, ways
+from several import LAYOUT, MODE, STATES, Pair, T, coefficients, forces, glued, pair_run, pieces, state, ways
 from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.segments import shares
 from stickslip.analysis.steady import period_number, velocity_range
 from stickslip.datasets import write_csv
 from stickslip.dynamics.variational import monodromy
+from stickslip.events import events_of
 from stickslip.layout import BodyStates, ContactStates, StateLayout, of_one_contact
-from stickslip.pieces import HarmonicArcs, PolynomialPieces, events_of, inner_rates, pieces_from_arrays
+from stickslip.pieces import HarmonicArcs, PolynomialPieces, inner_rates, pieces_from_arrays
 from stickslip.summary import STATUS
 
 #: Sums of five terms of size 1 to 10, and a few more roundings.
@@ -88,18 +89,25 @@ def test_pieces_of_several_come_back_from_their_arrays_and_can_be_cut():
 
 
 def test_all_that_is_wrong_with_a_layout_is_told_at_once():
-    contacts = (ContactStates("pad", (1.0,), (9,)), ContactStates("pad", (1.0, 0.0), memory=(-1,)))
+    contacts = (ContactStates("pad", (1.0,), (9, 3, 3)), ContactStates("pad", (1.0, 0.0), memory=(-1,)))
     wrong = StateLayout((BodyStates("head", 0, way=1), BodyStates("tail", 7)), contacts, ways=(0,), single=True)
     with pytest.raises(ss.InputError) as error:
         pieces(layout=wrong)
     said = str(error.value)
     for flaw in (
         "names of the contacts are ['pad', 'pad']", "'tail' has neither a way nor a position", "state number 7; allowed is 0 to 5",
-        "state number 9", "way number 1; allowed is 0 to 0", "memory number -1",
+        "state number 9", "inner states are [9, 3, 3]", "way number 1; allowed is 0 to 0", "memory number -1",
         "3 columns of mode; allowed is one for each of the 2 contacts", "1 numbers in the direction of 'pad'",
         "single=True with 2 bodies (head, tail)",
     ):  # fmt: skip
         assert flaw in said, said
+
+
+def test_closed_arcs_are_those_of_one_body():
+    shared = StateLayout((BodyStates("head", 0, way=0), BodyStates("tail", 0, way=0)), (ContactStates("pad", (1.0, 0.0)),), ways=(0,))
+    for wrong in (LAYOUT, shared):
+        with pytest.raises(ss.InputError, match="HarmonicArcs"):
+            HarmonicArcs(T, MODE[:, 0], np.zeros(3), np.zeros(3), 1.0, 1.0, 0.5, 0.5, layout=wrong)
 
 
 # ---- a run ----
@@ -165,7 +173,7 @@ def test_forces_are_asked_once_for_all_contacts_with_the_axes_of_the_columns(mon
         assert run.friction_force.shape == run.load.shape
     n = len(run.t)
     shapes = ((n, 3), (n,), (n, 2), (n, 2), (2, n, 3), (2, n, 3))
-    assert [one[:6] for one in asked] == [shapes] and sorted(set(asked[0][6][0])) == [1, 2]
+    assert [one[:6] for one in asked] == [shapes] and [sorted(set(m)) for m in asked[0][6]] == [[1, 2], [7]]
 
 
 def test_an_instant_at_which_any_body_jumps_stands_there_twice(monkeypatch):
@@ -191,7 +199,7 @@ def test_events_at_one_instant_are_one_for_each_part_in_order():
     [(0.2, ["head", "tail", "belt"]), ([0.2, 0.0], ["head", "belt"]), ([0.2, 0.2], ["head", "tail"]), ([0.0, -0.1], ["tail", "belt"])],
 )
 def test_an_impulse_throws_the_contacts_whose_slip_jumps(jump, thrown):
-    still = pieces(mode=np.ones((3, 3), np.int8), memory=((1,), (1,), (1,)))
+    still = pieces(mode=np.ones((3, 3), np.int8), memory=((1, 7),) * 3)
     found = events_of(still, [(0.75, np.array(jump) if isinstance(jump, list) else jump)])
     assert [(e.t, e.kind, e.part) for e in found] == [(0.75, "impulse", name) for name in thrown]
 
@@ -204,14 +212,37 @@ def test_the_contact_that_was_lost_is_named(monkeypatch):
     assert [(e.t, e.part, e.after) for e in lost] == [(1.0, "tail", 1)]
 
 
+def test_two_robots_in_one_record_move_as_each_does_alone(monkeypatch):
+    robots = [ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude) for amplitude in (5e-4, 8e-4)]
+    alone = {name: lugre_run(robot, 3, rtol=1e-6) for name, robot in zip(("slow", "fast"), robots, strict=True)}
+    both = pair_run(glued(alone), Pair(period=robots[0].period))
+    t = np.linspace(0.0, both.pieces.t[-1], 500)
+    owns = [run.at(t) for run in alone.values()]
+    monkeypatch.setattr("stickslip.forces.columns", forces)
+    found = both.at(t)
+    for i, ((name, run), own) in enumerate(zip(alone.items(), owns, strict=True)):
+        for column, mine in (("x", found["x"][:, i]), ("v", found["v"][:, i]), ("z", found["z"][:, i, 0])):
+            assert abs(mine - own[column]).max() < 1e-13 * abs(own[column]).max(), column  # the polynomials are shifted, in ten roundings
+        assert [(e.t, e.kind, e.before, e.after) for e in both.contacts[name].events] == [
+            (e.t, e.kind, e.before, e.after) for e in run.events
+        ]
+        assert both.bodies[name].strobe_x == pytest.approx(run.strobe_x, rel=1e-12, abs=1e-18)
+        assert np.isin([e.t for e in run.events], both.t).all()
+    assert len(both.events) == sum(len(run.events) for run in alone.values()) > 8
+    assert [e.t for e in both.events] == sorted(e.t for e in both.events)
+
+
 # ---- doors ----
-def test_datasets_have_the_dimensions_body_and_contact(pair, robot_run):
+def test_datasets_have_the_dimensions_body_and_contact(pair):
     data = pair.to_xarray()
     assert (
         data.x.dims == ("time", "body") and data.z.dims == ("time", "contact", "inner_state") and data["load"].dims == ("time", "contact")
     )
     assert data.body.values.tolist() == ["head", "tail"] and data.contact.values.tolist() == ["head", "tail", "belt"]
     assert np.array_equal(data.v.sel(body="tail"), pair.v[:, 1]) and np.array_equal(data.mode.sel(contact="belt"), pair.mode[:, 2])
+
+
+def test_the_dataset_of_a_robot_has_the_dimension_time_alone(robot_run):
     one = robot_run.to_xarray()
     assert set(one.dims) == {"time"} and set(one.coords) == {"time"} and "slip" not in one
 
@@ -221,7 +252,8 @@ def test_text_and_matlab_files_name_the_parts(pair, tmp_path):
 
     lines = pair.save(tmp_path / "pair.csv").read_text().splitlines()
     head = lines[0].split(",")
-    assert head[:5] == ["t [s]", "x.head [m]", "x.tail [m]", "v.head [m/s]", "v.tail [m/s]"] and "z.head_1 [m]" in head
+    assert head[:5] == ["t [s]", "x.head [m]", "x.tail [m]", "v.head [m/s]", "v.tail [m/s]"]
+    assert [name for name in head if name[0] == "z"] == ["z.head_0 [m]", "z.head_1 [m]", "z.tail_0 [m]"]
     assert np.array_equal(np.array([line.split(",")[2] for line in lines[1:]], float), pair.x[:, 1])
     read = loadmat(pair.save(tmp_path / "pair.mat"))
     assert np.array_equal(read["z"], pair.z, equal_nan=True) and [n.strip() for n in read["body"]] == ["head", "tail"]

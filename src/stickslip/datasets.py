@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -45,16 +46,22 @@ def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, .
 def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None) -> None:
     """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers.
 
-    `names` are those of the bodies and contacts: a column of each is called "x.head". Inner states are numbered.
+    `names` are those of the bodies and contacts: a column of each is called "x.head". Inner states are numbered; those that a law does
+    not have are left out.
     """
-    flat: dict[str, Any] = {}
-    for name, column in columns.items():
-        dims = dims_of(name, column, names or {})[1:]
-        for place in np.ndindex(column.shape[1:]):
-            part = "".join(f".{(names or {})[dim][i]}" if dim in (names or {}) else f"_{i}" for dim, i in zip(dims, place, strict=True))
-            flat[f"{name}{part} [{VARIABLES[name].unit}]"] = column[(slice(None), *place)]
+    flat = {f"{n} [{VARIABLES[name].unit}]": one for name, column in columns.items() for n, one in _parts(name, column, names or {})}
     table = np.column_stack(list(flat.values()))
     np.savetxt(file, table, delimiter=",", header=",".join(flat), comments="", fmt="%.17g", encoding="utf-8")
+
+
+def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:
+    """A column as columns of numbers, with their names."""
+    dims = dims_of(name, column, names)[1:]
+    for place in np.ndindex(column.shape[1:]):
+        values = column[(slice(None), *place)]
+        if "contact" in dims and "inner_state" in dims and np.isnan(values).all():
+            continue
+        yield name + "".join(f".{names[dim][i]}" if dim in names else f"_{i}" for dim, i in zip(dims, place, strict=True)), values
 
 
 def attributes(run: Any) -> dict[str, Any]:

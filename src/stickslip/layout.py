@@ -136,14 +136,16 @@ class StateLayout:
         """What does not fit to arrays with so many states, ways, memories and contacts: a sentence each."""
         bodies = self.bodies
         used = [*self.ways, *(b.velocity for b in bodies), *(b.position for b in bodies if b.position is not None)]
-        used += [n for c in self.contacts for n in c.inner]
+        inner, memory = [n for c in self.contacts for n in c.inner], [n for c in self.contacts for n in c.memory]
         return [
             *_misnamed("bodies", bodies),
             *_misnamed("contacts", self.contacts),
             *(f"body {b.name!r} has neither a way nor a position; give one" for b in bodies if b.way is None and b.position is None),
-            *_outside("state", used, states),
+            *_outside("state", used + inner, states),
             *_outside("way", [b.way for b in bodies if b.way is not None], len(self.ways)),
-            *_outside("memory", [n for c in self.contacts for n in c.memory], memories),
+            *_outside("memory", memory, memories),
+            *_twice("inner states", inner),
+            *_twice("memories", memory),
             *_unequal("columns of x0", ways, "ways", len(self.ways)),
             *_unequal("columns of mode", contacts, "contacts", len(self.contacts)),
             *self._misdirected(),
@@ -188,6 +190,11 @@ def _outside(word: str, numbers: list[Any], count: int) -> list[str]:
     """Numbers that stand for nothing."""
     wrong = [n for n in dict.fromkeys(numbers) if not (is_whole(n) and 0 <= n < count)]
     return [f"{word} number {n!r}; allowed is {f'0 to {count - 1}' if count else 'none'}" for n in wrong]
+
+
+def _twice(word: str, numbers: list[Any]) -> list[str]:
+    """Numbers that are given to two contacts, or twice to one."""
+    return [] if len(set(numbers)) == len(numbers) else [f"the numbers of {word} are {numbers!r}; allowed is each once"]
 
 
 def _misnamed(word: str, parts: Sequence[BodyStates | ContactStates]) -> list[str]:

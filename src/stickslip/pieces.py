@@ -11,86 +11,12 @@ from stickslip.errors import InputError
 from stickslip.layout import StateLayout
 from stickslip.sealing import sealed
 
-__all__ = [
-    "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "events_of", "inner_rates", "nodes_at",
-    "pieces_from_arrays",
-]  # fmt: skip
+__all__ = ["HarmonicArcs", "Pieces", "PolynomialPieces", "inner_rates", "kind_of", "pieces_from_arrays"]
 
 _ONE = StateLayout.of_one()
 STUCK = 0  # the mode of a body at rest; else it is the sign of its velocity
 
 Array = Any  # numpy.ndarray
-
-
-@dataclass(frozen=True)
-class Event:
-    """An instant at which something changed at once: mostly the mode of a contact.
-
-    Parameters
-    ----------
-    t : float
-        When [s].
-    kind : {"stick", "slip", "reversal", "impulse", "switch", "contact lost"}
-        It came to rest, it broke away, or its velocity changed sign without rest; a jump of the drive's velocity threw it;
-        a memory of its law changed; its load fell to zero.
-    before, after : int
-        The modes: +1 forwards, 0 stuck, -1 backwards.
-    part : str
-        Name of the contact; "contact" where there is only one, as under a `Robot`.
-    """
-
-    t: float
-    kind: str
-    before: int
-    after: int
-    part: str = "contact"
-
-
-def events_of(pieces: Any, impulses: Any = (), lost: Any = ()) -> list[Event]:
-    """Every event, in order; at one instant one of each contact that changed, in the order of the contacts.
-
-    Parameters
-    ----------
-    pieces : Pieces
-    impulses : sequence of (float, float or array)
-        Times [s] and jumps of the velocity [m/s]: one number for all bodies, or one for each. A contact is thrown where its slip jumps.
-    lost : sequence of str
-        Names of the contacts that were lost at the end.
-    """
-    contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode).astype(int)
-    found = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses)]
-    found.sort(key=lambda event: event.t)  # keeps the order of the contacts at one instant
-    end = [(c.name, int(mode[-1, i])) for i, c in enumerate(contacts) if c.name in lost]
-    return [*found, *(Event(float(pieces.t[-1]), "contact lost", last, last, name) for name, last in end)]
-
-
-def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any) -> list[Event]:
-    """The events of one contact, given its number and its modes."""
-    of = pieces.layout.contacts[contact]
-    thrown = set(nodes_at(pieces, [t for t, jump in impulses if np.ndim(jump) == 0 or np.dot(of.direction, jump) != 0.0]).tolist())
-    changed = np.diff(mode) != 0
-    if of.memory:
-        changed |= np.any(np.diff(pieces.memory[:, list(of.memory)], axis=0) != 0, axis=1)
-    where = sorted({*(np.flatnonzero(changed) + 1).tolist(), *thrown})
-    modes = [(i, int(mode[i - 1]), int(mode[i])) for i in where]
-    return [Event(float(pieces.t[i]), _kind(before, after, i in thrown), before, after, of.name) for i, before, after in modes]
-
-
-def _kind(before: int, after: int, thrown: bool) -> str:
-    if thrown:
-        return "impulse"
-    return "switch" if before == after else "stick" if after == 0 else "slip" if before == 0 else "reversal"
-
-
-def nodes_at(pieces: Any, times: Any) -> Array:
-    """Numbers of the inner nodes that lie at given times, to rounding."""
-    inner, times = pieces.t[1:-1], np.asarray(times, float)
-    if not len(times) or not len(inner):
-        return np.empty(0, int)
-    right = np.searchsorted(inner, times)
-    both = np.clip(np.stack([right - 1, right]), 0, len(inner) - 1)
-    near = np.where(abs(inner[both[0]] - times) <= abs(inner[both[1]] - times), *both)
-    return np.unique(near[abs(inner[near] - times) <= 1e-12 * float(pieces.t[-1] - pieces.t[0])]) + 1
 
 
 class Pieces(Protocol):
@@ -319,6 +245,9 @@ class HarmonicArcs(_Arrays):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mode", _columns(self.mode))
+        flaws = self.layout.flaws(states=1, ways=1, memories=0, contacts=self.mode.shape[1])
+        if flaws or not self.layout.is_one:
+            raise InputError("HarmonicArcs", flaws or [f"a layout of {self.layout.says}; allowed is one body on one contact"])
 
     @property
     def memory(self) -> Array:

@@ -13,11 +13,12 @@ import numpy as np
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
+from stickslip.events import Event, events_of, nodes_at
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.parts import BodyRun, ContactRun
-from stickslip.pieces import Event, HarmonicArcs, Pieces, PolynomialPieces, events_of, inner_rates, nodes_at
+from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, of_run
 from stickslip.summary import STATUS, Summary
