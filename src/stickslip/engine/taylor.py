@@ -26,7 +26,7 @@ ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 
 
 def write_step(eq: Equations) -> Step:
-    """The lines of the series: _k of states, _g of guards, _e of exponents, in units of the step; its length _hh, and if it is the _last."""
+    """The lines of the series: _k of states, _g of guards, _e of exponents, in units of the step; its length _hh; if it is the _last."""
     return _SeriesWriter(eq).write()
 
 
