@@ -8,14 +8,13 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from stickslip.engine.rosenbrock import Step, sides
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import CASE, Sym
 from stickslip.engine.trace import Equations, Switch
 from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
+from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
 
 __all__ = ["ORDER", "switches", "watched", "write_step"]
@@ -33,19 +32,8 @@ def write_step(eq: Equations) -> Step:
 def watched(eq: Equations) -> list[int]:
     """The guards whose zeros matter: they have a switch, or a flag that something reads."""
     news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
-    read = {node.name for node in _parts([*eq.f, *eq.guards, *news]) if node.op == "flag"}
+    read = {node.name for node in needed_by([*eq.f, *eq.guards, *news]) if node.op == "flag"}
     return [k for k in range(len(eq.guards)) if k in eq.switches or f"b{k}" in read]
-
-
-def _parts(roots: Iterable[Sym]) -> list[Sym]:
-    found: dict[int, Sym] = {}
-    waiting = list(roots)
-    while waiting:
-        node = waiting.pop()
-        if node.number not in found:
-            found[node.number] = node
-            waiting += node.args
-    return list(found.values())
 
 
 def switches(eq: Equations, step: Step, lanes: int) -> str:
