@@ -43,7 +43,7 @@ def error(name, found, right):
 
 def test_every_function_that_equations_may_have_is_public():
     assert set(FUNCTIONS) <= set(maths.__all__)
-    assert set(maths.__all__) - set(FUNCTIONS) == {"hypot", "maximum", "minimum", "pi", "where", "within"}
+    assert set(maths.__all__) - set(FUNCTIONS) == {"hypot", "is_symbol", "maximum", "minimum", "pi", "where", "within", "wrapped"}
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

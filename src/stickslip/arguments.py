@@ -55,17 +55,19 @@ def _is_law(value: Any) -> bool:
     return hasattr(value, "sliding") or hasattr(value, "rate")
 
 
+def _is_model(value: Any) -> bool:
+    return _has("friction", "acceleration")(value) or _has("bodies", "contacts")(value)
+
+
 _ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
 #: What annotations name instead of Any.
 Run = Annotated[Any, Kind(_has("pieces", "settle"), "a Trajectory; type for example ss.solve(robot)")]
-Model = Annotated[Any, Kind(_has("friction", "acceleration"), f"a Robot or a mechanism; {_ROBOT}")]
+Model = Annotated[Any, Kind(_is_model, f"a Robot, a mechanism or a machine; {_ROBOT}")]
 Maker = Annotated[
     Any, Kind(lambda v: callable(v) or _has("friction")(v), "a robot or a function that makes one; type ss.presets.piezo_rig")
 ]
 Law = Annotated[Any, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
-LawOrModel = Annotated[
-    Any, Kind(lambda v: _is_law(v) or _has("friction", "acceleration")(v), f"a friction law, a Robot or a mechanism; {_ROBOT}")
-]
+LawOrModel = Annotated[Any, Kind(lambda v: _is_law(v) or _is_model(v), f"a friction law, a Robot, a mechanism or a machine; {_ROBOT}")]
 Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
 Grid = Annotated[Any, Kind(_has("data_vars", "dims"), "a dataset, such as ss.sweep, ss.map and ss.bifurcation return")]
 Fitted = Annotated[Any, Kind(_has("values", "problem"), "a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")]

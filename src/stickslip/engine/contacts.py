@@ -7,6 +7,7 @@ from typing import Any
 from stickslip.engine.coupled import add_box, add_feet
 from stickslip.engine.parts import Parts
 from stickslip.engine.refused import groups_of
+from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 
@@ -24,7 +25,7 @@ def _add_dynamic(parts: Parts, i: int, speed: Sym | None) -> None:
     own = [parts.mode(graph.constant(0.0)) for _ in range(law.modes)]
     modes = tuple(mode for _, mode in own)
     zdot = tuple(map(m.lift, law.rate(slip, z, load, modes)))
-    applied = m.model.total_mass * m.accelerations({})[0] if law.needs_applied else None
+    applied = _applied(m, i) if law.needs_applied else None
     parts.forces[i] = law.force(slip, z, zdot, load, modes, applied)
     first = len(m.y) + len(parts.inner)
     _add_switches(parts, i, z, own, first)
@@ -39,6 +40,14 @@ def _add_dynamic(parts: Parts, i: int, speed: Sym | None) -> None:
             m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied
         )
     )
+
+
+def _applied(m: Symbolic, i: int) -> Sym:
+    """The force that would keep the slip of a contact constant, if it brakes one body alone [N]."""
+    if m.single:
+        return m.lift(m.model.total_mass * m.accelerations({})[0])
+    j = next(k for k, g in enumerate(m.directions[i]) if g)
+    return m.lift(m.equations.masses[j]) * (m.accelerations({})[j] + m.graph.derivative(m.slips[i], m.t))
 
 
 def _add_switches(parts: Parts, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
@@ -59,9 +68,8 @@ def _add_set_valued(parts: Parts, i: int, speed: Sym | None) -> None:
     graph, law, slip, load = m.graph, m.laws[i], m.slips[i], m.loads[i]
     j = next(k for k, g in enumerate(m.directions[i]) if g)  # the coordinate that it brakes
     one, zero = graph.constant(1.0), graph.constant(0.0)
-    place, first = len(parts.modes), graph.constant(0.0)
-    sliding = []
-    number, mode = parts.mode(first)
+    sliding: list[Sym] = []
+    place, mode = i, parts.modes[i]
     for side in (1.0, -1.0):
         graph.assumed[slip.number] = side
         sliding.append(m.accelerations({i: law.sliding(slip, load)})[j])
@@ -82,18 +90,21 @@ def _add_set_valued(parts: Parts, i: int, speed: Sym | None) -> None:
         (by_mode(one, one, -push), {place: one}, {}, 0),
         (by_mode(one, one, -pull), {place: -one}, {}, 0),
     ]
-    parts.first_modes[number] = graph.select(slip, one, graph.select(-slip, -one, rest))
+    parts.first_modes[place] = graph.select(slip, one, graph.select(-slip, -one, rest))
     parts.f[j] = by_mode(sliding[0], sliding[1], held)
     branches = Branches(*sliding, push, pull)
     guard = 0 if m.single else None
     parts.contacts.append(
-        Contact(m.equations.contacts[i], slip, m.directions[i], j if owned else None, guard, (), (number,), branches, speed, False)
+        Contact(m.equations.contacts[i], slip, m.directions[i], j if owned else None, guard, (), (place,), branches, speed, False)
     )
 
 
 def add_contacts(parts: Parts, speeds: list[Sym | None]) -> None:
-    """All contacts of a machine; those under laws that rest exactly in groups of which each decides for itself."""
+    """All contacts of a machine; those under laws that rest exactly in groups of which each decides for itself, a mode for each contact."""
     m = parts.m
+    for law in m.laws:
+        if not law.dynamic:
+            parts.mode(m.graph.constant(0.0))
     for i, law in enumerate(m.laws):
         if law.dynamic:
             _add_dynamic(parts, i, speeds[i])

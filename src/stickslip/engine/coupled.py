@@ -24,11 +24,12 @@ def add_feet(parts: Parts, feet: list[int], speeds: list[Sym | None]) -> None:
     graph, zero = m.graph, m.graph.constant(0.0)
     one = graph.constant(1.0)
     j = next(k for k, g in enumerate(m.directions[feet[0]]) if g)
-    own = {i: parts.mode(zero) for i in feet}
-    modes = {i: mode for i, (_, mode) in own.items()}
+    alike = {i: [k for k in feet if m.slips[k] is m.slips[i]] for i in feet}  # feet that always move as one are one foot
+    every, feet = feet, [i for i in feet if alike[i][0] == i]
+    modes = {i: parts.modes[i] for i in feet}
     held = {i: -graph.derivative(m.slips[i], m.t) for i in feet}  # acceleration at which the foot's slip stays as it is
-    slide = {i: sliding_both_ways(parts, i) for i in feet}
-    limits = {i: tuple(map(m.lift, m.laws[i].breakaway(m.loads[i]))) for i in feet}  # backward, forward
+    slide = {i: _sums([sliding_both_ways(parts, k) for k in alike[i]]) for i in feet}
+    limits = {i: _sums([limits_of(parts, k) for k in alike[i]]) for i in feet}  # backward, forward
 
     def by_mode(mode: Sym, forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
         return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
@@ -49,7 +50,10 @@ def add_feet(parts: Parts, feet: list[int], speeds: list[Sym | None]) -> None:
             push = acceleration(now, {k: beside(i, k, 1) for k in feet}) - held[i]
             pull = held[i] - acceleration(now, {k: beside(i, k, 0) for k in feet})
             found[i] = by_mode(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
-        return {own[i][0]: new for i, new in found.items()}
+        return all_alike(found)
+
+    def all_alike(new: dict[int, Sym]) -> dict[int, Sym]:
+        return {k: mode for i, mode in new.items() for k in alike[i]}
 
     sliding = acceleration(modes, dict.fromkeys(feet, zero))
     motion = sliding
@@ -58,22 +62,22 @@ def add_feet(parts: Parts, feet: list[int], speeds: list[Sym | None]) -> None:
     forwards = acceleration(modes, {k: limits[k][1] for k in feet})
     backwards = acceleration(modes, {k: limits[k][0] for k in feet})
     for i in feet:
-        number, mode = own[i]
-        arrives = {**modes, i: zero}
+        mode, arrives = modes[i], {**modes, i: zero}
         parts.events += [
             (by_mode(mode, m.slips[i], -m.slips[i], one), decided(arrives), {j: m.y[j] - m.slips[i]}, 0),
-            (by_mode(mode, one, one, held[i] - forwards), {number: one}, {}, 0),
-            (by_mode(mode, one, one, backwards - held[i]), {number: -one}, {}, 0),
+            (by_mode(mode, one, one, held[i] - forwards), all_alike({i: one}), {}, 0),
+            (by_mode(mode, one, one, backwards - held[i]), all_alike({i: -one}), {}, 0),
         ]
     first = decided({i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in feet})
     for number, new in first.items():
         parts.first_modes[number] = new
     parts.f[j] = motion
-    for i in feet:
-        branches = Branches(sliding, sliding, forwards - held[i], held[i] - backwards)
+    for i in every:
+        first = alike[i][0]
+        branches = Branches(sliding, sliding, forwards - held[first], held[first] - backwards)
         state = j if m.owner[j] == i else None
         name = m.equations.contacts[i]
-        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (own[i][0],), branches, speeds[i], False))
+        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
 
 
 def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
@@ -84,8 +88,7 @@ def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
     forces = box.forces(box.modes)
     parts.forces |= forces
     for i in group:
-        number, mode = box.own[i]
-        low, high = box.limits[i]
+        mode, (low, high) = box.modes[i], box.limits[i]
         arrives = {**box.modes, i: zero}
 
         def resting(left: Sym, mode: Sym = mode) -> Sym:
@@ -95,13 +98,13 @@ def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
         exactly = {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0}  # zero slip, to the last digit
         parts.events += [
             (slip, box.decided(arrives), exactly, 0),
-            (resting(high - forces[i]), {number: one}, exactly, 0),
-            (resting(forces[i] - low), {number: -one}, exactly, 0),
+            (resting(high - forces[i]), {i: one}, exactly, 0),
+            (resting(forces[i] - low), {i: -one}, exactly, 0),
         ]
         state = m.owner.index(i) if i in m.owner else None
         branches = Branches(zero, zero, forces[i] - high, low - forces[i])
         name = m.equations.contacts[i]
-        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (number,), branches, speeds[i], False))
+        parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
     sides = {i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in group}
     for number, new in box.decided(sides).items():
         parts.first_modes[number] = new
@@ -113,10 +116,9 @@ class _Box:
     def __init__(self, parts: Parts, group: list[int]):
         self.parts, self.m, self.group = parts, parts.m, group
         m, graph = parts.m, parts.m.graph
-        self.own = {i: parts.mode(graph.constant(0.0)) for i in group}
-        self.modes = {i: mode for i, (_, mode) in self.own.items()}
+        self.modes = {i: parts.modes[i] for i in group}
         self.slide = {i: sliding_both_ways(parts, i) for i in group}
-        self.limits = {i: tuple(map(m.lift, m.laws[i].breakaway(m.loads[i]))) for i in group}  # backward, forward
+        self.limits = {i: limits_of(parts, i) for i in group}  # backward, forward
         masses, rows = list(map(m.lift, m.equations.masses)), m.directions
         self.G = {
             (i, k): _total([graph.constant(0.0), *(a * b / mass for a, b, mass in zip(rows[i], rows[k], masses, strict=True) if a * b)])
@@ -180,7 +182,7 @@ class _Box:
             given = dict(zip(group, sides, strict=True))
             agrees = reduce(lambda rest, condition: graph.select(condition, rest, -one), self._conditions(given, now), one)
             new = {i: graph.select(agrees, graph.constant(float(given[i])), new[i]) for i in group}
-        return {self.own[i][0]: mode for i, mode in new.items()}
+        return new
 
     def _conditions(self, given: dict[int, int], now: dict[int, Sym]) -> list[Sym]:
         """What must be positive for a combination: forces inside their limits, slips that begin to the right side, what slides slides."""
@@ -211,6 +213,16 @@ def sliding_both_ways(parts: Parts, i: int) -> tuple[Sym, Sym]:
         found.append(m.lift(m.laws[i].sliding(m.slips[i], m.loads[i])))
     m.graph.assumed.clear()
     return found[0], found[1]
+
+
+def limits_of(parts: Parts, i: int) -> tuple[Sym, Sym]:
+    """Friction forces (backward, forward) that a contact can bear at rest."""
+    backward, forward = parts.m.laws[i].breakaway(parts.m.loads[i])
+    return parts.m.lift(backward), parts.m.lift(forward)
+
+
+def _sums(pairs: list[tuple[Sym, Sym]]) -> tuple[Sym, Sym]:
+    return _total([a for a, _ in pairs]), _total([b for _, b in pairs])
 
 
 def _total(terms: list[Any]) -> Any:

@@ -14,6 +14,13 @@ __all__ = ["groups_of", "refused"]
 MOST = 4
 
 
+def _alone(directions: tuple[tuple[float, ...], ...]) -> bool:
+    """Whether each contact brakes one coordinate, and no two the same."""
+    return all(sum(map(abs, row)) == 1.0 for row in directions) and all(
+        sum(map(abs, column)) <= 1.0 for column in zip(*directions, strict=True)
+    )
+
+
 def _apart(stops: tuple[Any, ...]) -> bool:
     """Whether no two stops move the same body, but for the two ends of one way."""
     rows = {tuple(map(abs, stop.direction)) for stop in stops}
@@ -47,7 +54,9 @@ def refused(model: Any) -> str:
             names = ", ".join(m.contacts[i] for i in group)
             why = f"more than {MOST} of them" if len(group) > MOST else "and the slips of some follow from those of others"
             return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"
-    if m.jumps and any(law.switching for law in m.laws):
+    if any(law.needs_applied for law in m.laws) and (not _alone(m.directions) or m.coordinates < len(m.bodies)):
+        return f"a law asks for the force that would hold its contact, and other contacts decide on that too; {other}"
+    if not machine_of(model).is_single and m.jumps and any(law.switching for law in m.laws):
         return f"its velocities jump and a law remembers; {other}"
     return ""
 

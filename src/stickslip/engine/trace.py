@@ -118,7 +118,7 @@ def _traced(model: Any, cyclic: bool) -> Equations:
         by_time=tuple(graph.derivative(fi, m.t) for fi in f),
         guards=guards, guard_rates=tuple(_along_flow(graph, g, m.t, y, f) for g in guards), signs=len(graph.guards), switches=switches,
         modes=tuple(parts.modes), first_modes=tuple(parts.first_modes),
-        clocks=tuple(graph.clocks), instants=tuple(_instant(graph, clock, m.t) for clock in graph.clocks),
+        clocks=tuple(graph.clocks), instants=tuple(instant for clock in graph.clocks for instant in _instants(graph, clock, m.t)),
         impulses=tuple((m.lift(instant), tuple(map(m.lift, jumps))) for instant, jumps in m.equations.jumps),
         period=m.period(model), velocity_scale=scale,
         free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
@@ -161,28 +161,28 @@ def _inertia(m: Symbolic) -> Sym | None:
     return None if drive is None else -(m.model.inner_mass * m.lift(drive.acceleration(m.t)))
 
 
-def _instant(graph: Graph, clock: Sym, t: Sym) -> Sym:
-    """The zero of an expression that is linear in time: t - c(t)/c'(t), which does not vary."""
+def _instants(graph: Graph, clock: Sym, t: Sym) -> list[Sym]:
+    """The zeros of an expression that is linear in time: t - c(t)/c'(t), which does not vary; one for each choice that is in it."""
     slope = graph.derivative(clock, t)
-    return -_at_zero(graph, clock, t) / slope
+    return list(dict.fromkeys(-value / slope for value in _at_zero(graph, clock, t)))
 
 
-def _at_zero(graph: Graph, node: Sym, t: Sym) -> Sym:
-    """An expression at t = 0."""
+def _at_zero(graph: Graph, node: Sym, t: Sym) -> list[Sym]:
+    """What an expression may be at t = 0: a choice on time has two values."""
     if node is t:
-        return graph.constant(0.0)
+        return [graph.constant(0.0)]
     if not graph.varies(node):
-        return node
+        return [node]
     a = [_at_zero(graph, arg, t) for arg in node.args]
     match node.op:
         case "add":
-            return a[0] + a[1]
+            return [x + y for x in a[0] for y in a[1]]
         case "subtract":
-            return a[0] - a[1]
+            return [x - y for x in a[0] for y in a[1]]
         case "multiply":
-            return a[0] * a[1]
+            return [x * y for x in a[0] for y in a[1]]
         case "select":
-            return graph.select(a[0], a[1], a[2])
+            return a[1] + a[2]
     raise TraceError(f"a condition on time has {node.op} in it; write it as where(within(t, period) < instant, ...)")
 
 

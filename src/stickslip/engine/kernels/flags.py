@@ -48,7 +48,7 @@ def jump_of(lane, j, S, D):
     t, period = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * L + lane]
     jump = 0.0
     for k in range(D[IMPULSES]):
-        instant = S[D[F_C] + (D[BREAK_AT] + D[CLOCKS] + k) * L + lane]
+        instant = S[D[F_C] + (D[BREAK_AT] + D[BREAKS] - D[IMPULSES] + k) * L + lane]
         away = abs(t - instant)
         if min(away, abs(period - away)) <= 1e-12 * period:
             jump += S[D[F_C] + (D[BREAK_AT] + D[BREAKS] + k * J + j) * L + lane]

@@ -177,7 +177,9 @@ def _order(c: Any) -> list[int]:
     small = _ABOVE * np.max(abs(c), initial=1e-300)
     keys = [tuple(round(float(v) / small) for v in own[1 : _ORDERS + 1]) for own in c]
     close = sorted(keys)
-    places = list(itertools.accumulate((max(abs(a - b) for a, b in zip(x, y, strict=True)) > 1 for x, y in itertools.pairwise(close)), initial=0))
+    places = list(
+        itertools.accumulate((max(abs(a - b) for a, b in zip(x, y, strict=True)) > 1 for x, y in itertools.pairwise(close)), initial=0)
+    )
     return [places[close.index(key)] for key in keys]
 
 

@@ -68,7 +68,9 @@ class Equations:
         self.weights = [[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows]
         self.G = [[_dot(row, weight) for weight in self.weights] for row in self.rows]
         self.alone = [next((c for c, g in enumerate(row) if g), 0) if sum(map(bool, row)) == 1 else None for row in self.rows]
-        self.effective = [_effective(row, c, self.masses, self.G[i][i]) for i, (row, c) in enumerate(zip(self.rows, self.alone, strict=True))]
+        self.effective = [
+            _effective(row, c, self.masses, self.G[i][i]) for i, (row, c) in enumerate(zip(self.rows, self.alone, strict=True))
+        ]
         self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
         self._count()
         self.cyclic = self.single and not knows_position(model)
@@ -184,9 +186,7 @@ class Equations:
                 a[c] = (0.0 - rates[i]) / self.rows[i][c]
         return Motion(u, a, inner, R, push)
 
-    def _friction(
-        self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: Mode
-    ) -> tuple[Floats, Floats]:
+    def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: Mode) -> tuple[Floats, Floats]:
         """Friction forces, 0 of what rests, and the rates of all inner states."""
         R, inner = [0.0] * self.k, list[float]()
         applied = self._applied(t, q, u, mode)

@@ -122,7 +122,9 @@ class _Step:
             bend = g[i - 1] - 2 * g[i] + g[i + 1]
             if min(g[i - 1], g[i + 1]) >= g[i] > 0 and bend > 0 and g[i] < (g[i + 1] - g[i - 1]) ** 2 / (6 * bend) + 0.05 * bend:
                 bounds = (times[i - 1], times[i + 1])
-                lowest = minimize_scalar(lambda t: self.guards(t)[k], bounds=bounds, method="bounded", options={"xatol": 1e-9 * (bounds[1] - bounds[0])})
+                lowest = minimize_scalar(
+                    lambda t: self.guards(t)[k], bounds=bounds, method="bounded", options={"xatol": 1e-9 * (bounds[1] - bounds[0])}
+                )
                 first = max(float(times[i - 1]), self.start)
                 if lowest.fun < -noise and first < lowest.x and (t := self._zero(k, first, float(lowest.x))) < end:
                     return t
@@ -177,7 +179,9 @@ def _solver(todo: Request, e: Equations, right: Any, t: float, y: Any, end: floa
 
     method = getattr(scipy.integrate, NAMES.get(todo.method, "DOP853"))
     options = {} if first is None else {"first_step": first}
-    return method(right, t, y, end, rtol=max(todo.rtol, 3e-14), atol=0.01 * todo.rtol * e.sizes(t, y), max_step=0.1 * e.scale_of_time, **options)
+    return method(
+        right, t, y, end, rtol=max(todo.rtol, 3e-14), atol=0.01 * todo.rtol * e.sizes(t, y), max_step=0.1 * e.scale_of_time, **options
+    )
 
 
 def _advance(todo: Request, equations: Equations, solver: Any, end: float, mode: Mode) -> _Step | None:
