@@ -19,6 +19,7 @@ __all__ = [
 ]  # fmt: skip
 
 _SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
+_ORDINARY = 1e-3  # a velocity [m/s] of ordinary sliding
 _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 _LIMITS = "return the friction forces that rest can bear backwards (negative) and forwards (positive)"
 
@@ -65,7 +66,7 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
             )
             return
         slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
-        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-1e9 * _SLOW, 1e9 * _SLOW)]
+        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-_ORDINARY, _ORDINARY)]
         rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
     except Exception as error:  # what else goes wrong inside a law is told where it is traced, with what to write
         if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and adapted(law).compiles:
