@@ -57,8 +57,9 @@ def test_the_typical_deflections_of_elements_are_where_each_slips_on_average_of_
     assert law.scale(LOAD) == pytest.approx(limits, rel=1e-12)
     for k, z in enumerate(limits):
         here = tuple(z if i == k else 0.0 for i in range(4))
-        forward, backward = (law.switches(v, h, LOAD, (0,) * 4)[1 + k][0] for v, h in ((10.0, here), (-10.0, tuple(-x for x in here))))
-        assert forward + backward == pytest.approx(0.0, abs=1e-12 * LOAD)
+        forward, backward = (law.switches(v, h, LOAD, (0,) * 4)[1 + k] for v, h in ((10.0, here), (-10.0, tuple(-x for x in here))))
+        assert forward[0] + backward[0] == pytest.approx(0.0, abs=1e-12 * LOAD)
+        assert forward[1] == backward[1] == tuple(int(i == k) for i in range(4))  # it alone slips then
 
 
 def test_the_typical_deflection_of_the_reset_integrator_is_its_bound_on_average_of_both_ways():
@@ -328,3 +329,4 @@ def test_the_extremes_of_a_series_are_those_at_the_zeros_of_its_slope(cosines, s
     assert (low[1], high[1]) == pytest.approx(of_the_slope(cosines, sines), rel=1e-13)
     stroke = ss.Recorded(period=0.03, cosines=tuple(map(float, cosines)), sines=tuple(map(float, sines))).stroke
     assert stroke == pytest.approx(high[1] - low[1], rel=1e-13)
+    assert extremes([0.0] * len(cosines), [0.0] * len(sines)) == (0.0, 0.0)
