@@ -15,10 +15,12 @@ from stickslip.drives.adapter import drive_of
 from stickslip.drives.beam_notes import largest_slope
 from stickslip.drives.cantilever import cantilever_eigenvalues, mode_shape
 from stickslip.drives.couple import modal_amplitudes
+from stickslip.drives.drive import agree
 from stickslip.drives.fourier import extremes
 from stickslip.errors import Problems
-from stickslip.forces import check_law
-from stickslip.friction.adapter import adapted
+from stickslip.forces import check_law, slip_ratio_of
+from stickslip.friction.adapter import adapted, is_law
+from stickslip.friction.bristle import _draw, _mix
 from stickslip.friction.law import several
 from stickslip.friction.sides import by_side
 
@@ -75,8 +77,6 @@ def test_the_typical_deflection_of_bristles_is_the_mean_force_over_the_stiffness
 
 def test_bristles_draw_by_splitmix64():
     """The published generator's first numbers from seed 0, as its reference implementation gives them."""
-    from stickslip.friction.bristle import _mix
-
     golden = 0x9E3779B97F4A7C15
     assert [_mix(golden * k & (1 << 64) - 1) for k in (1, 2, 3)] == [0xE220A8397B1DCDAF, 0x6E789E6AA1B965F4, 0x06C45D188009454F]
 
@@ -330,3 +330,53 @@ def test_the_extremes_of_a_series_are_those_at_the_zeros_of_its_slope(cosines, s
     stroke = ss.Recorded(period=0.03, cosines=tuple(map(float, cosines)), sines=tuple(map(float, sines))).stroke
     assert stroke == pytest.approx(high[1] - low[1], rel=1e-13)
     assert extremes([0.0] * len(cosines), [0.0] * len(sines)) == (0.0, 0.0)
+
+
+def test_a_law_has_both_methods_of_its_kind():
+    methods = dict.fromkeys(("sliding", "breakaway", "rate", "force"))
+    assert all(is_law(type("Law", (), {a: methods[a], b: methods[b]})()) for a, b in (("sliding", "breakaway"), ("rate", "force")))
+    assert not any(is_law(type("Law", (), {name: None})()) for name in methods)
+
+
+def test_numbers_of_a_bristle_are_drawn_by_the_published_generator():
+    """A word equal to the state makes it zero, so that each draw is the first from seed 0."""
+    first = 0xE220A8397B1DCDAF
+    assert _draw(0, first, first) == (first >> 11) * 2.0**-53
+
+
+@pytest.mark.parametrize("missing", ["w1", "w2", "w3"])
+def test_the_acceleration_that_is_missing_is_named(missing):
+    given = {name: 10.0 for name in ("w1", "w2", "w3") if name != missing}
+    with pytest.raises(ss.InputError) as caught:
+        ss.ThreePhase(u1=0.3, **given)
+    assert [problem.split(";")[0] for problem in caught.value.problems] == [f"{missing} is missing"]
+
+
+def test_ten_thousand_modes_are_as_many_as_are_asked_for():
+    assert cantilever_eigenvalues(1.0, 10_000)[-1] == pytest.approx(9_999.25 * math.pi, rel=1e-7)  # pinned, as tan b = tanh b says
+    with pytest.raises(ss.InputError, match="n = 10001"):
+        cantilever_eigenvalues(1.0, 10_001)
+
+
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+def test_numbers_given_for_one_thing_agree_to_nine_digits_of_any_size(size):
+    assert agree(size, size * (1 + 5e-10)) and not agree(size, size * (1 + 2e-9))
+
+
+@pytest.mark.parametrize("v", [0.02, -3.0])
+def test_the_slip_ratio_is_what_the_bristle_does_not_follow(v):
+    """Eq. 2.6 with v far above v_s: 1 - (dz/dt)/v = z/z_s, with z_s = mu N/sigma0 on the side of v."""
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="lugre")
+    law, N = robot.friction, robot.load(0.0, 0.0)
+    steady = (law.mu_plus if v > 0 else -law.mu_minus) * N / law.sigma0
+    shares = np.array([0.0, 0.3, 1.0])
+    ratios = slip_ratio_of(robot, math.copysign(1, v), np.zeros(3), np.zeros(3), np.full(3, v), (shares * steady)[:, None])
+    assert ratios == pytest.approx(shares, abs=1e-12)
+
+
+@pytest.mark.parametrize(("degrees", "remarks"), [(8.0, 0), (9.0, 1), (-11.0, 0), (-12.0, 1)])
+def test_a_body_slides_by_itself_where_the_slope_is_steeper_than_its_friction(degrees, remarks):
+    """tan 8.53 degrees = 0.15 downhill, and 0.21 = tan 11.86 degrees where downhill is backwards."""
+    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="coulomb")
+    robot = robot.replace(friction=ss.Coulomb(0.15, 0.21), track=ss.Incline(math.radians(degrees)))
+    assert sum("slides by itself" in note for note in robot.notes) == remarks
