@@ -114,7 +114,7 @@ def _highest(a: Any, b: Any) -> Any:
 
     grid = np.linspace(0.0, 2 * np.pi, _POINTS * len(a), endpoint=False)
     values = series(grid, a[..., None], b[..., None])
-    bend, step, found = np.hypot(*_derivative(*_derivative(a, b))).sum(axis=0), grid[1], values.max(axis=-1)
+    bend, step, found = np.hypot(*_derivative(*_derivative(a, b))).sum(axis=0), grid[1], values.max(axis=1)
     case, point = np.nonzero(values >= (found - bend * step**2 / 8)[:, None])
     np.maximum.at(found, case, _climbed(grid[point], step, a[:, case], b[:, case]))
     return found
