@@ -1,6 +1,6 @@
 """Would the tests notice a wrong formula? 300 fixed mutants of laws, drives, mechanisms, forces, robot and tracks, one at a time.
 
-Run: python verification/mutants.py [--count N] [--only WORD] [--workers N]
+Run: python verification/mutants.py [--count N] [--only WORD] [--again FILE] [--workers N]
 
 A mutant is one formula with one thing changed: a sign, an operation, a factor of ten, forwards for backwards, the two branches of a
 `where`. Tests are collected once, without a compiler; then each mutant is a process of its own, in which the functions of its file get
@@ -34,8 +34,12 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from mutating import FORMULAS, ROOT, SOURCE, Mutant, every, mutated
 
-TESTS = ("formulas", "laws", "drives", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
-NEAR = {"friction": ("formulas", "laws"), "drives": ("formulas", "drives", "cantilever", "piezo_beam"), "mechanisms": ("mechanisms",)}
+TESTS = ("formulas", "laws", "drives", "recorded", "mechanisms", "tracks", "plain", "cantilever", "piezo_beam")
+NEAR = {
+    "friction": ("formulas", "laws"),
+    "drives": ("formulas", "recorded", "drives", "cantilever", "piezo_beam"),
+    "mechanisms": ("mechanisms",),
+}
 say = functools.partial(print, file=sys.__stderr__, flush=True)  # standard output is the tests'
 SLOWEST, PATIENCE = 1.0, 300  # seconds of processor time of a test and of a mutant; one that runs without end counts as killed
 
@@ -140,11 +144,14 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=300, help="mutants (300)")
     parser.add_argument("--workers", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", default="", help="mutants whose name contains this")
+    parser.add_argument("--again", type=Path, help="mutants that are lines of this file, or survived in it: the output of a run")
     given = parser.parse_args()
+    names = {line.rpartition("SURVIVES ")[2].strip() for line in given.again.read_text().splitlines()} if given.again else None
     os.chdir(ROOT), sys.path.insert(0, str(ROOT / "src")), sys.meta_path.insert(0, NoCompiler())
     os.environ["STICKSLIP_CACHE_DIR"] = tempfile.mkdtemp()
     known = json.loads((ROOT / "verification" / "mutants.json").read_text(encoding="utf-8"))
-    mutants = Mutants([m for m in every() if given.only in m.name][: given.count], known, given.workers)
+    wanted = [m for m in every() if given.only in m.name and (names is None or m.name in names)]
+    mutants = Mutants(wanted[: given.count], known, given.workers)
     files = [f"tests/test_{name}.py" for name in TESTS] + [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
     began = time.perf_counter()
     pytest.main([*files, "-q", "-p", "no:cacheprovider", "--tb=no", "--capture=no"], plugins=[mutants])

@@ -21,6 +21,7 @@ __all__ = [
 ]  # fmt: skip
 
 _SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
+_ORDINARY = 1e-3  # a velocity [m/s] of ordinary sliding
 _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
 _LIMITS = "return the friction forces that rest can bear backwards (negative) and forwards (positive)"
 
@@ -67,7 +68,7 @@ def _check_breakaway(law: Any, problems: Problems) -> None:
             )
             return
         slow = [np.asarray(law.sliding(v, 1.0)) for v in (-_SLOW, _SLOW)]
-        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-1e9 * _SLOW, 1e9 * _SLOW)]
+        faster = [np.asarray(law.sliding(v, 1.0)) for v in (-_ORDINARY, _ORDINARY)]
         rounding = [1e-9 * abs(np.asarray(limit)) + 1e-6 * abs(force) for limit, force in zip(limits, faster, strict=True)]
     except Exception as error:  # what else goes wrong inside a law is told where it is traced, with what to write
         if isinstance(error, ValueError) and any(is_array(value) for _, value in leaves(law)) and adapted(law).compiles:
@@ -157,7 +158,7 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
     law, load = law_of(model), normal_load(model, t, x)
     slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
     if law.dynamic:
-        applied = model.total_mass * model.acceleration(t, x, v, 0.0) if law.needs_applied else 0.0
+        applied = model.total_mass * model.acceleration(t, x, v, 0.0) if law.needs_applied else None
         return law.force(slip, z, zdot, load, memory, applied)
     return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
 

@@ -6,9 +6,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from stickslip.drives.drive import Drive
-from stickslip.maths import cos, sin, sqrt
+from stickslip.maths import cos, maximum, sin, sqrt
 
 __all__ = ["FourierDrive", "extremes", "harmonics", "series"]
+
+_POINTS = 32  # of the grid for each harmonic; more only take longer
+_NEWTON = 5  # steps from half a step of the grid at most, where three reach rounding
 
 Coefficients = Any  # a tuple of numbers, or an array with the harmonics along its first axis
 
@@ -81,19 +84,11 @@ class FourierDrive(Drive):
     def specific_energy(self) -> Any:
         """Largest kinetic energy of the relative motion for each kilogram of the inner mass [J/kg]."""
         low, high = extremes(*_derivative(*self.coefficients))
-        return 0.5 * self.omega**2 * abs(maximum_of(-low, high)) ** 2
-
-
-def maximum_of(a: Any, b: Any) -> Any:
-    """The larger of two numbers or arrays."""
-    import numpy as np
-
-    larger = np.maximum(a, b)
-    return larger if np.ndim(larger) else float(larger)
+        return 0.5 * self.omega**2 * maximum(-low, high) ** 2
 
 
 def extremes(cosines: Coefficients, sines: Coefficients) -> tuple[Any, Any]:
-    """Smallest and largest value of a series: from a grid, then Newton's method on the slope.
+    """Smallest and largest value of a series: by Newton's method on the slope, from every point of a grid that may be next to it.
 
     Examples
     --------
@@ -102,28 +97,39 @@ def extremes(cosines: Coefficients, sines: Coefficients) -> tuple[Any, Any]:
     """
     import numpy as np
 
-    a, b = (np.moveaxis(np.array(np.broadcast_arrays(*c), float), 0, -1) for c in (cosines, sines))
-    a, b = (np.moveaxis(c, -1, 0)[..., None] for c in np.broadcast_arrays(a, b))
-    grid = np.linspace(0.0, 2 * np.pi, 32 * len(a) + 1)
-    values = series(grid, a, b)
-    found = []
-    for sign in (-1, 1):
-        angle = grid[np.argmax(sign * values, axis=-1)][..., None]
-        found.append(_refined(angle, grid[1], a, b, sign))
-    return found[0], found[1]
+    cases = np.broadcast_arrays(*cosines, *sines)
+    a, b = np.array(cases, float).reshape(2, len(sines), -1)
+    high, low = _highest(a, b), 0.0 - _highest(-a, -b)
+    shape = cases[0].shape
+    return (low.reshape(shape), high.reshape(shape)) if shape else (float(low[0]), float(high[0]))
 
 
-def _refined(angle: Any, step: float, a: Any, b: Any, sign: int) -> Any:
-    """The extreme value next to a point of the grid."""
+def _highest(a: Any, b: Any) -> Any:
+    """Largest values of series whose coefficients are the columns of two arrays.
+
+    No grid point within half a step h of it lies lower than it by more than h^2/8 times a bound of the second derivative. So the highest
+    point alone will not do where two maxima are nearly as high.
+    """
     import numpy as np
 
-    first, best = _derivative(a, b), sign * series(angle, a, b)
-    second = _derivative(*first)
-    for _ in range(5):
-        bend = series(angle, *second)
+    grid = np.linspace(0.0, 2 * np.pi, _POINTS * len(a), endpoint=False)
+    values = series(grid, a[..., None], b[..., None])
+    bend, step, found = np.hypot(*_derivative(*_derivative(a, b))).sum(axis=0), grid[1], values.max(axis=1)
+    case, point = np.nonzero(values >= (found - bend * step**2 / 8)[:, None])
+    np.maximum.at(found, case, _climbed(grid[point], step, a[:, case], b[:, case]))
+    return found
+
+
+def _climbed(angle: Any, step: float, a: Any, b: Any) -> Any:
+    """The largest values that Newton's method meets from these angles."""
+    import numpy as np
+
+    slope = _derivative(a, b)
+    found, curvature = series(angle, a, b), _derivative(*slope)
+    for _ in range(_NEWTON):
+        bend = series(angle, *curvature)
         with np.errstate(divide="ignore", invalid="ignore"):
-            move = np.where(sign * bend < 0, -series(angle, *first) / bend, 0.0)
+            move = np.where(bend < 0, -series(angle, *slope) / bend, 0.0)
         angle = angle + np.clip(move, -step, step)
-        best = np.maximum(best, sign * series(angle, a, b))
-    value = sign * best[..., 0]
-    return value if value.ndim else float(value)
+        found = np.maximum(found, series(angle, a, b))
+    return found

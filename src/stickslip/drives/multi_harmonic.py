@@ -52,8 +52,8 @@ class MultiHarmonic(FourierDrive):
             raise InputError("MultiHarmonic", [f"amplitudes is missing; {_EXAMPLE}"])
         object.__setattr__(self, "omega", omega)
         object.__setattr__(self, "amplitudes", amplitudes)
-        count = len(amplitudes) if hasattr(amplitudes, "__len__") else 1
-        object.__setattr__(self, "phases", (0.0,) * count if phases is None else phases)
+        zeros = (0.0,) * len(amplitudes) if hasattr(amplitudes, "__len__") else ()  # what is no tuple is reported
+        object.__setattr__(self, "phases", zeros if phases is None else phases)
         self.__post_init__()
 
     def _check(self, problems: Problems) -> None:

@@ -18,6 +18,8 @@ _GAP = 2.5  # a step this many times as long as the usual one is a gap
 _REPEAT = 0.1  # part of the r.m.s. by which a record may differ from itself a period later
 _MEAN = 0.02  # part of the r.m.s. that the mean of a velocity or acceleration may be
 _JUMP = 3.0  # a step from the last sample to the first this many times as large as any other is no repetition
+_SAME = 1e-9  # part of a period: instants that lie no further apart are one
+_ROUNDING = 1e-6  # of a number of samples in a period, whose instants are rounded
 _CHUNK = 1 << 14  # samples at a time
 _EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03)"
 
@@ -45,6 +47,11 @@ class Samples:
         import numpy as np
 
         return self.period / float(np.median(np.diff(self.t)))
+
+    @property
+    def harmonics(self) -> int:
+        """How many harmonics so many samples bear, two numbers for each and one for the mean."""
+        return max(math.floor((self.per_period - 1) / 2 + _ROUNDING), 0)
 
     @property
     def spread(self) -> float:
@@ -116,12 +123,12 @@ def _check_instants(record: Samples, order: int | None, problems: Problems) -> N
             "are records without gaps: cut the record to whole periods without it"
         )
     length = t[-1] - t[0] + usual
-    if length < record.period * (1 - 1e-6) - 0.5 * usual:
+    if length < record.period - 0.5 * usual:
         problems.add(f"the record lasts {length:.6g} s and its period is {record.period:.6g} s; allowed is at least one period")
-    most = int((record.per_period - 1) // 2)
-    if most < 1 or (order is not None and order > most):
+    most = record.harmonics
+    if (order or 1) > most:
         asked = f"order = {order}" if order is not None else "a period"
-        problems.add(f"{asked} with {record.per_period:.4g} samples in a period; allowed is an order up to {max(most, 0)}: sample faster")
+        problems.add(f"{asked} with {record.per_period:.4g} samples in a period; allowed is an order up to {most}: sample faster")
 
 
 def _check_repetition(record: Samples, problems: Problems) -> None:
@@ -149,12 +156,12 @@ def _difference(record: Samples) -> float:
     """By how much the record differs from itself whole periods later, over its r.m.s.; of one period, the step that does not close."""
     import numpy as np
 
-    t, values = record.t, record.values
-    later = t + np.floor((t[-1] - t[0]) / record.period + 1e-9) * record.period
-    inside = (later <= t[-1] * (1 + 1e-12) + 1e-12 * record.period) & (later > t)
+    t, values, period = record.t, record.values, record.period
+    later = t + np.floor((t[-3] - t[0]) / period + _SAME) * period  # from the third sample from the end: one alone says little
+    inside = (later <= t[-1] + _SAME * period) & (later > t)
     if np.count_nonzero(inside) >= 3:
         return float(np.sqrt(np.mean((np.interp(later[inside], t, values) - values[inside]) ** 2))) / record.spread
-    last = values[np.searchsorted(t, t[0] + record.period * (1 - 1e-9) - 1e-9 * record.period) - 1]
+    last = values[np.searchsorted(t, t[0] + period * (1 - _SAME)) - 1]
     steps = np.diff(values)
     wrap = abs(values[0] - last)
     return float(wrap / record.spread) if wrap > _JUMP * np.max(abs(steps)) and wrap > _REPEAT * record.spread else 0.0
@@ -162,7 +169,7 @@ def _difference(record: Samples) -> float:
 
 def _mean(record: Samples) -> float:
     """Mean over the whole periods of the record."""
-    return float(_solved(record, min(8, int((record.per_period - 1) // 2)))[0])
+    return float(_solved(record, min(8, record.harmonics))[0])
 
 
 def _basis(angle: Array, order: int) -> Array:
@@ -206,7 +213,7 @@ def fitted(record: Samples, tolerance: float, order: int | None) -> tuple[list[f
     """Coefficients of the cosines and of the sines of the record, and a sentence on what they leave."""
     import numpy as np
 
-    most = min(MOST, int((record.per_period - 1) // 2)) if order is None else order
+    most = min(MOST, record.harmonics) if order is None else order
     c = _solved(record, most)
     if order is None:
         powers = 0.5 * (c[1::2] ** 2 + c[2::2] ** 2)

@@ -167,7 +167,7 @@ def _slope(sigma: Any) -> Any:
 
 def _inverse(level: Any) -> Any:
     """Where `_rise` reaches a level between 0 and 1, by halving [-]."""
-    low, high = 0.0 * level, 0.0 * level + 1
+    low, high = 0.0, 1.0
     for _ in range(60):
         middle = 0.5 * (low + high)
         below = _rise(middle) < level

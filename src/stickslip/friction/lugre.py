@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from stickslip.errors import Problems
 from stickslip.fields import at_least, positive
 from stickslip.friction.law import Law
-from stickslip.friction.sides import by_side, check_static, static, stribeck
+from stickslip.friction.sides import check_static, fading, static
 
 __all__ = ["LuGre"]
 
@@ -81,9 +81,7 @@ class LuGre(Law):
 
     def coefficient(self, v: Any) -> Any:
         """Steady friction coefficient g(v) without the viscous part [-] (the bracket of Eq. 2.6)."""
-        mu = by_side(v, self.mu_plus, self.mu_minus)
-        f = by_side(v, static(self.f_plus, self.mu_plus), static(self.f_minus, self.mu_minus))
-        return stribeck(v, mu, f, self.v_s)
+        return fading(self, v)
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Bristle velocity dz/dt [m/s] (Eq. 2.6)."""

@@ -123,13 +123,12 @@ def _pieces(x: tuple[Any, ...], y: tuple[Any, ...]) -> list[tuple[Any, Any, Any,
     h = [b - a for a, b in pairwise(x)]
     rise = [(b - a) / step for (a, b), step in zip(pairwise(y), h, strict=True)]
     slope = _slopes(h, rise)
-    zero = 0.0 * y[0]
-    pieces = [(y[0], zero, zero, zero)]
+    pieces = [(y[0], 0.0, 0.0, 0.0)]
     for k, step in enumerate(h):
         c2 = (3.0 * rise[k] - 2.0 * slope[k] - slope[k + 1]) / step
         c3 = (slope[k] + slope[k + 1] - 2.0 * rise[k]) / (step * step)
         pieces.append((y[k], slope[k], c2, c3))
-    return [*pieces, (y[-1], zero, zero, zero)]
+    return [*pieces, (y[-1], 0.0, 0.0, 0.0)]
 
 
 def _slopes(h: list[Any], rise: list[Any]) -> list[Any]:
