@@ -51,7 +51,7 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
             sum(g * m * a for g, m, a in zip(mechanics.directions[i], mechanics.masses, free, strict=True)) if law.needs_applied else 0.0
         )
         R[:, i] = law.force(slip, inner, rates, loads[:, i], own, applied)
-    resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws])
+    resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
     if np.any(resting):
         _hold(mechanics, resting, t, q, u, loads, R)
     moved = mechanics.accelerations(t, q, u, tuple(R.T))

@@ -109,12 +109,12 @@ def add_contacts(parts: Parts, speeds: list[Sym | None]) -> None:
         if law.dynamic:
             _add_dynamic(parts, i, speeds[i])
     for group in groups_of(m.directions, [i for i, law in enumerate(m.laws) if not law.dynamic]):
-        if len(group) == 1 and sum(map(abs, m.directions[group[0]])) == 1.0:
-            _add_set_valued(parts, group[0], speeds[group[0]])
-        elif len({m.directions[i] for i in group}) == 1:
+        if len({m.directions[i] for i in group}) > 1 or sum(map(abs, m.directions[group[0]])) > 1.0:
+            add_box(parts, group, speeds)
+        elif len(group) > 1:
             add_feet(parts, group, speeds)
         else:
-            add_box(parts, group, speeds)
+            _add_set_valued(parts, group[0], speeds[group[0]])
     parts.contacts.sort(key=lambda contact: m.equations.contacts.index(contact.name))
 
 
