@@ -16,7 +16,8 @@ from llvmlite import ir
 
 from stickslip.engine import cache, driver, emit
 from stickslip.engine.rosenbrock import Step
-from stickslip.engine.steptext import Layout, step_text
+from stickslip.engine.steptext import Layout, step_text, straight
+from stickslip.engine.texts import emit_text
 
 LINES = """
 _sum = _a + _b
@@ -43,6 +44,27 @@ _whole = np.int64(_small * 1e6) * 0.5
 _late = math.nan if _a > 1e200 else (math.inf if _a > 1e100 else -math.inf)
 _a = budget + 0.5 * _a
 _tend = _a
+_r = row(7)
+_r[0] = 1.0 * _small
+_r[1] = _b
+_total = 0.0
+_turn = 1.0
+_before = 0.0
+for m in range(2, 7):
+    _inverse = 1 / m
+    _between = 5.0
+    for j in range(1, m):
+        _between = fma(_r[j], _r[m - j], _between)
+    _within = _inverse * _between
+    _r[m] = m * _within - 2 * (m - 1) * _r[m - 1]
+    _held[m - 2] = _within
+    _total = _total + abs(_held[m - 2])
+    _swapped = _before
+    _before = _turn
+    _turn = 1.0 + _swapped
+for j in range(4, 4):
+    _total = 77.0
+_last = _r[6]
 """.strip().splitlines()
 BRANCH = ["_twice = 1.0", "if _a > 0.0:", "    _within = 2.0 * _a", "    _twice = _within + _twice", "_after = _twice + _a"]
 NUMBERS = [0.0, -0.0, 1.0, -1.0, 0.1, -2.5, 3e-310, 1e300, -1e-300, math.inf, -math.inf, 7.0, 1 / 3, 1e16, -1e150, 2.0]
@@ -64,25 +86,26 @@ def as_bits(x):
 
 
 def as_float(i):
-    return struct.unpack("<d", struct.pack("<Q", i % 2**64))[0]
+    return struct.unpack("<d", struct.pack("<Q", int(i) % 2**64))[0]
 
 
 def plain(lines, given):
     """The same lines by Python itself, for one lane; numbers divide as processors do."""
     known = {"fma": fma, "as_bits": as_bits, "as_float": as_float, "math": math, "np": np, "rtol": 0.25, "budget": 8.0}
+    known |= {"row": lambda length: [math.nan] * length, "_held": [math.nan] * 5}
     known |= {f"_{name}": np.float64(value) for name, value in given.items()}
     with np.errstate(all="ignore"):
         exec("\n".join(lines), known)
-    return known
+    return known | {f"_held_{m}": value for m, value in enumerate(known["_held"])}
 
 
 def compiled(lines, lanes, width):
     """A kernel of these lines alone, on the numbers of each lane: what it gives a value to."""
-    made = [line.partition(" = ")[0][1:] for line in lines if not line.startswith(("_holds", " ", "if"))]
-    fields = list(dict.fromkeys(["a", "b", "small", *made]))
+    made = [line.partition(" = ")[0][1:] for line in lines if not line.startswith(("_holds", " ", "if", "for", "_r[", "_r ="))]
+    fields = list(dict.fromkeys(["a", "b", "small", *made, *(f"held_{m}" for m in range(5))]))
     step = Step(tuple(lines), tuple(fields), (None,), 1)
     layout = Layout(lanes, width, {name: i * lanes for i, name in enumerate(fields)}, len(fields) * lanes)
-    text = driver.HEADER.format(label="a test") + f"L = {lanes}\n" + step_text(step, layout)
+    text = driver.HEADER.format(label="a test") + f"L = {lanes}\n{emit_text()}" + step_text(step, layout)
     step = cache.load(text.replace('"no_cpython_wrapper": True, ', ""), f"emit_{lanes}", "a test").step
 
     def act(given):
@@ -125,9 +148,27 @@ def test_the_lines_above_hold_every_operation_there_is():
     nodes = {type(node) for node in ast.walk(ast.parse("\n".join(LINES + BRANCH)))}
     assert nodes >= {*emit.REAL, *emit.WHOLE, *emit.COMPARE, *emit.JOIN}
     calls = {ast.unparse(node.func) for node in ast.walk(ast.parse("\n".join(LINES))) if isinstance(node, ast.Call)}
-    assert calls == {*emit.FUNCTIONS, *emit.CASTS}
+    assert calls == {*emit.FUNCTIONS, *emit.CASTS, "row", "range"}
     visited = {name.removeprefix("visit_") for name in vars(emit._Vector) if name.startswith("visit_")}
-    assert visited <= {node.__name__ for node in nodes}
+    assert visited | {"For"} <= {node.__name__ for node in nodes}
+
+
+def test_functions_on_arrays_and_numbers_are_what_python_computes():
+    """Other functions than steps: what is called with, whole numbers count, arrays are read and written in turn."""
+    lines = ["_x = Y[lane + 1] + t", "for j in range(0, 3):", "    Y[lane + j] = _x * Y[j]", "    _x = fma(t, j, _x)", "Y[5] = _x"]
+    text = (
+        straight("act_on", "lane, t, Y", lines)
+        + """
+@njit("void(int64, float64, float64[::1])", **CALLED)
+def act(lane, t, Y):
+    act_on(lane, t, Y)
+"""
+    )
+    act = cache.load(driver.HEADER.format(label="a test") + emit_text() + text, "emit_plain", "a test").act
+    found, right = np.array([0.1, 0.7, 3.0, -2.0, 1e9, 0.0]), [0.1, 0.7, 3.0, -2.0, 1e9, 0.0]
+    act(2, 0.3, found)
+    exec("\n".join(lines), {"fma": fma, "lane": 2, "t": 0.3, "Y": right})
+    assert found.tolist() == right
 
 
 @pytest.mark.parametrize(
@@ -135,14 +176,16 @@ def test_the_lines_above_hold_every_operation_there_is():
     [
         "_x = _a ** 2.0", "_x = 5 % 2", "_x = 1.0 < 2.0 < 3.0", "_x = _unknown", "_x = sin(1.0)", "_x = as_bits(5)", "_x = not 1.0",
         "_x = 1.0 if 2.0 else 3.0", "_x = True + 1.0", "_x = 1.0 and 2.0", "_x, _y = 1.0, 2.0", "_x = 'text'", "_x = 2 < 3",
-        "if True:\n    _x = 1.0", "_x = math.pi", "_x += 1.0", "_x = 1.0 / True", "_x = 2 / 3", "_x = -True", "_x = fma(1.0, 2.0)",
+        "if True:\n    _x = 1.0", "_x = math.pi", "_x += 1.0", "_x = 1.0 / True", "_x = -True", "_x = fma(1.0, 2.0)", "_x = _r[0]",
+        "_x = row(5)\n_y = _x[1.0]", "_x = row(1.0)", "for m in range(4):\n    _x = 1.0", "for m in 5:\n    _x = 1.0",
+        "for m in range(0, 2.0):\n    _x = 1.0", "for m, n in range(0, 2):\n    _x = 1.0", "_a.b[0] = 1.0", "_x = row(3)\n_x[0] = True",
     ],
 )  # fmt: skip
 def test_a_line_that_cannot_be_written_is_named(line):
     function = ir.Function(ir.Module(), ir.FunctionType(ir.VoidType(), []), "f")
     builder = ir.IRBuilder(function.append_basic_block())
     with pytest.raises(TypeError, match="in a line of a step"):
-        emit.write(builder, None, 4, 4, {}, {}, line, {})
+        emit.write(builder, None, 4, 4, {}, {}, {}, line, {})
 
 
 def test_a_line_that_asks_for_what_no_lane_holds_is_refused():

@@ -64,7 +64,7 @@ def test_equations_that_hide_nothing_pay_nothing():
     for law in ("coulombviscous", "tabulated"):
         for shaken in drawn.DRIVES:
             eq = trace.trace(ss.Robot(0.06, 0.01, ss.DRIVES[shaken].example(), ss.LAWS[law].example()))
-            assert not unforeseen.hides(eq) and not unforeseen.slopes(eq, taylor.write_step(eq)), (law, shaken)
+            assert not unforeseen.hides(eq) and not unforeseen.slopes(eq, taylor.write_step(eq), 1), (law, shaken)
     assert unforeseen.hides(trace.trace(NARROW))
 
 

@@ -36,7 +36,7 @@ _COLUMNS = (
     "LANES", "STATES", "GUARDS", "SIGNS", "FIELDS", "CONSTANTS", "DEGREE", "MODES", "KEPT_MODES", "CLOCKS", "IMPULSES", "BREAKS", "FLAGS",
     "SET_VALUED", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
-    "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "EXPONENTS", "F_E",
+    "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR",
 )  # fmt: skip
 
 #: The top of every kernel's file. Only `advance` is called from Python; the others need no wrappers for it.
@@ -64,13 +64,6 @@ def as_bits(typingctx, x):
     def emit(context, builder, sig, args):
         return builder.bitcast(args[0], ir.IntType(64))
     return types.int64(types.float64), emit
-
-
-@intrinsic
-def choose(typingctx, condition, yes, no):
-    def emit(context, builder, sig, args):
-        return builder.select(*args)
-    return yes(types.boolean, yes, no), emit
 
 
 @intrinsic

@@ -3,9 +3,10 @@
 Numba needs most of a step's compile time to read its lines, LLVM little to compile them. So Numba sees one call, of an intrinsic that
 writes the instructions itself (`steptext.py`). A kernel's file holds this text from the imports on, and needs nothing else.
 
-The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, and, for
-one lane, ``if condition:`` around some. Every decision inside an expression is one select instruction, and nothing is fused or
-reordered that is not written so: the bits do not depend on the number of lanes.
+The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, loops
+``for m in range(first, end):``, and, for one lane, ``if condition:`` around some. ``name = row(17)`` is 17 numbers in memory, for each
+lane, which are read and written by their places, as the rows that a lane holds are. Every decision inside an expression is one select
+instruction, and nothing is fused or reordered that is not written so: the bits do not depend on the number of lanes.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Any
 from llvmlite import ir
 
 REAL = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
-WHOLE = {ast.Add: "add", ast.Sub: "sub", ast.LShift: "shl", ast.RShift: "ashr", ast.BitXor: "xor"}
+WHOLE = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitXor: "xor"}
 JOIN = {ast.And: "and_", ast.Or: "or_"}
 COMPARE = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 FUNCTIONS = {"fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt"}
@@ -25,22 +26,32 @@ TAKES = {"fma": 3, "abs": 1, "math.sqrt": 1}
 CASTS = {"as_bits": ("bitcast", "real", "whole"), "as_float": ("bitcast", "whole", "real"), "np.int64": ("fptosi", "real", "whole")}
 
 
-class _Vector(ast.NodeVisitor):
-    """Writes lines as instructions on one vector of lanes; `known` has the value of each name."""
+COUNT, NUMBER = ir.IntType(64), ir.DoubleType()  # of one number for all lanes: what loops count, and what is made of it
 
-    def __init__(self, builder: Any, data: Any, first: int, lanes: int) -> None:
-        self.builder, self.data, self.first, self.lanes, self.known = builder, data, first, lanes, {}
-        kinds = (ir.DoubleType(), ir.IntType(64), ir.IntType(1))
+
+class _Vector(ast.NodeVisitor):
+    """Writes lines as instructions on one vector of lanes.
+
+    `known` has the value of each name, `rows` where each row begins and how far it is from one of its numbers to the next.
+    """
+
+    def __init__(self, builder: Any, data: Any, first: int, lanes: int, every: int) -> None:
+        self.builder, self.data, self.first, self.lanes, self.every = builder, data, first, lanes, every
+        self.known, self.rows = dict[str, Any](), dict[str, Any]()
+        kinds = (NUMBER, COUNT, ir.IntType(1))
         self.real, self.whole, self.truth = kinds if lanes == 1 else (ir.VectorType(kind, lanes) for kind in kinds)
 
     # ---- numbers in and out ----
-    def spread(self, name: str, number: Any) -> None:
+    def spread(self, x: Any) -> Any:
         """One number for all lanes."""
-        if self.lanes > 1:
-            nothing, zero = ir.Constant(self.real, ir.Undefined), ir.IntType(32)
-            first = self.builder.insert_element(nothing, number, ir.Constant(zero, 0))
-            number = self.builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(zero, self.lanes), [0] * self.lanes))
-        self.known[name] = number
+        if self.lanes == 1 or x.type not in (NUMBER, COUNT):
+            return x
+        kind = ir.VectorType(x.type, self.lanes)
+        if isinstance(x, ir.Constant):
+            return ir.Constant(kind, [x.constant] * self.lanes)
+        nothing, zero = ir.Constant(kind, ir.Undefined), ir.IntType(32)
+        first = self.builder.insert_element(nothing, x, ir.Constant(zero, 0))
+        return self.builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(zero, self.lanes), [0] * self.lanes))
 
     def read(self, name: str, at: int) -> None:
         """What the lanes have in the field that begins at `at`."""
@@ -51,7 +62,20 @@ class _Vector(ast.NodeVisitor):
         self.builder.store(self.known[name], self.place(at), align=8)
 
     def place(self, at: int) -> Any:
-        place = self.builder.gep(self.data, [ir.Constant(ir.IntType(64), at + self.first)])
+        place = self.builder.gep(self.data, [ir.Constant(COUNT, at + self.first)])
+        return self.builder.bitcast(place, self.real.as_pointer())
+
+    def held_row(self, name: str, at: int) -> None:
+        """A row of fields that the lanes hold, from the one that begins at `at`."""
+        self.rows[name] = self.builder.gep(self.data, [ir.Constant(COUNT, at + self.first)]), self.every
+
+    def in_row(self, node: ast.Subscript) -> Any:
+        """The place of one number of a row."""
+        row, index = self.rows.get(ast.unparse(node.value)), self.visit(node.slice)
+        if row is None or index.type != COUNT:
+            self.generic_visit(node)
+        begin, apart = row
+        place = self.builder.gep(begin, [self.builder.mul(index, ir.Constant(COUNT, apart))])
         return self.builder.bitcast(place, self.real.as_pointer())
 
     def constant(self, kind: Any, value: Any) -> Any:
@@ -60,9 +84,23 @@ class _Vector(ast.NodeVisitor):
     # ---- statements ----
     def visit_Assign(self, node: ast.Assign) -> None:
         (target,) = node.targets
-        if not isinstance(target, ast.Name):
+        if isinstance(target, ast.Subscript):
+            value = self.spread(self.visit(node.value))
+            self.builder.store(self.as_real(node, value), self.in_row(target), align=8)
+        elif not isinstance(target, ast.Name):
             self.generic_visit(node)
-        self.known[target.id] = self.visit(node.value)
+        elif isinstance(node.value, ast.Call) and ast.unparse(node.value.func) == "row":
+            self.rows[target.id] = self.new_row(node.value)
+        else:
+            self.known[target.id] = self.spread(self.visit(node.value))
+
+    def new_row(self, node: ast.Call) -> tuple[Any, int]:
+        """Room for a row, in the memory of this call."""
+        (length,) = (self.visit(a) for a in node.args)
+        if not isinstance(length, ir.Constant) or length.type != COUNT:
+            self.generic_visit(node)
+        with self.builder.goto_entry_block():
+            return self.builder.alloca(self.real, size=length), 1
 
     def visit_If(self, node: ast.If) -> None:
         """A branch; a name that had a value before has one of two after it."""
@@ -83,11 +121,16 @@ class _Vector(ast.NodeVisitor):
 
     # ---- expressions ----
     def visit_Constant(self, node: ast.Constant) -> Any:
-        kind = {bool: self.truth, int: self.whole, float: self.real}.get(type(node.value))
+        if type(node.value) is int:
+            return ir.Constant(COUNT, node.value)
+        kind = {bool: self.truth, float: self.real}.get(type(node.value))
         return self.generic_visit(node) if kind is None else self.constant(kind, node.value)
 
     def visit_Name(self, node: ast.Name) -> Any:
         return self.known[node.id] if node.id in self.known else self.generic_visit(node, "has no value")
+
+    def visit_Subscript(self, node: ast.Subscript) -> Any:
+        return self.builder.load(self.in_row(node), align=8)
 
     def visit_Attribute(self, node: ast.Attribute) -> Any:
         values = {"math.nan": math.nan, "math.inf": math.inf}
@@ -104,11 +147,13 @@ class _Vector(ast.NodeVisitor):
 
     def visit_BinOp(self, node: ast.BinOp) -> Any:
         a, b = self.alike(node, self.visit(node.left), self.visit(node.right))
-        name = {self.real: REAL, self.whole: WHOLE}.get(a.type, {}).get(type(node.op))
+        if isinstance(node.op, ast.Div):
+            a, b = self.as_real(node, a), self.as_real(node, b)
+        name = {self.real: REAL, NUMBER: REAL, self.whole: WHOLE, COUNT: WHOLE}.get(a.type, {}).get(type(node.op))
         return getattr(self.builder, name)(a, b) if name else self.generic_visit(node)
 
     def visit_Compare(self, node: ast.Compare) -> Any:
-        a, b = self.alike(node, self.visit(node.left), self.visit(node.comparators[0]))
+        a, b = map(self.spread, self.alike(node, self.visit(node.left), self.visit(node.comparators[0])))
         sign = COMPARE.get(type(node.ops[0]))
         if len(node.ops) > 1 or sign is None or a.type != self.real:
             self.generic_visit(node)
@@ -124,11 +169,11 @@ class _Vector(ast.NodeVisitor):
 
     def visit_IfExp(self, node: ast.IfExp) -> Any:
         test = self.visit(node.test)
-        yes, no = self.alike(node, self.visit(node.body), self.visit(node.orelse))
+        yes, no = map(self.spread, self.alike(node, self.visit(node.body), self.visit(node.orelse)))
         return self.builder.select(test, yes, no) if test.type == self.truth else self.generic_visit(node)
 
     def visit_Call(self, node: ast.Call) -> Any:
-        name, args = ast.unparse(node.func), [self.visit(a) for a in node.args]
+        name, args = ast.unparse(node.func), [self.spread(self.visit(a)) for a in node.args]
         if name in FUNCTIONS and len(args) == TAKES[name]:
             return self.builder.call(self.function(FUNCTIONS[name], len(args)), [self.as_real(node, a) for a in args])
         cast, given, wanted = CASTS.get(name, ("", "", ""))
@@ -141,33 +186,94 @@ class _Vector(ast.NodeVisitor):
         return self.builder.module.declare_intrinsic(f"{name}.{'f64' if self.lanes == 1 else f'v{self.lanes}f64'}", (), kind)
 
     def alike(self, node: ast.expr, a: Any, b: Any) -> tuple[Any, Any]:
-        """Two values of one type: a whole number beside a float becomes one."""
-        return (a, b) if a.type == b.type else (self.as_real(node, a), self.as_real(node, b))
+        """Two values of one type: a whole number beside a float becomes one, and what is the same for all lanes is so for each."""
+        if {a.type, b.type} & {self.real, NUMBER}:
+            a, b = self.as_real(node, a), self.as_real(node, b)
+        return (a, b) if a.type == b.type else (self.spread(a), self.spread(b))
 
-    def as_real(self, node: ast.expr, x: Any) -> Any:
+    def as_real(self, node: ast.AST, x: Any) -> Any:
         if x.type == self.truth:
             self.generic_visit(node)
-        return self.builder.sitofp(x, self.real) if x.type == self.whole else x
+        if isinstance(x, ir.Constant) and x.type == COUNT:
+            return ir.Constant(NUMBER, float(x.constant))
+        return self.builder.sitofp(x, NUMBER if x.type == COUNT else self.real) if x.type in (COUNT, self.whole) else x
 
     def generic_visit(self, node: ast.AST, what: str = "is not among what can be written as instructions") -> Any:
         raise TypeError(f"{ast.unparse(node)!r} in a line of a step {what}")
 
 
-def write(builder: Any, data: Any, lanes: int, width: int, numbers: Any, reads: Any, text: str, keeps: Any) -> None:
+def write(builder: Any, data: Any, lanes: int, width: int, numbers: Any, reads: Any, rows: Any, text: str, keeps: Any) -> None:
     """Read fields, write all lines, keep fields.
 
     Each line is written for all vectors of `width` lanes in turn: their chains of operations hide each other's latency. `numbers` are
-    the same for all lanes; `reads` and `keeps` say where the field of a name begins.
+    the same for all lanes; `reads`, `rows` and `keeps` say where the field of a name begins.
     """
-    vectors = [_Vector(builder, data, first, width) for first in range(0, lanes, width)]
+    vectors = [_Vector(builder, data, first, width, lanes) for first in range(0, lanes, width)]
     for vector in vectors:
-        for name, number in numbers.items():
-            vector.spread(name, number)
+        vector.known |= {name: vector.spread(number) for name, number in numbers.items()}
         for name, at in reads.items():
             vector.read(name, at)
-    for statement in ast.parse(text).body:
-        for vector in vectors:
-            vector.visit(statement)
+        for name, at in rows.items():
+            vector.held_row(name, at)
+    _write_all(builder, vectors, ast.parse(text).body)
     for vector in vectors:
         for name, at in keeps.items():
             vector.keep(name, at)
+
+
+def write_plain(context: Any, builder: Any, kinds: Any, args: Any, names: str, text: str) -> None:
+    """Write lines on plain numbers: what a function is called with, of which arrays are rows."""
+    lines = _Vector(builder, None, 0, 1, 1)
+    for name, kind, arg in zip(names.split(", "), kinds, args, strict=True):
+        if arg.type in (COUNT, NUMBER):
+            lines.known[name] = arg
+        else:
+            lines.rows[name] = context.make_array(kind)(context, builder, arg).data, 1
+    _write_all(builder, [lines], ast.parse(text).body)
+
+
+def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt]) -> None:
+    for statement in statements:
+        if isinstance(statement, ast.For):
+            _loop(builder, vectors, statement)
+        else:
+            for vector in vectors:
+                vector.visit(statement)
+
+
+def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
+    """One loop for all vectors; a name that had a value before takes its new one to the next round, and is known after the last."""
+    name, (first, end) = _range(vectors[0], node)
+    start, head, body, after = builder.block, *(builder.append_basic_block(part) for part in ("rounds", "round", "after"))
+    builder.branch(head)
+    builder.position_at_end(head)
+    changed = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)} - {name}
+    count, carried = builder.phi(COUNT), []
+    count.add_incoming(first, start)
+    for vector in vectors:
+        joined = {key: builder.phi(value.type) for key, value in vector.known.items() if key in changed}
+        for key, phi in joined.items():
+            phi.add_incoming(vector.known[key], start)
+        carried.append((vector, joined, vector.known | joined))
+        vector.known = vector.known | joined | {name: count}
+    builder.cbranch(builder.icmp_signed("<", count, end), body, after)
+    builder.position_at_end(body)
+    _write_all(builder, vectors, node.body)
+    count.add_incoming(builder.add(count, ir.Constant(COUNT, 1)), builder.block)
+    for vector, joined, outside in carried:
+        for key, phi in joined.items():
+            phi.add_incoming(vector.known[key], builder.block)
+        vector.known = outside
+    builder.branch(head)
+    builder.position_at_end(after)
+
+
+def _range(vector: _Vector, node: ast.For) -> tuple[str, list[Any]]:
+    """The name that counts, its first value and the one after its last."""
+    called = node.iter
+    if not isinstance(node.target, ast.Name) or node.orelse or not isinstance(called, ast.Call) or len(called.args) != 2:
+        vector.generic_visit(node)
+    if ast.unparse(called.func) != "range" or called.keywords:
+        vector.generic_visit(node)
+    ends = [vector.visit(a) for a in called.args]
+    return (node.target.id, ends) if all(end.type == COUNT for end in ends) else vector.generic_visit(node)

@@ -49,7 +49,7 @@ class EventWriter:
         w.line("_tiny", f"-1e-14 * {self.scale_v}")
         if self.record:
             w.line("_tx", "1.0")
-            w.begin_if("_dip")
+            w.begin("if _dip")
         w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
         second = horner(["2.0 * _k0_2", *(f"{m * (m - 1)}.0 * _k0_{m}" for m in range(3, d + 1))], "_tx")
         w.line("_curve", second)
@@ -57,7 +57,7 @@ class EventWriter:
         w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
         w.line("_low", f"({self._at(0, '_tx')}) * _b0")
         w.line("_dip", "_dip and _low < _tiny")
-        w.end_if()
+        w.end()
         w.line("_te", "_tx if _dip else 1.0")
         w.line("_ge", "_low if _dip else _g0e")
         w.line("_late", "_g0s < _tiny and _on0 < 0.5")  # it starts on the wrong side: another guard's flip moved this one
@@ -122,7 +122,7 @@ class EventWriter:
             w.line("_conv", "False")
             for i in range(self.n):
                 w.line(f"_v{i}", "0.0")
-            w.begin_if("_cr")
+            w.begin("if _cr")
         if self.g == 1:
             for _ in range(self.k.newton):
                 w.line("_pv", f"({self._at(0, '_th')}) * _b0")
@@ -154,7 +154,7 @@ class EventWriter:
             w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
         for i in range(self.n):
             w.line(f"_v{i}", self._at(i, "_th"))
-        w.end_if()
+        w.end()
 
     def _guard_at(self, theta: str) -> str:
         """Value of the chosen guard on its held side, on the dense output."""

@@ -8,7 +8,7 @@ it. The same lines for one lane, which also keeps the dense output, solve a sing
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import resources
 from typing import Any
@@ -16,8 +16,9 @@ from typing import Any
 from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
 from stickslip.engine.rosenbrock import Step, write_step
-from stickslip.engine.steptext import Layout, step_text
+from stickslip.engine.steptext import Layout, step_text, straight
 from stickslip.engine.tableaux import Tableau
+from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import Equations, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
 from stickslip.engine.write import Writer
@@ -162,7 +163,7 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
-        "BREAK_AT": constants - len(eq.impulses) - breaks, "EXPONENTS": sum(re.fullmatch(r"e\d+_0", f) is not None for f in offsets),
+        "BREAK_AT": constants - len(eq.impulses) - breaks, "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
@@ -173,13 +174,18 @@ def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tupl
         "F_K": "k0_0",
         "F_MODE": "mode0",
         "F_CLK": "clk0",
-        "F_G": "g1_0",
-        "F_E": "e0_0",
+        "F_G": "g0_0",
+        "F_CLEAR": "clear0",
         "F_HELD": "held0",
     }
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
+
+
+def _rows_of(letter: str, fields: Iterable[str]) -> int:
+    """How many polynomials of a sort a lane holds."""
+    return sum(re.fullmatch(rf"{letter}\d+_0", field) is not None for field in fields)
 
 
 def _source(eq: Equations, step: Step, lanes: int, label: str) -> str:
@@ -188,13 +194,14 @@ def _source(eq: Equations, step: Step, lanes: int, label: str) -> str:
     named, _ = _layout(eq, step, lanes)
     parts = [
         driver.HEADER.format(label=f"{label}, {lanes} lanes") + f"L = {lanes}\n",
+        emit_text(),
         "".join(f"{name} = {named[name]}\n" for name in _NAMED),
         prelude(eq, _constants(eq, step)),
         _look(eq),
         _force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
-        *(() if eq.dynamic else (taylor.switches(eq, step), slopes(eq, step))),
+        *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
     ]
     return "\n\n".join(parts)
 
@@ -204,8 +211,16 @@ def prelude(eq: Equations, nodes: list[Any]) -> str:
     w = Writer(prefix="p")
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
     ends = [w.value(node, bind) for node in nodes]
-    body = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
-    return '@njit("void(float64[::1], float64[::1])", **OPTIONS)\ndef prelude(row, c):\n' + "".join(f"    {line}\n" for line in body)
+    lines = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
+    return (
+        straight("numbers_of", "row, c", lines)
+        + f"""
+
+@njit("{driver.FUNCTIONS["prelude"]}", **OPTIONS)
+def prelude(row, c):
+    numbers_of(row, c)
+"""
+    )
 
 
 def _look(eq: Equations) -> str:
@@ -228,11 +243,13 @@ def _look(eq: Equations) -> str:
         passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
         passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.states) if new is not None]
     bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed), strict=True)
-    text = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', "def look(what, row, t, y, clock, mode, out):"]
-    for what, (_, before, after) in enumerate(bodies):
+    takes, parts = "row, t, y, clock, mode, out", []
+    calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
+    for what, (name, before, after) in enumerate(bodies):
         if before or after:
-            text += [f"    if what == {what}:", *(f"        {line}" for line in [*before, *after])]
-    return "\n".join([*text, "    return"])
+            parts.append(straight(name.lower(), takes, [*before, *after]))
+            calls += [f"    if what == {what}:", f"        {name.lower()}({takes})"]
+    return "\n".join([*parts, *calls, "    return"])
 
 
 def _force(eq: Equations, degree: int) -> str:

@@ -13,6 +13,7 @@ from stickslip.engine import cache
 from stickslip.engine.driver import HEADER
 from stickslip.engine.lanes import plain_name, prelude
 from stickslip.engine.symbols import Sym
+from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import Equations, label, trace
 from stickslip.engine.write import Writer
 from stickslip.errors import InputError
@@ -75,7 +76,7 @@ def kernel(model: Any) -> Kernel:
     """The compiled loop of a model's kind."""
     s, name = slopes(model), label(model)
     body = _Loop(s).text()
-    source = "\n\n".join([HEADER.format(label=f"{name}, RK4"), *body])
+    source = "\n\n".join([HEADER.format(label=f"{name}, RK4"), emit_text(), *body])
     return Kernel(cache.load(source, f"rk4_{plain_name(name)}", f"{name} (RK4, fixed steps)"), s.names, len(s.y))
 
 

@@ -1,27 +1,27 @@
 """The text of a step as its kernel's file holds it: lines, what they read and write of a lane, and the one call that Numba sees.
 
-The lines are not read by Numba; `emit.py` turns them into instructions. Of a Taylor step they are only its series (the rest is
-``kernels/arcs.py``).
+The lines are not read by Numba; `emit.py` turns them into instructions, and so it does with a law's other functions (`straight`). Of a
+Taylor step they are only its series (the rest is ``kernels/arcs.py``). A row that a lane holds stands in the fields ``name_0``,
+``name_1`` and so on.
 """
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.engine.rosenbrock import Step
-from stickslip.engine.texts import emit_text
+from stickslip.engine.trace import Equations
 
-__all__ = ["Layout", "step_text", "used", "without_branches"]
+__all__ = ["Layout", "bound", "held", "step_text", "straight", "used"]
 
 _STEP = """
 @intrinsic
 def instructions(typingctx, S, rtol, budget):
     def emit(context, builder, sig, args):
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        write(builder, data, L, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, LINES, WRITES)
+        write(builder, data, L, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, ROWS, LINES, WRITES)
         return context.get_dummy_value()
     return types.void(S, types.float64, types.float64), emit
 
@@ -46,14 +46,33 @@ def step_text(step: Step, at: Layout) -> str:
     """The source of `step`: it reads what its lines ask for, and writes those fields of a lane to which they give a value."""
     places = {f"_{name}": at.offsets[name] for name in step.fields}
     numbers = {f"_c{i}": at.constants + i * at.lanes for i in range(len(step.case_nodes))}
-    asked, made = {f"_{name}" for name in used(step.lines)}, _made(step.lines)
+    rows = {name: places[f"{name}_0"] for name in _rows(step.lines)}
+    asked, made = {f"_{name}" for name in used(step.lines)} - rows.keys(), _made(step.lines)
     if unknown := asked - places.keys() - numbers.keys():
         raise AssertionError(f"the lines of a step ask for {', '.join(sorted(unknown))}, which neither they nor a lane hold")
     reads = {name: place for name, place in (places | numbers).items() if name in asked}
     writes = {name: place for name, place in places.items() if name in made}
     lines = "\n".join(step.lines)
-    width = f"WIDTH = {at.width}"
-    return "\n".join([emit_text(), width, f'LINES = """\n{lines}\n"""', _table("READS", reads), _table("WRITES", writes), _STEP])
+    tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
+    return "\n".join([f"WIDTH = {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
+
+
+def straight(name: str, takes: str, lines: Sequence[str]) -> str:
+    """The source of a function that does nothing but these lines on plain numbers; arrays that it takes are read and written."""
+    text = "\n".join(lines)
+    return f"""
+@intrinsic
+def {name}(typingctx, {takes}):
+    def emit(context, builder, sig, args):
+        write_plain(context, builder, sig.args, args, "{takes}", LINES_OF_{name.upper()})
+        return context.get_dummy_value()
+    return types.void({takes}), emit
+
+
+LINES_OF_{name.upper()} = '''
+{text}
+'''
+"""
 
 
 def _table(name: str, places: dict[str, int]) -> str:
@@ -65,6 +84,12 @@ def _table(name: str, places: dict[str, int]) -> str:
 def _made(lines: Sequence[str]) -> set[str]:
     """Names that lines give a value to."""
     return {m.group(1) for line in lines if (m := re.match(r"\s*(_\w+) = ", line))}
+
+
+def _rows(lines: Sequence[str]) -> list[str]:
+    """Names of the rows that a lane holds: lines read and write their numbers, and did not make them."""
+    found = {name: None for line in lines for name in re.findall(r"(?<![\w.])(_\w+)\[", line)}
+    return [name for name in found if name not in _made(lines)]
 
 
 def used(lines: Sequence[str]) -> set[str]:
@@ -79,22 +104,14 @@ def used(lines: Sequence[str]) -> set[str]:
     return asked
 
 
-# ---- what Numba reads ----
-class _Selects(ast.NodeTransformer):
-    """Decisions inside expressions as calls that are one instruction each: the compiler then sees no branches to join again."""
-
-    def visit_IfExp(self, node: ast.IfExp) -> ast.AST:
-        self.generic_visit(node)
-        return ast.Call(ast.Name("choose", ast.Load()), [node.test, node.body, node.orelse], [])
-
-    def visit_BoolOp(self, node: ast.BoolOp) -> ast.AST:
-        self.generic_visit(node)
-        joined = node.values[0]
-        for value in node.values[1:]:
-            joined = ast.BinOp(joined, ast.BitAnd() if isinstance(node.op, ast.And) else ast.BitOr(), value)
-        return joined
+def bound(eq: Equations) -> dict[str, str]:
+    """The names that lines have for time, states, modes and flags as a lane holds them."""
+    names = {"t": "_t"} | {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {s.name: f"_{s.name}" for s in eq.modes}
+    return names | {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
 
 
-def without_branches(text: str) -> str:
-    """A text with all decisions inside expressions turned into such calls."""
-    return ast.unparse(ast.fix_missing_locations(_Selects().visit(ast.parse(text))))
+def held(step: Step, lanes: int, lines: Sequence[str]) -> list[str]:
+    """Lines that read what others ask for of a lane, from the array S."""
+    names = [*(f"_{name}" for name in step.fields), *(f"_c{j}" for j in range(len(step.case_nodes)))]
+    asked = used(lines)
+    return [f"{name} = S[{i * lanes} + lane]" for i, name in enumerate(names) if name[1:] in asked]

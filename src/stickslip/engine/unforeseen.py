@@ -10,7 +10,7 @@ has been taken its polynomial is held against the equation, at its end and betwe
 from __future__ import annotations
 
 from stickslip.engine.rosenbrock import Step
-from stickslip.engine.steptext import used, without_branches
+from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.trace import Equations
 from stickslip.engine.write import Writer
@@ -27,8 +27,8 @@ Way = tuple[tuple[Sym, bool], ...]
 
 
 def hides(eq: Equations) -> bool:
-    """Whether the acceleration is no polynomial of low degree, so that something in it may come up within a step unseen."""
-    return _degree(eq.graph, eq.f[0], {}) > DEGREE
+    """Whether a slope is no polynomial of low degree, so that something in it may come up within a step unseen."""
+    return any(_degree(eq.graph, f, {}) > DEGREE for f in eq.f)
 
 
 def _degree(graph: Graph, node: Sym, known: dict[int, float]) -> float:
@@ -49,10 +49,10 @@ def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
 
 
 def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
-    """The varying functions of one kind in the acceleration and the guards, each with the ways that lead to it."""
+    """The varying functions of one kind in the slopes and the guards, each with the ways that lead to it."""
     found: dict[Sym, list[Way]] = {}
     seen: set[tuple[int, Way]] = set()
-    stack: list[tuple[Sym, Way]] = [(root, ()) for root in (eq.f[0], *eq.guards[1:])]
+    stack: list[tuple[Sym, Way]] = [(root, ()) for root in (*eq.f, *eq.guards)]
     while stack:
         node, way = stack.pop()
         if (node.number, way) in seen or not eq.graph.varies(node):
@@ -68,28 +68,27 @@ def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
     return found
 
 
-def slopes(eq: Equations, step: Step) -> str:
-    """Text of the function that says what the acceleration is at `POINTS` instants and states; empty where nothing hides.
+def slopes(eq: Equations, step: Step, lanes: int) -> str:
+    """Text of the function that says what the slopes are at `POINTS` instants and states; empty where nothing hides.
 
-    It takes them in rows of W (t, then each state) and puts the accelerations where t was.
+    It takes them in rows of W (t, then each state) and puts the slope of the first state where t was, and so on.
     """
     if not hides(eq):
         return ""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
-    bind = {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {"t": "_t", "mode0": "_mode0"}
-    bind |= {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}
-    value = w.value(eq.f[0], bind)
+    values = [f"W[{i * POINTS} + j] = {value}" for i, value in enumerate([w.value(f, bound(eq)) for f in eq.f])]
     if len(w.case_nodes) > len(step.case_nodes):
         raise AssertionError("the check of a step needs a number that the step does not hold")
     rows = [f"{name} = W[{i * POINTS} + j]" for i, name in enumerate(["_t", *(f"_y{i}" for i in range(eq.states))])]
-    asked = used([*rows, *w.lines, f"_value = {value}"])
-    held = [f"_{name} = S[{i} * L + lane]" for i, name in enumerate(step.fields) if name in asked]
-    held += [f"_c{j} = S[F_C + {j} * L + lane]" for j in range(len(w.case_nodes)) if f"c{j}" in asked]
-    loop = [f"for j in range({POINTS}):", *(f"    {line}" for line in [*rows, *w.lines, f"W[j] = {value}"])]
-    text = [
-        '@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)',
-        "def slopes(lane, S, W):",
-        *(f"    {line}" for line in [*held, *loop]),
-    ]
-    return without_branches("\n".join(text))
+    body = [*rows, *w.lines, *values]
+    lines = [*held(step, lanes, body), f"for j in range(0, {POINTS}):", *(f"    {line}" for line in body)]
+    return (
+        straight("slopes_of", "lane, S, W", lines)
+        + """
+
+@njit("void(int64, float64[::1], float64[::1])", **OPTIONS)
+def slopes(lane, S, W):
+    slopes_of(lane, S, W)
+"""
+    )

@@ -80,14 +80,14 @@ class Writer:
         self.lines.append(f"{self.indent}{name} = {expression}")
         return name
 
-    def begin_if(self, condition: str) -> None:
-        """What follows is done only if the condition holds (for kernels of one lane)."""
-        self.lines.append(f"if {condition}:")
-        self.indent = "    "
+    def begin(self, head: str) -> None:
+        """What follows is within a loop, ``for m in range(1, 17)``, or, for kernels of one lane, a condition, ``if _a > 0.0``."""
+        self.lines.append(f"{self.indent}{head}:")
+        self.indent += "    "
 
-    def end_if(self) -> None:
-        """End of what `begin_if` began."""
-        self.indent = ""
+    def end(self) -> None:
+        """End of the innermost part that was begun, if there is one."""
+        self.indent = self.indent[:-4]
 
     def fresh(self) -> str:
         """A new local name."""

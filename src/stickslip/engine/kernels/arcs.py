@@ -2,7 +2,8 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 #
-# A polynomial's coefficients stand at S[at + m * L], m = 0 .. ORDER, in powers of theta = (time since the start) / h.
+# A polynomial's coefficients stand at S[at + m * L], m = 0 .. ORDER, in powers of theta = (time since the start) / h. What a guard
+# has more than all its other coefficients together (F_CLEAR) says whether it can be zero in the step at all.
 
 LOOKS = 4  # stretches of a step at whose ends a guard is looked at
 NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not below it
@@ -80,13 +81,11 @@ def lowest(S, at, lo, hi):
 
 @njit(float64(f1, int64), **OPTIONS)
 def first_zero(S, at):
-    """Where a polynomial that begins positive first falls below zero in [0, 1]; 2 if it does not."""
-    rest = 0.0
-    for m in range(1, ORDER + 1):
-        rest += abs(S[at + m * L])
-    if S[at] > rest:
-        return 2.0
-    noise = NOISE * (abs(S[at]) + rest)
+    """Where a polynomial first falls below zero in [0, 1]; 2 if it does not."""
+    terms = 0.0
+    for m in range(ORDER + 1):
+        terms += abs(S[at + m * L])
+    noise = NOISE * terms
     if S[at] < noise:
         return 0.0
     a, da = 0.0, S[at + L]
@@ -123,9 +122,22 @@ def extremum(S, at, end):
     return at_theta(S, at, x)
 
 
+@njit(int64(f1, int64, int64, float64, float64, float64, f1), **OPTIONS)
+def fitting(S, at, row, part, h, allowed, W):
+    """At how many points, one after another, a polynomial's slope is what its equation says, which stands in a row of W."""
+    size = 0.0
+    for m in range(1, ORDER + 1):
+        size += m * abs(S[at + m * L])
+    allowed += ROUNDING * part * size
+    for j in range(POINTS):
+        if not abs(rate_at(S, at, part * (j + 1) / POINTS) - h * W[row + j]) * part <= allowed:
+            return j
+    return POINTS
+
+
 @njit(int64(int64, float64, f1, f1, i1), **OPTIONS)
 def agrees(lane, part, S, W, D):
-    """How many of `POINTS` points up to `part` of a step pass, one after another, at which v's polynomial does what the equation says."""
+    """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say."""
     at, h = D[F_K] + lane, S[D[F_HH] + lane]
     for i in range(D[STATES]):
         row = (1 + i) * POINTS
@@ -138,31 +150,36 @@ def agrees(lane, part, S, W, D):
     for j in range(POINTS):
         W[j] = fma(part * (j + 1) / POINTS, h, S[D[F_T] + lane])
     call_slopes(D[AT_SLOPES], lane, S, W)
-    size = 0.0
-    for m in range(1, ORDER + 1):
-        size += m * abs(S[at + m * L])
-    allowed = MISFIT * S[D[F_C] + D[FREE] * L + lane] + ROUNDING * part * size
-    for j in range(POINTS):
-        if not abs(rate_at(S, at, part * (j + 1) / POINTS) - h * W[j]) * part <= allowed:
-            return j
-    return POINTS
+    good = POINTS
+    for i in range(D[STATES]):
+        scale = D[FREE] if i == 0 else D[SCALE_AT + i]
+        if scale >= 0:
+            allowed = MISFIT * S[D[F_C] + scale * L + lane]
+            good = min(good, fitting(S, at + i * (ORDER + 1) * L, i * POINTS, part, h, allowed, W))
+    return good
+
+
+@njit(boolean(int64, f1, i1), **OPTIONS)
+def moving(lane, S, D):
+    """Whether some mode is not that of rest."""
+    modes = 0.0
+    for k in range(D[MODES]):
+        modes += abs(S[D[F_MODE] + k * L + lane])
+    return modes > 0.0
 
 
 @njit(types.UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
 def end_of_step(lane, S, W, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which = 2.0, -1.0
-    for k in range(1, D[GUARDS]):
-        zero = first_zero(S, D[F_G] + (k - 1) * (ORDER + 1) * L + lane)
+    for k in range(D[WATCHED] + D[EXPONENTS]):
+        at = D[F_G] + k * (ORDER + 1) * L + lane
+        if S[D[F_CLEAR] + k * L + lane] > 0.0 or (k >= D[WATCHED] and S[at] <= BELOW):
+            continue
+        zero = first_zero(S, at)
         if zero < theta:
-            theta, which = zero, float(k)
-    for k in range(D[EXPONENTS]):
-        at = D[F_E] + k * (ORDER + 1) * L + lane
-        if S[at] > BELOW:
-            rises = first_zero(S, at)
-            if rises < theta:
-                theta, which = rises, -1.0
-    if D[AT_SLOPES] == 0 or S[D[F_SIGN] + lane] == 0.0:
+            theta, which = zero, float(k) if k < D[WATCHED] else -1.0
+    if D[AT_SLOPES] == 0 or not moving(lane, S, D):
         return theta, which
     for _ in range(200):
         part = min(theta, 1.0)
