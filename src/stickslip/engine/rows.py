@@ -31,7 +31,6 @@ class _Rows:
     def __init__(self, y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Writer, start: dict[str, str], order: int):
         self.graph, self.w, self.start, self.order = y[0].graph, w, start, order
         self._states = {state.number: i for i, state in enumerate(y)}
-        self._slopes = f
         self.rows: dict[int, str] = {}
         self._rates: dict[int, str] = {}  # rows of m times the coefficient
         self._sums: dict[tuple[str, str], str] = {}  # of products of two rows
