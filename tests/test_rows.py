@@ -9,9 +9,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-import chains
 import drawn
 import stickslip as ss
+from problems import chain
 from stickslip.batch import rows_of
 from stickslip.engine import lanes, taylor, trace
 from stickslip.engine.symbols import TraceError
@@ -164,34 +164,31 @@ def test_guards_are_watched_that_have_a_switch_or_a_flag_that_something_reads():
     for law in ("coulomb", "tabulated"):
         eq = trace.trace(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb").replace(friction=ss.LAWS[law].example()))
         assert taylor.watched(eq) == list(range(1, len(eq.guards)))  # the side of v is the mode, which has switches of its own
-    eq = chains.equations(2)
-    assert taylor.watched(eq) == [1, 2, 3, 4, 5, 6]
-    held = eq.graph.select(eq.graph.sign(eq.y[0]), eq.f[0], eq.f[1])
-    assert taylor.watched(replace(eq, f=(held, *eq.f[1:]))) == list(range(7))
+    eq = trace.trace(chain(0.0, 1.0))
+    assert taylor.watched(eq) == list(range(6))  # of each contact: it comes to rest, and breaks away to either side
 
 
 def test_a_select_on_what_is_not_held_is_refused():
-    eq = chains.equations(1)
+    eq = trace.trace(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"))
     (v,) = eq.y
     with pytest.raises(TraceError, match="not held"):
         taylor.write_step(replace(eq, f=(eq.graph.select(v, v, -v),)))
 
 
 # ---- several contacts ----
-def moved(kernel, phases, periods=400):
-    """Mean velocities of rows of modules that start at rest, in their last period."""
-    rows = np.array([chains.row(case) for case in phases])
+def moved(kernel, machine, periods=400):
+    """What modules do that start at rest, in their last period."""
+    rows = np.ascontiguousarray(rows_of(machine, kernel.names))
     start = np.zeros((len(rows), 1 + kernel.states))
     return lanes.run(kernel, rows, start, lanes.Job(periods, periods - 1, False, 1e-12, 0.75, 1e6))
 
 
 def test_two_modules_move_as_the_reference_says_and_alike_on_one_lane_and_sixteen():
     """Two velocities, two modes, six guards; in phase two modules are one. The page on several contacts has the numbers, to 15 digits."""
-    wide, narrow = (lanes.kernel(chains.equations(2), None, "two modules", record=one) for one in (False, True))
-    phases = [(0.0, 0.0), (0.0, math.pi / 2), *((0.0, 0.2 * i) for i in range(1, 18))]
-    many, one = (moved(kernel, phases) for kernel in (wide, narrow))
+    pair = chain(0.0, 0.0).replace({"phases.1": np.array([0.0, math.pi / 2, *(0.2 * i for i in range(1, 18))])})
+    many, one = (moved(lanes.kernel_of(pair, None, record), pair) for record in (False, True))
     assert set(many.status) == {0} and np.ptp(many.accepted) > 0
     for name in ("displacement", "end", "accepted", "v_max", "v_min"):
         assert np.array_equal(getattr(many, name), getattr(one, name)), name
-    velocity = many.displacement * chains.OMEGA / (2 * math.pi)
+    velocity = many.displacement / pair.period
     assert velocity[:2] == pytest.approx([0.002383491055471, 0.002938713863365], abs=5e-15)  # last printed digit 1e-15

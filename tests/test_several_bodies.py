@@ -168,7 +168,10 @@ def test_modules_in_a_row_have_the_reference_numbers(row):
     if events:
         assert_phases(run, events)
     if row == "M3a":
-        assert phases(run)[:2] == [(pytest.approx(0.1156272253, abs=1e-10), (-1, 1, 0)), (pytest.approx(0.1207076059, abs=1e-10), (1, 1, 0))]
+        assert phases(run)[:2] == [
+            (pytest.approx(0.1156272253, abs=1e-10), (-1, 1, 0)),
+            (pytest.approx(0.1207076059, abs=1e-10), (1, 1, 0)),
+        ]
         assert len(phases(run)) == 8
     if row == "M3c":
         assert np.all(run.contacts["module 1"].mode == 0) and np.ptp(run.bodies["module 2"].x) > 1e-5
@@ -285,7 +288,10 @@ def test_three_blocks_in_a_row_follow_matrix_exponentials_from_event_to_event():
 def test_four_inertias_with_three_clutches_hold_and_slip_as_derived_by_hand():
     machine = problems.Clutches()
     run = plain(machine, 2)
-    J, T = np.array(machine.inertias), np.array([np.broadcast_to(torque, run.t.shape) for torque in map(np.asarray, machine.torques(run.t))])
+    J, T = (
+        np.array(machine.inertias),
+        np.array([np.broadcast_to(torque, run.t.shape) for torque in map(np.asarray, machine.torques(run.t))]),
+    )
     limit = np.array([machine.mu * machine.load(k, run.t) for k in range(3)])
     inner = np.ones(len(run.t), bool)
     inner[1:-1] = (np.diff(run.t)[:-1] > 0) & (np.diff(run.t)[1:] > 0)

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.engine.sums import Terms, difference, rate_of, terms_of
 from stickslip.engine.symbols import Sym
-from stickslip.engine.trace import Equations, kind_of, trace
+from stickslip.engine.trace import System, kind_of, trace
 from stickslip.engine.values import values_of
 from stickslip.maths import pi
 
@@ -91,7 +91,7 @@ def closed_of(model: Any) -> Closed:
     return found
 
 
-def _closed(eq: Equations) -> Closed:
+def _closed(eq: System) -> Closed:
     """Look through the equations: forwards, backwards and at the limits of rest they may differ by constants alone."""
     assert eq.contact is not None
     graph, contact = eq.graph, eq.contact
@@ -119,7 +119,7 @@ def _closed(eq: Equations) -> Closed:
     return Closed(kept, tuple(sines), numbers)
 
 
-def _words(eq: Equations, key: tuple[int, ...]) -> str:
+def _words(eq: System, key: tuple[int, ...]) -> str:
     """What a product of nodes depends on, in words."""
     graph = eq.graph
     names = frozenset().union(*(graph.varies(graph.nodes[number]) for number in key))
@@ -141,7 +141,7 @@ def steady_force(model: Any, known: dict[str, Array]) -> Array | None:
     return found[whole.number]
 
 
-def _beside(eq: Equations) -> tuple[list[tuple[Sym, Sym]], Sym] | None:
+def _beside(eq: System) -> tuple[list[tuple[Sym, Sym]], Sym] | None:
     """Coefficients that all forces and the drive's inertia must have alike, and the difference of their constants."""
     if eq.inertia is None:
         return None

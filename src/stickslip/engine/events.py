@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.engine.symbols import Sym
-from stickslip.engine.system import Equations
+from stickslip.engine.system import System
 from stickslip.engine.write import Writer, horner
 
 __all__ = ["EventWriter"]
@@ -18,7 +18,7 @@ __all__ = ["EventWriter"]
 class EventWriter:
     """The lines from the dense output to the decision; a step's writer brings the names of slopes and guards at its start."""
 
-    eq: Equations
+    eq: System
     w: Writer
     k: Any  # the constants of the control
     n: int  # states

@@ -20,7 +20,7 @@ from stickslip.engine.steptext import Layout, step_text, straight
 from stickslip.engine.symbols import Sym
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
-from stickslip.engine.trace import Equations, kind_of, label, trace
+from stickslip.engine.trace import System, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
@@ -113,7 +113,7 @@ def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
     return known
 
 
-def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> Kernel:
+def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Kernel:
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
     step = taylor.write_step(eq) if tableau is None else write_step(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
@@ -139,7 +139,7 @@ def kernel(eq: Equations, tableau: Tableau | None, label: str, record: bool) -> 
     )
 
 
-def _states_of(eq: Equations) -> StateLayout:
+def _states_of(eq: System) -> StateLayout:
     """Which states are of which body and contact."""
     first = eq.positions.start - (1 if eq.cyclic else 0)  # of the positions, as if the first coordinate had one too
     places = [None if j == 0 and eq.cyclic else first + j for j in range(eq.coordinates)]
@@ -166,7 +166,7 @@ def plain_name(label: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "_", label).strip("_").lower()
 
 
-def _constants(eq: Equations, step: Step) -> list[Any]:
+def _constants(eq: System, step: Step) -> list[Any]:
     """What is computed once for each case, in order: what the step reads, then what the driver reads."""
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
@@ -174,7 +174,7 @@ def _constants(eq: Equations, step: Step) -> list[Any]:
     return [*step.case_nodes, *own, *scales, *eq.shares, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
 
 
-def _layout(eq: Equations, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
+def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
     """The numbers by which the driver finds its way; a field that this kind of step has not is at -1. Then each state's scale."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     first = len(step.case_nodes)
@@ -216,7 +216,7 @@ def _rows_of(letter: str, fields: Iterable[str]) -> int:
     return sum(re.fullmatch(rf"{letter}\d+_0", field) is not None for field in fields)
 
 
-def _source(eq: Equations, step: Step, lanes: int, label: str) -> str:
+def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     """What depends on the law: the functions that the driver calls (`driver.FUNCTIONS`)."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named, _ = _layout(eq, step, lanes)
@@ -234,7 +234,7 @@ def _source(eq: Equations, step: Step, lanes: int, label: str) -> str:
     return "\n\n".join(parts)
 
 
-def prelude(eq: Equations, nodes: list[Any]) -> str:
+def prelude(eq: System, nodes: list[Any]) -> str:
     """Once per case: everything that depends on its numbers alone."""
     w = Writer(prefix="p")
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
@@ -251,7 +251,7 @@ def prelude(row, c):
     )
 
 
-def _look(eq: Equations) -> str:
+def _look(eq: System) -> str:
     """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
     bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
@@ -287,7 +287,7 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
     return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
 
 
-def _force(eq: Equations, degree: int) -> str:
+def _force(eq: System, degree: int) -> str:
     """The force that all but friction offer, by time; the nodes on which its work is summed."""
     import numpy as np
 

@@ -14,7 +14,7 @@ from stickslip.engine.driver import HEADER
 from stickslip.engine.lanes import plain_name, prelude
 from stickslip.engine.symbols import Sym
 from stickslip.engine.texts import emit_text
-from stickslip.engine.trace import Equations, label, trace
+from stickslip.engine.trace import System, label, trace
 from stickslip.engine.write import Writer
 from stickslip.errors import InputError
 
@@ -63,7 +63,7 @@ def slopes(model: Any) -> Slopes:
     return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
 
 
-def _usual_practice(eq: Equations) -> Slopes:
+def _usual_practice(eq: System) -> Slopes:
     """Sliding friction by the sign of v, and at v = 0 what holds the body, up to break-away."""
     assert eq.contact is not None
     graph, c = eq.graph, eq.contact

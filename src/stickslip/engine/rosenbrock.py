@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from stickslip.engine.events import EventWriter
 from stickslip.engine.symbols import Sym
-from stickslip.engine.system import Contact, Equations
+from stickslip.engine.system import Contact, System
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 
@@ -55,13 +55,13 @@ class Step:
     series: bool = False  # a Taylor step: the driver does the rest
 
 
-def write_step(eq: Equations, tableau: Tableau, record: bool) -> Step:
+def write_step(eq: System, tableau: Tableau, record: bool) -> Step:
     """The lines of one step; with `record` the dense output's coefficients are kept too."""
     return _StepWriter(eq, tableau, record).write()
 
 
 class _StepWriter(EventWriter):
-    def __init__(self, eq: Equations, tableau: Tableau, record: bool):
+    def __init__(self, eq: System, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
         self.w, self.k = Writer(), CONTROL[tableau.name]
         self.n, self.g = eq.states, len(eq.guards)
@@ -344,7 +344,7 @@ class _StepWriter(EventWriter):
             w.line(name, f"{value} if {fired} else {name}")
 
 
-def sides(eq: Equations) -> list[str]:
+def sides(eq: System) -> list[str]:
     """Fields of the sides, or modes, of the contacts as a step holds them."""
     return [f"side{i or ''}" for i in range(len(eq.contacts))]
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stickslip.engine.rosenbrock import Step
-from stickslip.engine.system import Equations
+from stickslip.engine.system import System
 
 __all__ = ["Layout", "bound", "held", "step_text", "straight", "used"]
 
@@ -104,7 +104,7 @@ def used(lines: Sequence[str]) -> set[str]:
     return asked
 
 
-def bound(eq: Equations) -> dict[str, str]:
+def bound(eq: System) -> dict[str, str]:
     """The names that lines have for time, states, modes and flags as a lane holds them."""
     names = {"t": "_t"} | {s.name: f"_y{i}" for i, s in enumerate(eq.y)} | {s.name: f"_{s.name}" for s in eq.modes}
     return names | {f"b{k}": f"_b{k}" for k in range(eq.signs)} | {f"clk{k}": f"_clk{k}" for k in range(len(eq.clocks))}

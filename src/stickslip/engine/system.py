@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from stickslip.engine.symbols import Graph, Sym
 
-__all__ = ["Branches", "Contact", "Equations", "Switch"]
+__all__ = ["Branches", "Contact", "Switch", "System"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Contact:
 
 
 @dataclass(frozen=True)
-class Equations:
+class System:
     """What a step needs to know of a model.
 
     States are the velocity of each coordinate (less that of what its contact rubs on, where that does not vary), the laws' inner states

@@ -12,7 +12,7 @@ from stickslip.engine.rosenbrock import Step, sides
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import CASE, Sym
-from stickslip.engine.trace import Equations, Switch
+from stickslip.engine.trace import Switch, System
 from stickslip.engine.unforeseen import FLOOR, NEAR_POLE, Way, active
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
@@ -24,19 +24,19 @@ LONGEST = 0.25  # of a period
 ROUNDING = 1e-16  # of a state's scale: what a step may leave out
 
 
-def write_step(eq: Equations) -> Step:
+def write_step(eq: System) -> Step:
     """The lines of the series: _k of states, _g of guards, _e of exponents, in units of the step; its length _hh; if it is the _last."""
     return _SeriesWriter(eq).write()
 
 
-def watched(eq: Equations) -> list[int]:
+def watched(eq: System) -> list[int]:
     """The guards whose zeros matter: they have a switch, or a flag that something reads."""
     news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
     read = {node.name for node in needed_by([*eq.f, *eq.guards, *news]) if node.op == "flag"}
     return [k for k in range(len(eq.guards)) if k in eq.switches or f"b{k}" in read]
 
 
-def switches(eq: Equations, step: Step, lanes: int) -> str:
+def switches(eq: System, step: Step, lanes: int) -> str:
     """Text of what the zero of each watched guard does to the modes and states of a lane, or that its flag flips.
 
     It returns the status of a run that ends there.
@@ -51,7 +51,7 @@ def switches(eq: Equations, step: Step, lanes: int) -> str:
     return "\n".join([*parts, *calls, "    return 0"])
 
 
-def _switch(eq: Equations, step: Step, lanes: int, switch: Switch) -> list[str]:
+def _switch(eq: System, step: Step, lanes: int, switch: Switch) -> list[str]:
     """The lines of one switch; what stays as it is is not among them."""
     w = Writer()
     w.case_nodes = list(step.case_nodes)
@@ -68,7 +68,7 @@ def _put(step: Step, lanes: int, field: str, value: str) -> str:
 
 
 class _SeriesWriter:
-    def __init__(self, eq: Equations):
+    def __init__(self, eq: System):
         self.eq, self.w = eq, Writer()
         self.watched = [(k, eq.guards[k]) for k in watched(eq)]
         self.rising = active(eq, "exp") | active(eq, "tanh")

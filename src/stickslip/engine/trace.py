@@ -12,7 +12,7 @@ from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
 from stickslip.engine.symbols import Graph, Sym, TraceError
-from stickslip.engine.system import Equations, Switch
+from stickslip.engine.system import Switch, System
 from stickslip.engine.values import values_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
@@ -20,7 +20,7 @@ from stickslip.machine import machine_of
 from stickslip.maths import maximum, pi
 from stickslip.position import knows_position
 
-__all__ = ["SPAN", "Equations", "Switch", "kind_of", "label", "numbers_of", "trace"]
+__all__ = ["SPAN", "Switch", "System", "kind_of", "label", "numbers_of", "trace"]
 
 _NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 #: Status of a case whose load fell to zero.
@@ -45,12 +45,12 @@ def kind_of(model: Any) -> tuple[Any, ...]:
     return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
 
-def trace(model: Any) -> Equations:
+def trace(model: Any) -> System:
     """The equations of a model; `InputError` says what to change in a law that cannot be traced."""
     return explained(_trace, model)
 
 
-def _trace(model: Any) -> Equations:
+def _trace(model: Any) -> System:
     single = machine_of(model).is_single
     if single:
         _check_contact(model)
@@ -61,7 +61,7 @@ def _trace(model: Any) -> Equations:
     return _traced(model, True) if _only_differences(found) else found
 
 
-def _only_differences(eq: Equations) -> bool:
+def _only_differences(eq: System) -> bool:
     """Whether the positions appear as differences only: what a common shift changes is zero, at any numbers."""
     graph, places = eq.graph, [eq.y[i] for i in eq.positions]
     changes = []
@@ -81,7 +81,7 @@ def _only_differences(eq: Equations) -> bool:
     return True
 
 
-def _traced(model: Any, cyclic: bool) -> Equations:
+def _traced(model: Any, cyclic: bool) -> System:
     m = Symbolic(model, cyclic)
     graph, zero = m.graph, m.graph.constant(0.0)
     speeds = [law.velocity_scale() for law in m.laws]
@@ -110,7 +110,7 @@ def _traced(model: Any, cyclic: bool) -> Equations:
 
     switches = {len(graph.guards) + k: switch(*event) for k, (_, *event) in enumerate(parts.events)}
     switches |= {parts.contacts[i].guard or 0: switch(*changes) for i, changes in parts.at_rest.items()}
-    return Equations(
+    return System(
         graph=graph, names=m.names, t=m.t, y=y, f=f,
         bodies=tuple((name, m.equations.coordinate_of(name)) for name in m.equations.bodies),
         slips_of=m.equations.slips_of, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),

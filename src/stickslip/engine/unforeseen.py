@@ -4,7 +4,7 @@ A function such as exp(-(v/v_s)^2) and all its coefficients are below rounding m
 the step. Three things keep a step honest. It ends where the argument of an exponential rises to `FLOOR`, which is found as an
 event is: as the zero of a polynomial. It keeps to a part of the distance to the nearest pole of a quotient. And when it
 has been taken its polynomial is held against the equation, at its end and between (`slopes`), and it is cut until the two agree
-(``kernels/arcs.py``). Equations that are polynomials of low degree, with sines of time in them, hide nothing, and pay for nothing.
+(``kernels/arcs.py``). System that are polynomials of low degree, with sines of time in them, hide nothing, and pay for nothing.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 from stickslip.engine.rosenbrock import Step
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import Graph, Sym
-from stickslip.engine.system import Equations
+from stickslip.engine.system import System
 from stickslip.engine.write import Writer
 
 __all__ = ["FLOOR", "NEAR_POLE", "POINTS", "active", "hides", "slopes"]
@@ -26,7 +26,7 @@ POINTS = 8  # of a step at which the polynomial is held against the equation: on
 Way = tuple[tuple[Sym, bool], ...]
 
 
-def hides(eq: Equations) -> bool:
+def hides(eq: System) -> bool:
     """Whether a slope is no polynomial of low degree, so that something in it may come up within a step unseen."""
     return any(_degree(eq.graph, f, {}) > DEGREE for f in eq.f)
 
@@ -48,7 +48,7 @@ def _composed(graph: Graph, node: Sym, known: dict[int, float]) -> float:
     return 0.5 if node.op in ("sin", "cos") and of_time else float("inf")
 
 
-def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
+def active(eq: System, op: str) -> dict[Sym, list[Way]]:
     """The varying functions of one kind in the slopes and the guards, each with the ways that lead to it."""
     found: dict[Sym, list[Way]] = {}
     seen: set[tuple[int, Way]] = set()
@@ -68,7 +68,7 @@ def active(eq: Equations, op: str) -> dict[Sym, list[Way]]:
     return found
 
 
-def slopes(eq: Equations, step: Step, lanes: int) -> str:
+def slopes(eq: System, step: Step, lanes: int) -> str:
     """Text of the function that says what the slopes are at `POINTS` instants and states; empty where nothing hides.
 
     It takes them in rows of W (t, then each state) and puts the slope of the first state where t was, and so on.
