@@ -267,6 +267,4 @@ class Clutches(ss.Machine):
 
     def contacts(self):
         law = ss.Coulomb(self.mu, self.mu)
-        return {
-            f"clutch {k}": ss.Contact(f"disc {k}", law, on=f"disc {k + 1}", load=lambda t, x, k=k: self.load(k, t)) for k in range(3)
-        }
+        return {f"clutch {k}": ss.Contact(f"disc {k}", law, on=f"disc {k + 1}", load=lambda t, x, k=k: self.load(k, t)) for k in range(3)}
