@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import problems
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
+import problems
 import stickslip as ss
-from stickslip.maths import maximum, sin, where
+from stickslip.maths import maximum, sin, where, within
 from stickslip.solvers.plain.deciding import decide
 from stickslip.solvers.plain.marching import marched
 from stickslip.solvers.request import request
@@ -77,7 +77,7 @@ def test_every_decision_satisfies_the_convex_problem(sort):
         found = decide(G, beta, lo, hi)
         R = np.array(found.R)
         rates, small = beta - G @ R, 1e-13 * (abs(beta).max() + abs(G).sum() * 2)
-        assert np.all(R <= hi + small) and np.all(R >= lo - small)
+        assert np.all(hi + small >= R) and np.all(lo - small <= R)
         assert np.all(abs(R - hi)[rates > small] <= small) and np.all(abs(R - lo)[rates < -small] <= small)
         assert [r != 0 and np.sign(r) != side for r, side in zip(found.rates, found.sides, strict=True)] == [False] * len(R)
 
@@ -104,7 +104,7 @@ def test_sixteen_feet_on_one_body_are_a_weighted_median():
 
 
 def test_of_two_feet_that_rest_together_the_friction_is_shared_in_proportion_to_the_limits():
-    assert decide(np.ones((2, 2)), [1.5, 1.5], [-1.0, -1.0], [1.0, 2.0]).R == pytest.approx([0.5, 1.0], rel=1e-15)
+    assert pytest.approx([0.5, 1.0], rel=1e-15) == decide(np.ones((2, 2)), [1.5, 1.5], [-1.0, -1.0], [1.0, 2.0]).R
 
 
 def test_a_dependent_resting_set_that_cannot_be_held_is_not_taken():
@@ -120,6 +120,15 @@ def test_of_several_answers_under_static_above_kinetic_friction_the_one_that_res
     assert decide(G, [1.1, 1.1], **arguments).sides == [0, 0]
     assert decide(G, [1.1, 1.1], **arguments, forced={0: 1}).sides == [1, 1]  # 1.1 is too much for the second alone
     assert decide(G, [1.0, 0.9], **arguments, forced={0: 1}).sides == [1, 0]
+
+
+def test_a_row_of_more_than_six_contacts_may_rest_but_not_change_all_at_once():
+    G = 2.0 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
+    limits = {"lo": [-1.0] * 8, "hi": [1.0] * 8}
+    assert decide(G, [0.05] * 8, **limits).sides == [0] * 8
+    assert decide(G, G @ ([1.0] + [0.2] * 7), **limits, forced={0: 1}).sides == [1] + [0] * 7
+    with pytest.raises(ss.SolveError, match="8 contacts that push one another"):
+        decide(G, [3.0] * 8, **limits)
 
 
 # modules in a row -----------------------------------------------------------------------------------------------------
@@ -174,7 +183,8 @@ def test_modules_in_a_row_have_the_reference_numbers(row):
         ]
         assert len(phases(run)) == 8
     if row == "M3c":
-        assert np.all(run.contacts["module 1"].mode == 0) and np.ptp(run.bodies["module 2"].x) > 1e-5
+        late = run.t > 130 * run.period_time  # by then the first module is anchored, and the others go to and fro
+        assert np.all(run.contacts["module 1"].mode[late] == 0) and np.ptp(run.bodies["module 2"].x[late]) > 1e-5
 
 
 # prescribed distances -------------------------------------------------------------------------------------------------
@@ -460,9 +470,94 @@ def test_two_integrators_agree_on_laws_of_different_kinds_in_one_machine(law):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("phase", "velocity"), [(0.0, 0.002344920142738), (math.pi / 2, 0.002560519884429)])
-def test_modules_under_lugre_friction_have_the_reference_numbers(phase, velocity):
+@pytest.mark.parametrize(("phase", "periods", "velocity"), [(0.0, 8, 0.002344920142738), (math.pi / 2, 42, 0.002560519884429)])
+def test_modules_under_lugre_friction_have_the_reference_numbers(phase, periods, velocity):
     """M2o: LuGre at each contact of a pair, by an implicit method."""
     module = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)
-    run = plain(problems.chain(0.0, phase, modules=(module, module)), 12, method="radau", rtol=1e-9)
-    assert last_period(run) == pytest.approx([velocity] * 2, rel=1e-6)
+    run = plain(problems.chain(0.0, phase, modules=(module, module)), periods, method="radau", rtol=1e-9)
+    assert last_period(run) == pytest.approx([velocity] * 2, rel=2e-9)
+
+
+@dataclass(frozen=True)
+class Sawtooth:
+    """A track that goes forwards for half a second and back for the other half."""
+
+    speed: float
+    breaks = (0.5,)
+
+    def position(self, t):
+        return self.speed * where(within(t, 1.0) < 0.5, within(t, 1.0), 1.0 - within(t, 1.0))
+
+    def velocity(self, t):
+        return where(within(t, 1.0) < 0.5, self.speed, -self.speed)
+
+    def acceleration(self, t):
+        return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Carried(ss.Machine):
+    """A mass of 1 kg on something that moves, or on a track whose load depends on the place; thrown at .3 s."""
+
+    mu: float
+    on: Any = None
+    load: Any = 10.0
+    jump: float = 0.0
+
+    period = 1.0
+
+    def bodies(self):
+        return {"mass": ss.Body(1.0, jumps=((0.3, self.jump),) if self.jump else ())}
+
+    def contacts(self):
+        return {"pad": ss.Contact("mass", ss.Coulomb(self.mu, self.mu), on=self.on, load=self.load)}
+
+
+def test_a_prescribed_velocity_that_jumps_frees_what_rests_on_it():
+    """Friction 1 m/s^2, track .1 m/s: it follows from .1 s on, is free at .5, and rests on the track again .2 s later."""
+    run = plain(Carried(0.1, on=Sawtooth(0.1)), 1)
+    assert [(event.kind, event.after) for event in run.events] == [("stick", 0), ("slip", 1), ("stick", 0)]
+    assert [event.t for event in run.events] == pytest.approx([0.1, 0.5, 0.7], rel=1e-12)
+    assert run.v[-1, 0] == -0.1 and run.x[-1, 0] == pytest.approx(0.005 + 0.04 + 0.0 - 0.03, abs=1e-14)
+
+
+def test_a_known_jump_of_a_body_throws_it():
+    """At rest until .3 s, then thrown with .2 m/s against a friction of 1 m/s^2."""
+    run = plain(Carried(0.1, jump=0.2), 1)
+    assert [(event.kind, event.t) for event in run.events] == [("impulse", 0.3), ("stick", pytest.approx(0.5, rel=1e-12))]
+    assert run.x[-1, 0] == pytest.approx(0.02, rel=1e-12)
+
+
+def test_a_load_that_changes_with_the_place_is_met_where_it_changes():
+    """Load 10 before x = .1 m and 40 after it, friction coefficient .1, start 1 m/s: there v^2 = 1 - .2, and it stops .8/8 m later."""
+    run = plain(Carried(0.1, load=lambda t, x: where(x < 0.1, 10.0, 40.0)), 1, start={"v": [1.0]})
+    assert run.x[-1, 0] == pytest.approx(0.1 + 0.8 / 8, rel=1e-12) and run.events[-1].kind == "stick"
+    assert run.events[-1].t == pytest.approx((1 - math.sqrt(0.8)) + math.sqrt(0.8) / 4, rel=1e-12)
+
+
+def test_identical_blocks_whose_static_friction_is_higher_break_away_one_by_one_as_derived():
+    """A force t on the first of two blocks with a spring between: the first goes at t = .5, with kinetic friction .2 from then on.
+
+    While the second rests, x1'' = t - .2 - k x1 from x1 = x1' = 0 at .5: k x1 = .3 + s - .3 cos w s - sin(w s)/w, w^2 = k, s = t - .5.
+    """
+    law, k = ss.Coulomb(0.2, 0.2, f_plus=0.5, f_minus=0.5), 25.0
+
+    @dataclass(frozen=True, eq=False)
+    class Two(ss.Machine):
+        stiffness: float
+        time_scale = 1.0
+
+        def bodies(self):
+            return {"first": ss.Body(1.0, force=lambda t, x, v: t), "second": ss.Body(1.0)}
+
+        def contacts(self):
+            return {name: ss.Contact(name, law, load=1.0) for name in ("first", "second")}
+
+        def links(self):
+            return {("first", "second"): ss.Spring(self.stiffness)}
+
+    run = plain(Two(k), duration=1.2)
+    w = math.sqrt(k)
+    second = brentq(lambda s: 0.3 + s - 0.3 * math.cos(w * s) - math.sin(w * s) / w - 0.5, 0.05, 0.6, xtol=1e-15)
+    assert [(event.part, event.kind) for event in run.events[:2]] == [("first", "slip"), ("second", "slip")]
+    assert [event.t for event in run.events[:2]] == pytest.approx([0.5, 0.5 + second], rel=1e-12)

@@ -65,7 +65,7 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
             problems.add(f"{where}.on = {contact.on!r}; {did_you_mean(contact.on, bodies)}")
         elif contact.on == contact.body:
             problems.add(f"{where} has the body {contact.body!r} rub on itself; allowed is another body, or on=None for the track")
-    elif contact.on is not None and not callable(getattr(contact.on, "velocity", None)):
+    elif contact.on is not None and not all(callable(getattr(contact.on, name, None)) for name in ("velocity", "acceleration")):
         allowed = "the name of a body, a speed [m/s], or a motion with position, velocity and acceleration"
         checked_number(f"{where}.on", contact.on, problems, None, allowed, "on=0.1")
     if contact.load is not None and not callable(contact.load):

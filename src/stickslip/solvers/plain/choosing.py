@@ -132,24 +132,19 @@ def _reversed(e: Equations, t: float, y: Any, mode: Mode, i: int) -> int:
     return -before if e.slip_rates(t, y, mode)[i] * before <= 0 else before
 
 
-def _open(e: Equations, mode: Mode, problem: _Problem) -> Mode:
-    return mode.moved(dict.fromkeys(problem.rows, 0))
-
-
 def _at_once(e: Equations, t: float, y: Any, mode: Mode, problem: _Problem, forced: dict[int, int]) -> Answer:
     """The problem of the accelerations."""
-    q, u = e.state(y)
-    open_mode = _open(e, mode, problem)
-    push = e.motion(t, y, open_mode).push
-    loads = e.pressed(e.time(t), q, mode)
+    push = e.motion(t, y, mode.moved(dict.fromkeys(problem.rows, 0))).push
+    loads = e.pressed(e.time(t), e.state(y)[0], mode)
     limits = e.limits(loads)
     kinetic = [
         [e.sliding(i, side, 0.0, loads[i] if i < e.k else 0.0) if i < e.k or side > 0 else limits[i][0] for i in problem.rows]
         for side in (-1, 1)
     ]
     own = {n: forced[i] for n, i in enumerate(problem.rows) if i in forced}
+    lo, hi = [limits[i][0] for i in problem.rows], [limits[i][1] for i in problem.rows]
     return decide(
-        problem.G, problem.part(push), *zip(*(limits[i] for i in problem.rows), strict=True), slide=(kinetic[0], kinetic[1]), forced=own,
+        problem.G, problem.part(push), lo, hi, slide=(kinetic[0], kinetic[1]), forced=own,
         rested=problem.rested, rank=_ranks(e, t, problem, push),
     )  # fmt: skip
 

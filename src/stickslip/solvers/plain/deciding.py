@@ -20,7 +20,7 @@ from stickslip.errors import SolveError
 __all__ = ["MOST", "ROUNDING", "Answer", "Limits", "blocks", "decide", "is_common", "shared"]
 
 ROUNDING = 64 * float(np.finfo(float).eps)
-MOST = 4  # unknowns of a block that is enumerated
+MOST = 6  # unknowns of a block that is enumerated
 _SAME = 1e-12  # of the size of G: rows that are one another's multiples
 
 Limits = Sequence[float]
@@ -162,7 +162,7 @@ def _decide(block: _Block) -> tuple[Sequence[float], Sequence[int]]:
 def _single(block: _Block) -> tuple[list[float], list[int]]:
     """One contact: what would hold it, clipped to its limits."""
     R, lo, hi = float(block.beta[0] / block.G[0, 0]), float(block.lo[0]), float(block.hi[0])
-    side = block.forced.get(0, 1 if R > hi else -1 if R < lo else 0)
+    side = block.forced.get(0, 1 if hi < R else -1 if lo > R else 0)
     return [block.force(0, side) if side else R], [side]
 
 
@@ -273,13 +273,16 @@ def shared(total: float, low: Limits, high: Limits) -> list[float]:
 
 
 def _box(block: _Block) -> tuple[list[float], list[int]]:
-    """Every combination of modes, the preferred ones first."""
+    """Every combination of modes, the preferred ones first; of a larger block the one in which nothing else changes."""
+    choices = [block.choices(i) for i in range(len(block))]
     if len(block) > MOST:
-        raise SolveError(f"{len(block)} contacts that push one another come to rest at one instant; allowed are {MOST}")
-    for sides in sorted(itertools.product(*(block.choices(i) for i in range(len(block)))), key=block.preference):
+        choices = [own[:1] for own in choices]
+    for sides in sorted(itertools.product(*choices), key=block.preference):
         R = _forces(block, sides)
         if R is not None and _goes(block, sides, R):
             return R.tolist(), list(sides)
+    if len(block) > MOST:
+        raise SolveError(f"{len(block)} contacts that push one another come to rest or leave it at one instant; allowed are {MOST}")
     raise SolveError("no combination of resting and sliding contacts is consistent")
 
 
@@ -302,7 +305,7 @@ def hold(G: Any, beta: Any, lo: Any, hi: Any, noise: Any) -> Any:
     if np.linalg.cond(G) < 1 / _SAME:
         R = np.linalg.solve(G, beta)
         slack = noise / np.diag(G) * np.linalg.cond(G)
-        return R if np.all(R <= hi + slack) and np.all(R >= lo - slack) else None
+        return R if np.all(hi + slack >= R) and np.all(lo - slack <= R) else None
     R, margin = most_slack(G, beta, lo, hi)
     return R if R is not None and margin >= -ROUNDING * 16 and np.all(abs(G @ R - beta) <= 16 * noise) else None
 
@@ -328,7 +331,7 @@ def most_slack(G: Any, beta: Any, lo: Any, hi: Any) -> tuple[Any, float]:
 
 
 def _highest(rows: Any, left: Any) -> tuple[Any, float]:
-    """The s at which the least of left - rows s is largest, and that: the least lies on a corner of the planes, so all corners are tried."""
+    """The s at which the least of left - rows s is largest, and that: it lies on a corner of the planes, so all corners are tried."""
     n, least = rows.shape[1], float(np.min(left))
     planes = np.hstack([rows, np.ones((len(rows), 1))])
     corners = np.array(list(itertools.combinations(range(len(rows)), n + 1)), int).reshape(-1, n + 1)

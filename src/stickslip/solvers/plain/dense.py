@@ -72,13 +72,15 @@ def _layout(e: Equations) -> StateLayout:
     """What the states of `Equations.output` are."""
     if e.single:
         return StateLayout.of_one(e.laws[0].states, e.laws[0].modes, not e.cyclic)
-    names = e.mechanics.bodies
-    inner = itertools.pairwise(itertools.accumulate((law.states for law in e.laws), initial=2 * len(names)))
+    mechanics = e.mechanics  # bodies at prescribed distances have the states of their common coordinate
+    inner = itertools.pairwise(itertools.accumulate((law.states for law in e.laws), initial=e.n))
     memory = itertools.pairwise(itertools.accumulate((law.modes for law in e.laws), initial=0))
+    first = e.size - e.n
+    places = [(name, mechanics.coordinate_of(name)) for name in mechanics.bodies]
     return StateLayout(
-        tuple(BodyStates(name, velocity=j, position=len(names) + j) for j, name in enumerate(names)),
+        tuple(BodyStates(name, velocity=c, position=first + c) for name, c in places),
         tuple(
-            ContactStates(name, direction, tuple(range(*own)), tuple(range(*held)))
-            for name, direction, own, held in zip(e.mechanics.contacts, e.mechanics.slips_of, inner, memory, strict=True)
+            ContactStates(name, row, tuple(range(*own)), tuple(range(*held)))
+            for name, row, own, held in zip(mechanics.contacts, mechanics.slips_of, inner, memory, strict=True)
         ),
     )

@@ -272,13 +272,9 @@ class Equations:
         return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k), self.pressing.differences(kinks[1], t, q)
 
     def output(self, t: float, y: Any, mode: Mode) -> Floats:
-        """The states of the dense output: velocities, and positions where they are known, of bodies; inner states."""
+        """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
         q, u = self.state(y)
-        u, z, at = self.settled(self.time(t), u, mode), [float(v) for v in y[2 * self.n :]], self.time(t)
-        if self.single:
-            return [*u, *z, *(() if self.cyclic else q)]
-        mechanics = self.mechanics
-        return [*map(float, mechanics.velocities(at, u)), *map(float, mechanics.positions(at, q)), *z]
+        return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]
 
 
 def held(w: float, side: int) -> float:

@@ -15,7 +15,7 @@ from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain import hits
 from stickslip.solvers.plain.choosing import begun, chosen, conditioned
 from stickslip.solvers.plain.dense import Part, joined
-from stickslip.solvers.plain.equations import Equations, Mode
+from stickslip.solvers.plain.equations import Equations
 from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request

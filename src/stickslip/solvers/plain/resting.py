@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -18,19 +18,16 @@ _SINGULAR = 1e12
 Bounds = list[tuple[float, float]]
 
 
-@dataclass(frozen=True)
-class Group:
+class Group(Protocol):
     """Resting rows that push one another; their forces are known from beta, the rates that they would have without them."""
 
     rows: list[int]
 
     def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
         """Forces that keep the rows at rest [N]."""
-        raise NotImplementedError
 
     def project(self, w: Sequence[float]) -> Sequence[float]:
         """Impulses that take off what rounding left of the slips [N s]."""
-        raise NotImplementedError
 
     def broken(self, row: int, side: int) -> dict[int, int]:
         """Rows that leave with the one whose margin is gone, and which way."""
@@ -48,6 +45,7 @@ class Group:
 
 @dataclass(frozen=True)
 class _Single(Group):
+    rows: list[int]
     mass: float
 
     def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
@@ -61,6 +59,7 @@ class _Single(Group):
 class _Common(Group):
     """Rows on one coordinate: only the sum of their forces is known, which is shared by a convention."""
 
+    rows: list[int]
     mass: float
     sign: list[float]
 
@@ -86,6 +85,7 @@ class _Common(Group):
 
 @dataclass(frozen=True)
 class _Box(Group):
+    rows: list[int]
     inverse: Any
 
     def hold(self, beta: Sequence[float], limits: Callable[[], Bounds]) -> Sequence[float]:
@@ -99,6 +99,7 @@ class _Box(Group):
 class _Dependent(Group):
     """Rows of which some follow from others: their forces are not unique, and the smallest will do, for all give the same motion."""
 
+    rows: list[int]
     G: Any
     inverse: Any
 
