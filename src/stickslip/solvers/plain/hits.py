@@ -57,12 +57,13 @@ def _impulse(e: Equations, rows: list[int], rates: list[float], restitution: flo
 
 
 def closing(e: Equations, t: float, y: Any, mode: Mode, rows: list[int]) -> dict[int, float]:
-    """Stops whose rebounds have become a geometric series that ends at once, and when it does [s]."""
+    """Stops whose rebounds have become a geometric series that ends at once, or too low to be told from rounding, and when it does [s]."""
     rates = e.slips(t, e.state(y)[1])
-    accelerations = e.slip_rates(t, y, mode)
+    accelerations, small = e.slip_rates(t, y, mode), e.noise_of_gaps(e.state(y)[0])
     found: dict[int, float] = {}
     for i in rows:
         loss, push, speed = 1.0 - float(e.stops[i - e.k].restitution), -accelerations[i], max(rates[i], 0.0)
-        if push > 0 and speed <= (_SHORT * e.scale_of_time) * push * loss / 2 and (loss > 0 or speed == 0):
+        soon = speed <= (_SHORT * e.scale_of_time) * push * loss / 2 or speed * speed <= 2 * push * small
+        if push > 0 and soon and (loss > 0 or speed == 0):
             found[i] = t + (2 * speed / (push * loss) if loss > 0 else 0.0)
     return found
