@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.flows import offer_slopes, rates
+from stickslip.dynamics.flows import breakaway_slopes, rates
+from stickslip.dynamics.mapping import columns_of, coordinates
 from stickslip.dynamics.memories import remembered
-from stickslip.friction.adapter import law_of
-from stickslip.layout import of_one_contact
-from stickslip.position import knows_position
+from stickslip.dynamics.order import needs_one_body, order_of
+from stickslip.machine import machine_of
 
-__all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
+__all__ = ["monodromy", "multipliers_of", "orders_differ", "product", "resting", "saltation", "transfers"]
 
 Array = Any
 _S6 = 6**0.5
@@ -55,7 +55,6 @@ def monodromy(run: Any, tolerance: float = 1e-9) -> Array:
     >>> round(float(monodromy(last)[0, 0]), 6)  # type IV forgets all but this part in one period
     0.089023
     """
-    run = of_one_contact("monodromy", run, "the switches of one contact are followed")
     before = product(transfers(run, 1)[0])
     for parts in (2, 4, 8, 16):
         after = product(transfers(run, parts)[0])
@@ -75,15 +74,17 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
         Logarithms of their determinants, by Liouville's formula: a stiff bristle's e^-1000 is far below rounding in the matrix.
     """
     pieces, model = run.pieces, run.model
-    t, mode = np.asarray(pieces.t), run._modes
+    machine = machine_of(model)
+    t, mode = np.asarray(pieces.t), pieces.mode
     grid = (t[:-1, None] + (np.arange(parts) / parts) * np.diff(t)[:, None]).ravel()
     h, index = np.repeat(np.diff(t) / parts, parts), np.repeat(np.arange(len(mode)), parts)
     matrices, areas = _steps(run, grid, h, index)
-    if not law_of(model).dynamic:
-        stuck = mode[index] == 0
-        matrices[stuck, _place_of_v(model), :], areas[stuck] = 0.0, -np.inf
-    changed = np.diff(mode) != 0
-    if law_of(model).modes:
+    if not machine.has_inner_states:
+        for contact, row in enumerate(_rows_of_contacts(model)):
+            stuck = mode[index, contact] == 0
+            matrices[stuck, row, :], areas[stuck] = 0.0, -np.inf
+    changed = np.any(np.diff(mode, axis=0) != 0, axis=1)
+    if any(law.modes for law in machine.laws):
         changed |= np.any(np.diff(pieces.memory, axis=0) != 0, axis=1)
     for i in np.flatnonzero(changed):
         last, S = (int(i) + 1) * parts - 1, saltation(run, int(i) + 1)
@@ -93,20 +94,29 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
     return matrices, areas
 
 
-def _place_of_v(model: Any) -> int:
-    return int(knows_position(model))
+def resting(run: Any) -> Array:
+    """How many contacts rest exactly on each piece of a run: so many directions are forgotten at once."""
+    if machine_of(run.model).has_inner_states:
+        return np.zeros(len(run.pieces.mode), int)
+    return np.sum(np.asarray(run.pieces.mode) == 0, axis=1)
+
+
+def _rows_of_contacts(model: Any) -> list[int]:
+    """For each contact under a law that rests exactly the number of the velocity that it stops."""
+    first = order_of(model).velocities.start
+    return [first + next(k for k, g in enumerate(row) if g) for row in machine_of(model).mechanics.directions]
 
 
 def _states(run: Any, t: Array, index: Array) -> Array:
     """The coordinates (d, n) at instants on given pieces."""
-    x, v, z = run._states_at(t, index)
-    return np.vstack([*([x] if knows_position(run.model) else []), v, *z.T])
+    x, v, z = run.pieces.evaluate(t, index)
+    return np.vstack(columns_of(run.model, x, v, z))
 
 
 def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:
     """Radau IIA over every step at once: transfer matrices, and integrals of the trace."""
-    mode, stages = run._modes[index], len(NODES)
-    memory = run.pieces.memory[index] if law_of(run.model).modes else ()
+    mode, stages = run.pieces.mode[index], len(NODES)
+    memory = run.pieces.memory[index] if any(law.modes for law in machine_of(run.model).laws) else ()
     times = [t + min(c, _INSIDE) * h for c in NODES]
     J = [rates(run.model, mode, s, _states(run, s, index), memory)[1] for s in times]
     n, d = len(t), J[0].shape[1]
@@ -129,13 +139,14 @@ def product(matrices: Array) -> Array:
     return matrices[0]
 
 
-def multipliers_of(M: Array, forgets: bool, autonomous: bool = False) -> Array:
+def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:
     """The eigenvalues of a monodromy matrix, the largest first; real where all are.
 
     Parameters
     ----------
-    forgets : bool
-        Whether a direction is wiped out on the way: the smallest eigenvalue is then 0, and not what rounding makes of it.
+    forgets : int
+        How many directions are wiped out at one instant on the way: so many of the smallest eigenvalues are 0, and not what rounding makes
+        of them. The rank is as much lower; contacts that rest one after the other count once.
     autonomous : bool
         Whether the flow does not depend on time: the eigenvalue 1 along the orbit is left out.
     """
@@ -144,7 +155,7 @@ def multipliers_of(M: Array, forgets: bool, autonomous: bool = False) -> Array:
         found = np.delete(found, int(np.argmin(abs(found - 1.0))))
     found = found[np.argsort(-abs(found), kind="stable")]
     if forgets and len(found):
-        found[-1] = 0.0
+        found[-int(forgets) :] = 0.0
     return found.real if np.all(found.imag == 0) else found
 
 
@@ -157,26 +168,65 @@ def saltation(run: Any, node: int) -> Array:
         Number of the piece that begins with the switch.
     """
     model, pieces = run.model, run.pieces
-    t, before, after = float(pieces.t[node]), int(run._modes[node - 1]), int(run._modes[node])
-    at, v = np.array([t]), _place_of_v(model)
-    old, new = (_states(run, at, np.array([i])) for i in (node - 1, node))
-    if law_of(model).modes:
-        return remembered(model, t, old[:, 0], new[:, 0], (before, after), pieces.memory[node - 1 : node + 1])
-    S = np.eye(len(old))
-    if abs(new[v, 0] - old[v, 0]) > 1e-9 * float(np.max(model.velocity_scale)):
-        return S  # an impulse of the drive, at an instant that is known
-    f_old = rates(model, np.array([before]), at, old)[0][:, 0]
-    f_new = rates(model, np.array([after]), at, old)[0][:, 0]
+    t, sides = float(pieces.t[node]), pieces.mode[node - 1 : node + 1]
+    old, new = (_states(run, np.array([t]), np.array([i]))[:, 0] for i in (node - 1, node))
+    machine = machine_of(model)
+    if any(law.modes for law in machine.laws):
+        needs_one_body("saltation", model, "what a switch of its law's memory does is known for one contact")
+        return remembered(model, t, old, new, (int(sides[0, 0]), int(sides[1, 0])), pieces.memory[node - 1 : node + 1])
+    v = order_of(model).velocities
+    if np.any(abs(new[v] - old[v]) > 1e-9 * float(np.max(machine.velocity_scale))):
+        return np.eye(len(old))  # an impulse of the drive, at an instant that is known
+    changed = [int(i) for i in np.flatnonzero(sides[0] != sides[1])]
+    return _composed(model, t, old, sides, changed)
+
+
+def orders_differ(run: Any, tolerance: float = 1e-6) -> bool:
+    """Whether contacts that switch at one instant do so differently in the other order: disturbances then grow by one of two matrices."""
+    if any(law.modes for law in machine_of(run.model).laws):
+        return False
+    mode = np.asarray(run.pieces.mode)
+    for node in np.flatnonzero(np.sum(np.diff(mode, axis=0) != 0, axis=1) > 1) + 1:
+        t, old = float(run.pieces.t[node]), _states(run, run.pieces.t[node : node + 1], np.array([node - 1]))[:, 0]
+        changed, sides = [int(i) for i in np.flatnonzero(mode[node - 1] != mode[node])], mode[node - 1 : node + 1]
+        one, other = (_composed(run.model, t, old, sides, order) for order in (changed, changed[::-1]))
+        sizes = coordinates(run.model).scales[: len(old)]
+        if np.max(abs(one - other) / sizes[:, None] * sizes) > tolerance * np.max(abs(one) / sizes[:, None] * sizes):
+            return True
+    return False
+
+
+def _composed(model: Any, t: float, y: Array, sides: Array, changed: list[int]) -> Array:
+    """What the switches of some contacts at one instant do, one after the other, with the field between them."""
+    S, mode = np.eye(len(y)), np.array(sides[0])
+    for contact in changed:
+        after = mode.copy()
+        after[contact] = sides[1, contact]
+        S = _switched(model, t, y, mode, after, contact) @ S
+        mode = after
+    return S
+
+
+def _switched(model: Any, t: float, y: Array, before: Array, after: Array, contact: int) -> Array:
+    """What the switch of one contact does."""
+    machine, S, at = machine_of(model), np.eye(len(y)), np.array([t])
+    j = _rows_of_contacts(model)[contact]
+    if not machine.has_inner_states and after[contact] == 0:
+        S[j, :] = 0.0  # it rests on what it rubs on, however it came there
+        return S
+    f_old, f_new = (rates(model, side[None, :], at, y[:, None])[0][:, 0] for side in (before, after))
     jump = f_new - f_old
-    if law_of(model).dynamic:
-        if np.any(abs(jump) > 1e-9 * abs(f_old).max()) and f_old[v] != 0.0:
-            S[:, v] += jump / f_old[v]
-    elif after == 0:
-        S[v, :] = 0.0
-    elif before == 0:
-        by_t, by_x = offer_slopes(model, t, 0.0 if v == 0 else float(old[0, 0]), after)
-        if v and by_t + by_x * f_old[0] != 0.0:
-            S[:, 0] += jump * by_x / (by_t + by_x * f_old[0])
-    elif f_old[v] != 0.0:
-        S[:, v] += jump / f_old[v]
+    if machine.has_inner_states and not np.any(abs(jump) > 1e-9 * abs(f_old).max()):
+        return S
+    if not machine.has_inner_states and before[contact] == 0:
+        if machine.is_single and order_of(model).cyclic:
+            return S  # time alone decides when it breaks away
+        by_t, *by_y = breakaway_slopes(model, t, y, before, contact, int(after[contact]))
+        slope, falls = np.array(by_y), by_t + float(np.dot(by_y, f_old))
+    else:
+        mechanics, slope = machine.mechanics, np.zeros(len(y))
+        slope[order_of(model).velocities] = mechanics.directions[contact]
+        falls = float(slope @ f_old) + float(np.ravel(mechanics.offset_rates(at)[contact])[0])
+    if falls != 0.0:
+        S += np.outer(jump, slope) / falls
     return S
