@@ -49,6 +49,11 @@ class Coordinates:
         return len(self.names) - self.memories
 
     @property
+    def inner_states(self) -> int:
+        """How many inner states there are."""
+        return self.order.inner.stop - self.order.inner.start
+
+    @property
     def speed(self) -> float:
         """Size of the velocities [m/s]."""
         return float(self.scales[self.order.velocities.start])
@@ -215,8 +220,7 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
 
 
 def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
-    """The engine's lanes. `span` [s] is how long a period is, for models that have none.
-    """
+    """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
     from stickslip.engine import lanes, tableaux
     from stickslip.solvers.exact import REPEAT
     from stickslip.solvers.repeating import check_period

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from stickslip.engine.lanes import layout_of
 from stickslip.engine.refused import refused
 from stickslip.errors import InputError
@@ -101,7 +99,10 @@ def numbered(name: str, count: int) -> tuple[str, ...]:
     return (name,) if count == 1 else tuple(f"{name}{i}" for i in range(count))
 
 
-def needs_one_body(what: str, model: Any, why: str) -> None:
+_ANY = "type ss.periodic_orbit(machine), ss.continuation or ss.basins, which take any machine"
+
+
+def needs_one_body(what: str, model: Any, why: str, hint: str = _ANY) -> None:
     """`InputError` of a machine that lists its bodies, where one body on one contact is wanted; `why` says what for.
 
     Examples
@@ -119,5 +120,5 @@ def needs_one_body(what: str, model: Any, why: str) -> None:
     bodies, contacts = machine.mechanics.bodies, machine.mechanics.contacts
     told = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'} ({', '.join(bodies)}) and {len(contacts)} "
     told += "contact" if len(contacts) == 1 else "contacts"
-    hint = "type ss.periodic_orbit(machine), ss.continuation or ss.basins, which take any machine"
-    raise InputError(what, [f"the {type(model).__name__} has {told}; allowed is one body on one contact, such as a Robot, as {why}; {hint}"])
+    allowed = f"allowed is one body on one contact, such as a Robot, as {why}"
+    raise InputError(what, [f"the {type(model).__name__} has {told}; {allowed}; {hint}"])

@@ -94,6 +94,19 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
     return matrices, areas
 
 
+def is_followed(model: Any) -> bool:
+    """Whether disturbances can be followed through every switch: what a switch of a law's memory does is known for one contact."""
+    machine = machine_of(model)
+    return machine.is_single or not any(law.modes for law in machine.laws)
+
+
+def needs_followed(what: str, model: Any) -> None:
+    """`InputError` where they cannot."""
+    if not is_followed(model):
+        needs_one_body(what, model, "what a switch of a law's memory does to disturbances is known for one contact",
+                       "type ss.largest_exponents(machine) for the largest exponent, from neighbours")  # fmt: skip
+
+
 def resting(run: Any) -> Array:
     """How many contacts rest exactly on each piece of a run: so many directions are forgotten at once."""
     if machine_of(run.model).has_inner_states:
@@ -172,7 +185,7 @@ def saltation(run: Any, node: int) -> Array:
     old, new = (_states(run, np.array([t]), np.array([i]))[:, 0] for i in (node - 1, node))
     machine = machine_of(model)
     if any(law.modes for law in machine.laws):
-        needs_one_body("saltation", model, "what a switch of its law's memory does is known for one contact")
+        needs_followed("monodromy", model)
         return remembered(model, t, old, new, (int(sides[0, 0]), int(sides[1, 0])), pieces.memory[node - 1 : node + 1])
     v = order_of(model).velocities
     if np.any(abs(new[v] - old[v]) > 1e-9 * float(np.max(machine.velocity_scale))):

@@ -50,7 +50,7 @@ class CaseTable:
         self.start = np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
 
     def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
-        """Of every case at its end the positions (their differences to the first, where only these are states), velocities, inner states."""
+        """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""
         found, n = results.end, self.count
         last = found.shape[1] - (n - 1 if self.cyclic else n)
         return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]
