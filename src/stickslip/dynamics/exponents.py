@@ -16,6 +16,7 @@ from stickslip.dynamics.mapping import at_rest, coordinates, flight, needs_model
 from stickslip.dynamics.variational import needs_followed, resting, transfers
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
@@ -126,18 +127,25 @@ def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
 
     All directions but the last are carried along; the last has what the volume leaves over.
     """
-    matrices, areas = transfers(run)
-    starts = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
+    parts = _parts(run.model)
+    matrices, areas = transfers(run, parts)
+    starts = np.repeat(np.asarray(run.pieces.t)[:-1] - run.pieces.t[0], parts)
     number = np.minimum((starts / run.period_time + 1e-9).astype(int), run.periods - 1)
     logs, volume = np.zeros((run.periods, len(Q))), np.zeros(run.periods)
     np.add.at(volume, number, areas)
     if len(Q) > 2:
-        Q = _carried(matrices, number, logs, Q, resting(run))
+        Q = _carried(matrices, number, logs, Q, np.repeat(resting(run), parts))
     elif len(Q) == 2:
         Q = _carried_in_the_plane(matrices, number, logs, Q)
     with np.errstate(invalid="ignore"):
         logs[:, -1] = np.where(np.isneginf(volume), -np.inf, volume - logs[:, :-1].sum(axis=1))
     return logs, Q
+
+
+def _parts(model: Any) -> int:
+    """Into how many parts each step is cut: those of Taylor series are long for the variational equation of several bodies on springs."""
+    machine = machine_of(model)
+    return 1 if machine.is_single or machine.has_inner_states else 4
 
 
 def _carried(matrices: Array, number: Array, logs: Array, Q: Array, still: Array) -> Array:

@@ -26,6 +26,7 @@ from stickslip.steadiness import centre_of_mass
 __all__ = ["Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
 Array = Any
+_RESTS = 1e-13  # of the velocity scale: a slip that is rounding
 
 
 @sealed
@@ -325,6 +326,23 @@ def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
 def way_of(run: Any) -> Array:
     """Position of the body, or of the centre of mass of several, at the strobe times [m]."""
     return run.strobe_x if machine_of(run.model).is_single else centre_of_mass(run.model, run.strobe_x)
+
+
+def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
+    """A state that comes back, in which contacts that rest on the strobe rest exactly: Newton's method leaves rounding in their velocities.
+
+    A slip of rounding would be an arc of its own. A single body is told apart by its own arcs.
+    """
+    at, machine = coordinates(model), machine_of(model)
+    if at.mechanics is None or machine.has_inner_states:
+        return state
+    end, v, found = strobe_map(model, state, periods, rtol).state[0], at.order.velocities, np.array(state)
+    slips = at.mechanics.slips(0.0, tuple(end[v]))
+    for row, slip in zip(at.mechanics.directions, slips, strict=True):
+        j = v.start + next(k for k, g in enumerate(row) if g)
+        if abs(float(slip)) <= _RESTS * at.speed:
+            found[j] = end[j]
+    return found
 
 
 def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:

@@ -24,6 +24,7 @@ from stickslip.dynamics.mapping import (
     strobe_orbit,
     strobe_states,
     way_of,
+    with_rests,
 )  # fmt: skip
 from stickslip.dynamics.newton import STEP, Found, newton_within
 from stickslip.dynamics.variational import is_followed, monodromy, multipliers_of, orders_differ, resting
@@ -212,6 +213,7 @@ def periodic_orbit(model: Model, period: int = 1, guess: Any = None, *, rtol: fl
         tried.append(found)
         state = np.append(found.at * at.scales[: at.smooth], found.memory)
         if found.good and not _shorter(model, state, int(period), rtol):
+            state = with_rests(model, state, int(period), rtol)
             return PeriodicOrbit(model, int(period), state, found.residual, rtol)
     raise SolveError(_failure(int(period), tried, guess))
 

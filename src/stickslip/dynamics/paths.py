@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.family import Family
-from stickslip.dynamics.mapping import Coordinates, coordinates, strobe_map
+from stickslip.dynamics.mapping import Coordinates, coordinates, strobe_map, with_rests
 from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.orbits import RUNS, PeriodicOrbit
 from stickslip.sealing import sealed
@@ -130,7 +130,8 @@ class Path:
     def orbit(self, found: Found) -> Any:
         """The motion at a point."""
         state = np.append(found.at[:-1] * self.scales, found.memory)
-        return PeriodicOrbit(self.family.robot(self.value(found.at)), self.period, state, found.residual, self.rtol)
+        model = self.family.robot(self.value(found.at))
+        return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
 
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""

@@ -86,8 +86,9 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
     changed = np.any(np.diff(mode, axis=0) != 0, axis=1)
     if any(law.modes for law in machine.laws):
         changed |= np.any(np.diff(pieces.memory, axis=0) != 0, axis=1)
-    for i in np.flatnonzero(changed):
-        last, S = (int(i) + 1) * parts - 1, saltation(run, int(i) + 1)
+    nodes = np.flatnonzero(changed) + 1
+    for node, S in zip(nodes, saltations(run, nodes), strict=True):
+        last = int(node) * parts - 1
         matrices[last] = S @ matrices[last]
         with np.errstate(divide="ignore"):
             areas[last] += np.log(abs(np.linalg.det(S)))
@@ -180,66 +181,79 @@ def saltation(run: Any, node: int) -> Array:
     node : int
         Number of the piece that begins with the switch.
     """
+    return saltations(run, np.array([node]))[0]
+
+
+def saltations(run: Any, nodes: Array, backwards: bool = False) -> Array:
+    """What the switches at the beginnings of some pieces do to a small change of the state: array (nodes, d, d).
+
+    Contacts that switch at one instant do it one after the other, in their order or `backwards`, with the field between them.
+    """
     model, pieces = run.model, run.pieces
-    t, sides = float(pieces.t[node]), pieces.mode[node - 1 : node + 1]
-    old, new = (_states(run, np.array([t]), np.array([i]))[:, 0] for i in (node - 1, node))
+    t = np.asarray(pieces.t)[nodes]
+    old, new = (_states(run, t, index) for index in (nodes - 1, nodes))
+    found = np.broadcast_to(np.eye(len(old)), (len(nodes), len(old), len(old))).copy()
     machine = machine_of(model)
     if any(law.modes for law in machine.laws):
         needs_followed("monodromy", model)
-        return remembered(model, t, old, new, (int(sides[0, 0]), int(sides[1, 0])), pieces.memory[node - 1 : node + 1])
-    v = order_of(model).velocities
-    if np.any(abs(new[v] - old[v]) > 1e-9 * float(np.max(machine.velocity_scale))):
-        return np.eye(len(old))  # an impulse of the drive, at an instant that is known
-    changed = [int(i) for i in np.flatnonzero(sides[0] != sides[1])]
-    return _composed(model, t, old, sides, changed)
+        for k, node in enumerate(nodes):
+            sides = (int(pieces.mode[node - 1, 0]), int(pieces.mode[node, 0]))
+            found[k] = remembered(model, float(t[k]), old[:, k], new[:, k], sides, pieces.memory[node - 1 : node + 1])
+        return found
+    v, switches = order_of(model).velocities, []
+    thrown = np.any(abs(new[v] - old[v]) > 1e-9 * float(np.max(machine.velocity_scale)), axis=0)
+    for k in np.flatnonzero(~thrown):  # an impulse of the drive comes at an instant that is known
+        switches += [(int(k), *switch) for switch in _in_turn(pieces.mode[nodes[k] - 1], pieces.mode[nodes[k]], backwards)]
+    if switches:
+        at = np.array([k for k, *_ in switches])
+        before, after = (np.array([switch[i] for switch in switches]) for i in (2, 3))
+        f_old, f_new = (rates(model, side, t[at], old[:, at])[0].T for side in (before, after))
+        drift = np.array([np.broadcast_to(rate, len(at)) for rate in machine.mechanics.offset_rates(t[at])], float).T
+        for i, (k, contact, one, other) in enumerate(switches):
+            S = _switched(model, float(t[k]), old[:, k], (one, other), contact, (f_old[i], f_new[i]), float(drift[i, contact]))
+            found[k] = S @ found[k]
+    return found
+
+
+def _in_turn(before: Array, after: Array, backwards: bool) -> list[tuple[int, Array, Array]]:
+    """The contacts that switch at one instant, each with the modes of all before and after it."""
+    found, mode = [], np.array(before)
+    changed = np.flatnonzero(before != after)
+    for contact in changed[::-1] if backwards else changed:
+        then = mode.copy()
+        then[contact] = after[contact]
+        found.append((int(contact), mode, then))
+        mode = then
+    return found
+
+
+def _switched(model: Any, t: float, y: Array, modes: tuple[Array, Array], contact: int, f: tuple[Array, Array], drift: float) -> Array:
+    """What the switch of one contact does, from the rates before and after it; `drift` is the rate of what is added to its slip."""
+    machine, S = machine_of(model), np.eye(len(y))
+    (before, after), (f_old, f_new), exact = modes, f, not machine.has_inner_states
+    if exact and after[contact] == 0:
+        S[_rows_of_contacts(model)[contact], :] = 0.0  # it rests on what it rubs on, however it came there
+        return S
+    jump = f_new - f_old
+    if not np.any(abs(jump) > 1e-9 * abs(f_old).max()) and (before[contact] == 0 or not exact):
+        return S
+    if exact and before[contact] == 0:
+        by_t, *by_y = breakaway_slopes(model, t, y, before, contact, int(after[contact]))
+        slope, falls = np.array(by_y), by_t + float(np.dot(by_y, f_old))
+    else:
+        slope = np.zeros(len(y))
+        slope[order_of(model).velocities] = machine.mechanics.directions[contact]
+        falls = float(slope @ f_old) + drift
+    return S + np.outer(jump, slope) / falls if falls != 0.0 else S
 
 
 def orders_differ(run: Any, tolerance: float = 1e-6) -> bool:
     """Whether contacts that switch at one instant do so differently in the other order: disturbances then grow by one of two matrices."""
-    if any(law.modes for law in machine_of(run.model).laws):
-        return False
     mode = np.asarray(run.pieces.mode)
-    for node in np.flatnonzero(np.sum(np.diff(mode, axis=0) != 0, axis=1) > 1) + 1:
-        t, old = float(run.pieces.t[node]), _states(run, run.pieces.t[node : node + 1], np.array([node - 1]))[:, 0]
-        changed, sides = [int(i) for i in np.flatnonzero(mode[node - 1] != mode[node])], mode[node - 1 : node + 1]
-        one, other = (_composed(run.model, t, old, sides, order) for order in (changed, changed[::-1]))
-        sizes = coordinates(run.model).scales[: len(old)]
-        if np.max(abs(one - other) / sizes[:, None] * sizes) > tolerance * np.max(abs(one) / sizes[:, None] * sizes):
-            return True
-    return False
-
-
-def _composed(model: Any, t: float, y: Array, sides: Array, changed: list[int]) -> Array:
-    """What the switches of some contacts at one instant do, one after the other, with the field between them."""
-    S, mode = np.eye(len(y)), np.array(sides[0])
-    for contact in changed:
-        after = mode.copy()
-        after[contact] = sides[1, contact]
-        S = _switched(model, t, y, mode, after, contact) @ S
-        mode = after
-    return S
-
-
-def _switched(model: Any, t: float, y: Array, before: Array, after: Array, contact: int) -> Array:
-    """What the switch of one contact does."""
-    machine, S, at = machine_of(model), np.eye(len(y)), np.array([t])
-    j = _rows_of_contacts(model)[contact]
-    if not machine.has_inner_states and after[contact] == 0:
-        S[j, :] = 0.0  # it rests on what it rubs on, however it came there
-        return S
-    f_old, f_new = (rates(model, side[None, :], at, y[:, None])[0][:, 0] for side in (before, after))
-    jump = f_new - f_old
-    if machine.has_inner_states and not np.any(abs(jump) > 1e-9 * abs(f_old).max()):
-        return S
-    if not machine.has_inner_states and before[contact] == 0:
-        if machine.is_single and order_of(model).cyclic:
-            return S  # time alone decides when it breaks away
-        by_t, *by_y = breakaway_slopes(model, t, y, before, contact, int(after[contact]))
-        slope, falls = np.array(by_y), by_t + float(np.dot(by_y, f_old))
-    else:
-        mechanics, slope = machine.mechanics, np.zeros(len(y))
-        slope[order_of(model).velocities] = mechanics.directions[contact]
-        falls = float(slope @ f_old) + float(np.ravel(mechanics.offset_rates(at)[contact])[0])
-    if falls != 0.0:
-        S += np.outer(jump, slope) / falls
-    return S
+    nodes = np.flatnonzero(np.sum(np.diff(mode, axis=0) != 0, axis=1) > 1) + 1
+    if not len(nodes) or not is_followed(run.model):
+        return False
+    sizes = coordinates(run.model).scales
+    one, other = (saltations(run, nodes, backwards) for backwards in (False, True))
+    scaled = sizes[None, None, :] / sizes[None, :, None]
+    return bool(np.max(abs(one - other) * scaled) > tolerance * np.max(abs(one) * scaled))
