@@ -264,7 +264,7 @@ def _without_shifts(points: Array, at: Any) -> Array:
     order, found = at.order, points.copy()
     still = np.all(points[..., order.velocities] == 0.0, axis=1)  # (cases, coordinates)
     first = np.argmax(still, axis=1)
-    for body, j in enumerate(range(order.places.start, order.places.stop), start=int(order.cyclic)):
+    for body, j in zip(order.kept, range(order.places.start, order.places.stop), strict=True):
         chance = still[:, body] & (first != body if order.cyclic else True)
         found[chance, :, j] = 0.0
     return found

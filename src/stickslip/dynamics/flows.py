@@ -60,7 +60,7 @@ def rates(model: Any, mode: Array, t: Array, y: Array, memory: Array = ()) -> tu
         a = mechanics.accelerations(t, q, u, R)
     else:
         a, inner = _exact(mechanics, t, q, u, slips, loads, mode), []
-    f = order.joined([0.0, *(v - u[0] for v in u[1:])] if order.cyclic else u, a, inner)
+    f = order.joined(u, a, inner)
     n, d = len(t), len(f)
     value = np.array([np.broadcast_to(getattr(fi, "value", fi), n) for fi in f], float)
     jacobian = np.empty((n, d, d))

@@ -42,6 +42,7 @@ RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for
 _CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
+_NEUTRAL = 1e-8  # how far from 1 the multiplier of a place that is free may be computed
 _SAME = 1e-7  # strobe states closer than this are one
 
 
@@ -104,6 +105,8 @@ class PeriodicOrbit(ClosedMotion):
             moved = abs(self.monodromy - self._jacobian(4 * STEP)) / sizes[:, None] * sizes
             return f"central differences of the strobe map; with steps four times as long the matrix changes by {moved.max():.1e}"
         told = "variational equation along the orbit, with a saltation matrix at every switch"
+        if self._is_neutral:
+            told += "; what rests all the time may rest anywhere nearby: a multiplier of 1 belongs to that"
         if orders_differ(self.run):
             return f"{told}; one-sided: contacts switch at one instant, and which of them goes first matters to disturbances"
         return told
@@ -141,6 +144,12 @@ class PeriodicOrbit(ClosedMotion):
         return {name: _pattern(modes[:, i]) for i, name in enumerate(self.run.contacts)}
 
     @property
+    def _is_neutral(self) -> bool:
+        """Whether disturbances that do not die out only move what rests all the time to another place at rest."""
+        free = sum(pattern == "0" for pattern in self.patterns.values())
+        return bool(0 < np.sum(abs(self.multipliers) >= 1.0 - _NEUTRAL) <= free and np.all(abs(self.multipliers) <= 1.0 + _NEUTRAL))
+
+    @property
     def margin(self) -> float:
         """Distance to the next border of motion types; 0 is on it."""
         return self.motion.margin
@@ -156,9 +165,10 @@ class PeriodicOrbit(ClosedMotion):
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         single = machine_of(self.model).is_single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
+        word = "stable" if self.stable else "neutral" if self._is_neutral else "unstable"
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
-            f"{'stable' if self.stable else 'unstable'} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+            f"{word} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
         )
 
 

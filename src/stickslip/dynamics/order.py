@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.engine.lanes import layout_of
+from stickslip.engine.lanes import layout_of, needed_positions
 from stickslip.engine.refused import refused
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
 from stickslip.layout import StateLayout
 from stickslip.machine import machine_of
-from stickslip.mechanics import Mechanics
 from stickslip.position import knows_position
 
 __all__ = ["Order", "needs_one_body", "order_of"]
@@ -33,7 +32,9 @@ class Order:
     inner : slice
         Inner states, contact by contact.
     places : slice
-        Positions, or what the positions of all coordinates but the first are more than that of the first.
+        Positions, or what they are more than that of the first coordinate.
+    kept : tuple of int
+        Of which coordinates: those whose position no force depends on have none.
     cyclic : bool
         Whether no force depends on a common shift of all positions.
     """
@@ -42,6 +43,7 @@ class Order:
     velocities: slice
     inner: slice
     places: slice
+    kept: tuple[int, ...]
     cyclic: bool
 
     @property
@@ -50,14 +52,16 @@ class Order:
         return len(self.names)
 
     def parted(self, y: Sequence[Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
-        """Positions and velocities of the coordinates, and inner states; `zero` is the position that is no state."""
-        places = tuple(y[self.places])
-        return (zero, *places) if self.cyclic else places, tuple(y[self.velocities]), tuple(y[self.inner])
+        """Positions and velocities of the coordinates, and inner states; `zero` is a position that is no state."""
+        q = [zero] * (self.velocities.stop - self.velocities.start)
+        for j, place in zip(self.kept, y[self.places], strict=True):
+            q[j] = place
+        return tuple(q), tuple(y[self.velocities]), tuple(y[self.inner])
 
     def joined(self, q: Sequence[Any], u: Sequence[Any], z: Sequence[Any]) -> list[Any]:
         """The numbers of a state from positions, velocities and inner states."""
         found: list[Any] = [None] * self.states
-        found[self.places] = [place - q[0] for place in q[1:]] if self.cyclic else list(q)
+        found[self.places] = [q[j] - q[0] if self.cyclic else q[j] for j in self.kept]
         found[self.velocities], found[self.inner] = list(u), list(z)
         return found
 
@@ -76,7 +80,8 @@ def order_of(model: Any) -> Order:
     if machine_of(model).is_single:
         count, placed = law_of(model).states, int(knows_position(model))
         names = (*(("x",) * placed), "v", *numbered("z", count))
-        return Order(names, slice(placed, placed + 1), slice(placed + 1, placed + 1 + count), slice(0, placed), not placed)
+        kept = tuple(range(placed))
+        return Order(names, slice(placed, placed + 1), slice(placed + 1, placed + 1 + count), slice(0, placed), kept, not placed)
     if why := refused(model):
         reason = why.partition("; type method=")[0]
         raise InputError(
@@ -84,14 +89,13 @@ def order_of(model: Any) -> Order:
             [f"its strobe map is not known: the compiled methods do not solve it, as {reason}; allowed are machines that they solve; "
              "type ss.solve(machine) for its motion from a start"],
         )  # fmt: skip
-    return _of_layout(layout_of(model), machine_of(model).mechanics)
+    return _of_layout(layout_of(model), needed_positions(model))
 
 
-def _of_layout(layout: StateLayout, mechanics: Mechanics) -> Order:
-    n, inner = mechanics.coordinates, sum(law.states for law in mechanics.laws)
-    cyclic = bool(layout.ways)
-    places = slice(n + inner, n + inner + n - cyclic)
-    return Order(layout.names, slice(0, n), slice(n, n + inner), places, cyclic)
+def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
+    n, inner = len(layout.bodies), sum(len(contact.inner) for contact in layout.contacts)
+    names = tuple(layout.names[i] for i in (*range(n + inner), *(layout.bodies[j].position or 0 for j in kept)))
+    return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways))
 
 
 def numbered(name: str, count: int) -> tuple[str, ...]:

@@ -82,7 +82,7 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
     if not machine.has_inner_states:
         for contact, row in enumerate(_rows_of_contacts(model)):
             stuck = mode[index, contact] == 0
-            matrices[stuck, row, :], areas[stuck] = 0.0, -np.inf
+            matrices[stuck, row, :], matrices[stuck, :, row], areas[stuck] = 0.0, 0.0, -np.inf
     changed = np.any(np.diff(mode, axis=0) != 0, axis=1)
     if any(law.modes for law in machine.laws):
         changed |= np.any(np.diff(pieces.memory, axis=0) != 0, axis=1)
