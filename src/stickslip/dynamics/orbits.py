@@ -87,7 +87,7 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        return multipliers_of(self.monodromy, int(resting(self.run).max()))
+        return multipliers_of(self.monodromy, int(resting(self.run).max()) if is_followed(self.model) else 0)
 
     @cached_property
     def monodromy(self) -> Array:

@@ -89,12 +89,13 @@ def order_of(model: Any) -> Order:
             [f"its strobe map is not known: the compiled methods do not solve it, as {reason}; allowed are machines that they solve; "
              "type ss.solve(machine) for its motion from a start"],
         )  # fmt: skip
-    return _of_layout(layout_of(model), needed_positions(model))
+    return _of_layout(layout_of(model), machine_of(model).mechanics.coordinates, needed_positions(model))
 
 
-def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
-    n, inner = len(layout.bodies), sum(len(contact.inner) for contact in layout.contacts)
-    names = tuple(layout.names[i] for i in (*range(n + inner), *(layout.bodies[j].position or 0 for j in kept)))
+def _of_layout(layout: StateLayout, n: int, kept: tuple[int, ...]) -> Order:
+    inner = sum(len(contact.inner) for contact in layout.contacts)
+    places = {body.velocity: body.position or 0 for body in layout.bodies}
+    names = tuple(layout.names[i] for i in (*range(n + inner), *(places[j] for j in kept)))
     return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways))
 
 

@@ -96,16 +96,30 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
 
 
 def is_followed(model: Any) -> bool:
-    """Whether disturbances can be followed through every switch: what a switch of a law's memory does is known for one contact."""
+    """Whether disturbances can be followed through every switch."""
+    return not _unknown(model)
+
+
+def _unknown(model: Any) -> str:
+    """Of which switches it is not known what they do to disturbances; "" if of none."""
     machine = machine_of(model)
-    return machine.is_single or not any(law.modes for law in machine.laws)
+    mechanics, rows = machine.mechanics, machine.mechanics.directions
+    if machine.is_single:
+        return ""
+    if any(law.modes for law in machine.laws):
+        return "what a switch of a law's memory does to disturbances is known for one contact"
+    if mechanics.stops:
+        return "what stops that throw bodies back do to disturbances is not known"
+    shared = any(sum(map(abs, column)) > 1.0 for column in zip(*rows, strict=True)) or any(sum(map(abs, row)) != 1.0 for row in rows)
+    if shared and not machine.has_inner_states:
+        return "its contacts act on one another at once, and what their switches do to disturbances is not known"
+    return ""
 
 
 def needs_followed(what: str, model: Any) -> None:
     """`InputError` where they cannot."""
-    if not is_followed(model):
-        needs_one_body(what, model, "what a switch of a law's memory does to disturbances is known for one contact",
-                       "type ss.largest_exponents(machine) for the largest exponent, from neighbours")  # fmt: skip
+    if why := _unknown(model):
+        needs_one_body(what, model, why, "type ss.largest_exponents(machine) for the largest exponent, from neighbours")
 
 
 def resting(run: Any) -> Array:
