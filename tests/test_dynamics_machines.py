@@ -365,7 +365,7 @@ def test_what_cannot_take_several_bodies_says_what_to_type(call, said):
 
 def test_a_run_of_other_bodies_is_no_guess():
     run = ss.solve(chain(0.0, 1.0), periods=2)
-    with pytest.raises(ss.InputError, match="the run has bodies module 1, module 2 .*allowed is a run of bodies head, sledge"):
+    with pytest.raises(ss.InputError, match=r"the run has bodies module 1, module 2 .*allowed is a run of bodies head, sledge"):
         ss.periodic_orbit(Tow(LOW), guess=run)
     with pytest.raises(ss.InputError, match="allowed is one body on one contact"):
         ss.periodic_orbit(module(), guess=run)
@@ -380,3 +380,27 @@ def test_the_monodromy_matrix_of_a_run_that_does_not_repeat():
         one_by_one = monodromy(flight(pair, begun)) @ one_by_one
     scaled = abs(monodromy(run) - one_by_one) / sizes[:, None] * sizes
     assert scaled.max() < 1e-8
+
+
+def _random_machine(random, number):
+    if number % 2:
+        own = tuple(
+            module(ss.Coulomb(*random.uniform(0.05, 0.4, 2)), amplitude=random.uniform(3e-4, 9e-4), body=random.uniform(0.03, 0.12))
+            for _ in range(2)
+        )
+        return chain(0.0, random.uniform(-3, 3), modules=own, link=ss.Spring(random.uniform(100, 3000), random.uniform(0, 1)))
+    kinetic = random.uniform(0.05, 0.3, 2)
+    law = ss.Coulomb(*kinetic, *(kinetic * random.uniform(1, 2, 2)))
+    return Tow(law, push=random.uniform(0.1, 0.6), stiffness=random.uniform(50, 1000), speed=random.choice([0.0, 0.03]))
+
+
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 12))])
+def test_the_monodromy_matrix_of_random_machines_is_the_slope_of_their_maps(seed):
+    """From random starts, with all sorts of switches in up to three periods; at a grazing, where the map has no slope, none of these is."""
+    random = np.random.default_rng(seed)
+    for number in range(8):
+        machine, periods = _random_machine(random, number), int(random.integers(1, 4))
+        at = coordinates(machine)
+        state = 0.5 * random.normal(size=len(at.names)) * at.scales
+        matrix, slope = monodromy(flight(machine, state, periods)), difference_jacobian(machine, state, periods)
+        assert np.max(abs(matrix - slope) / at.scales[:, None] * at.scales) < DIFFERENCES

@@ -12,7 +12,8 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.diagrams import UNDONE, periods_of, state_attrs, steady_velocity, whole_motions
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import at_rest, coordinates, needs_model, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import number

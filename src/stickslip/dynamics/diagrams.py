@@ -10,7 +10,8 @@ import numpy as np
 from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, shared
-from stickslip.dynamics.mapping import coordinates, needs_model, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import coordinates, strobe_map, strobe_orbit
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
 from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems

@@ -12,7 +12,8 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import at_rest, coordinates, flight, needs_model, strobe_map, strobe_states
+from stickslip.dynamics.mapping import at_rest, coordinates, flight, strobe_map, strobe_states
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.variational import needs_followed, resting, transfers
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number

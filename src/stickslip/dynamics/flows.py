@@ -59,7 +59,7 @@ def rates(model: Any, mode: Array, t: Array, y: Array, memory: Array = ()) -> tu
         R, inner = _responses(mechanics, t, q, u, slips, z, loads, memory)
         a = mechanics.accelerations(t, q, u, R)
     else:
-        a, inner = _exact(mechanics, t, q, u, slips, loads, mode), []
+        a, inner = tuple(_exact(mechanics, t, q, u, slips, loads, mode)), []
     f = order.joined(u, a, inner)
     n, d = len(t), len(f)
     value = np.array([np.broadcast_to(getattr(fi, "value", fi), n) for fi in f], float)

@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import labels_of
-from stickslip.dynamics.duals import slopes_of, variables
 from stickslip.dynamics.order import Order, numbered, order_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
 from stickslip.forces import inner_start
-from stickslip.machine import MachineAdapter, is_machine, machine_of
+from stickslip.machine import MachineAdapter, machine_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 from stickslip.solvers.starts import start_of_parts
@@ -118,14 +117,14 @@ def coordinates(model: Any) -> Coordinates:
     """
     order, machine = order_of(model), machine_of(model)
     mechanics, laws = machine.mechanics, machine.laws
-    speed = _largest(machine.free_velocity) or _largest(machine.velocity_scale) or 1.0
-    time = _largest(machine.time_scale)
+    speed = largest(machine.free_velocity) or largest(machine.velocity_scale) or 1.0
+    time = largest(machine.time_scale)
     places = [speed * time / (2 * np.pi)] * mechanics.coordinates
     sizes: list[float] = []
     if any(law.states for law in laws):
         for law, load in zip(laws, mechanics.loads(0.0, mechanics.start), strict=True):
             typical = law.scale(load) if law.states else ()
-            sizes += [_largest(s) for s in ((speed * time,) * law.states if typical is None else typical)]
+            sizes += [largest(s) for s in ((speed * time,) * law.states if typical is None else typical)]
     scales = order.joined([0.0, *places[1:]] if order.cyclic else places, [speed] * mechanics.coordinates, sizes)
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
@@ -168,7 +167,7 @@ def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
     return tuple(f"memory.{name}.{k}" for name, law in found for k in range(law.modes))
 
 
-def _largest(value: Any) -> float:
+def largest(value: Any) -> float:
     return float(np.max(np.abs(np.asarray(value, float))))
 
 
@@ -277,7 +276,7 @@ def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
 
 def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
     """Any other method: a run for each case."""
-    cases = _cases(model, len(states))
+    cases = cases_of(model, len(states))
     runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
     ends = np.array([strobe_states(run)[-1] for run in runs])
     way = np.array([way_of(run)[-1] - way_of(run)[0] for run in runs])
@@ -288,7 +287,7 @@ def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
     return Ends(ends, way, np.zeros(len(runs), int), top, low)
 
 
-def _cases(model: Any, count: int) -> list[Any]:
+def cases_of(model: Any, count: int) -> list[Any]:
     """Every case of a batch as a model of its own."""
     from stickslip.batch import rows_of
 
@@ -370,46 +369,3 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
     shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
     ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state[:, :d]
     return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T
-
-
-def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False) -> None:
-    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given."""
-    if not is_machine(model):
-        raise InputError(
-            what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
-        )
-    if not batch and any(np.ndim(value) for _, value in leaves(model)):
-        raise InputError(
-            what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
-        )
-    if driven and model.period is None:
-        why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
-        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])
-    if driven and not machine_of(model).is_single and _drifts(model):
-        kind = type(model).__name__
-        raise InputError(what, [f"the equations of {kind} have positions in them, but with these numbers bodies can be shifted together "
-                                "and no force changes (by a link of stiffness 0, or as nothing joins two groups of them): they drift "
-                                "apart and never come back; allowed are bodies that links hold together; give it a link, or a stiffness "
-                                "that is not 0"])  # fmt: skip
-
-
-def _drifts(model: Any) -> bool:
-    """Whether some of the positions that are coordinates can be shifted, and no acceleration and no load changes."""
-    order, one = order_of(model), _cases(model, 1)[0]
-    mechanics, random = machine_of(one).mechanics, np.random.default_rng(20261122)
-    if mechanics.stops:
-        return False
-    speed, rows = coordinates(one).speed, []
-    for power in (0, 0, 1, 2, 3, 4):  # stops act far away
-        y = list(random.uniform(-speed, speed, order.states))
-        places = variables(*(y[order.places]))
-        y[order.places] = [place * (10.0**power * _largest(machine_of(one).time_scale)) for place in places]
-        q, u, _ = order.parted(y, 0.0)
-        t = float(random.uniform(0.0, 1.0)) * float(one.period)
-        forces = [*mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts)), *mechanics.loads(t, q)]
-        rows += [[float(slope) for slope in slopes_of(force, len(places))] for force in forces]
-    G = np.nan_to_num(np.array(rows)).reshape(len(rows), len(order.kept))
-    sizes = np.linalg.norm(G, axis=0)
-    if not np.all(sizes > 0.0):
-        return True
-    return bool(len(sizes) and np.linalg.svd(G / sizes, compute_uv=False)[-1] < 1e-9)

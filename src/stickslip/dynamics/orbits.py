@@ -18,7 +18,6 @@ from stickslip.dynamics.mapping import (
     coordinates,
     difference_jacobian,
     flight,
-    needs_model,
     states_of_parts,
     strobe_map,
     strobe_orbit,
@@ -26,6 +25,7 @@ from stickslip.dynamics.mapping import (
     way_of,
     with_rests,
 )  # fmt: skip
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.newton import STEP, Found, newton_within
 from stickslip.dynamics.variational import is_followed, monodromy, multipliers_of, orders_differ, resting
 from stickslip.errors import InputError, Problems, SolveError

@@ -210,14 +210,14 @@ def saltations(run: Any, nodes: Array, backwards: bool = False) -> Array:
     machine = machine_of(model)
     if any(law.modes for law in machine.laws):
         needs_followed("monodromy", model)
-        for k, node in enumerate(nodes):
+        for i, node in enumerate(nodes):
             sides = (int(pieces.mode[node - 1, 0]), int(pieces.mode[node, 0]))
-            found[k] = remembered(model, float(t[k]), old[:, k], new[:, k], sides, pieces.memory[node - 1 : node + 1])
+            found[i] = remembered(model, float(t[i]), old[:, i], new[:, i], sides, pieces.memory[node - 1 : node + 1])
         return found
     v, switches = order_of(model).velocities, []
     thrown = np.any(abs(new[v] - old[v]) > 1e-9 * float(np.max(machine.velocity_scale)), axis=0)
-    for k in np.flatnonzero(~thrown):  # an impulse of the drive comes at an instant that is known
-        switches += [(int(k), *switch) for switch in _in_turn(pieces.mode[nodes[k] - 1], pieces.mode[nodes[k]], backwards)]
+    for k in map(int, np.flatnonzero(~thrown)):  # an impulse of the drive comes at an instant that is known
+        switches += [(k, *switch) for switch in _in_turn(pieces.mode[nodes[k] - 1], pieces.mode[nodes[k]], backwards)]
     if switches:
         at = np.array([k for k, *_ in switches])
         before, after = (np.array([switch[i] for switch in switches]) for i in (2, 3))
@@ -233,10 +233,10 @@ def _in_turn(before: Array, after: Array, backwards: bool) -> list[tuple[int, Ar
     """The contacts that switch at one instant, each with the modes of all before and after it."""
     found, mode = [], np.array(before)
     changed = np.flatnonzero(before != after)
-    for contact in changed[::-1] if backwards else changed:
+    for contact in map(int, changed[::-1] if backwards else changed):
         then = mode.copy()
         then[contact] = after[contact]
-        found.append((int(contact), mode, then))
+        found.append((contact, mode, then))
         mode = then
     return found
 
