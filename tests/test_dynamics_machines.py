@@ -263,6 +263,7 @@ def test_a_branch_along_the_phase_passes_the_known_chains(orbits):
     assert branch.orbits[-1].mean_velocity == pytest.approx(KNOWN["antiphase"][1], rel=1e-11)
     assert branch.at(math.pi / 2).mean_velocity == pytest.approx(KNOWN["a quarter"][1], rel=1e-11)
     assert branch.points.patterns.sel(contact="module 1").values[-1] == "+-"
+    assert ss.plot.continuation(branch).get_ylabel().startswith("mean velocity")
     for special in branch.special:  # the patterns differ on its two sides
         beside = [branch.at(special.value + side).patterns for side in (-1e-6, 1e-6)]
         assert beside[0] != beside[1]
@@ -311,7 +312,8 @@ def test_exponents_of_a_rotating_pair_have_its_sum_and_the_neighbours_its_mean(o
     orbit = orbits["antiphase"]
     found = ss.lyapunov(orbit.model, periods=40, settle=80)
     assert found.spectrum.sum() == pytest.approx(np.log(abs(orbit.multipliers)).sum(), abs=1e-6)
-    largest, error = ss.largest_exponents(orbit.model, periods=100, settle=80)
+    batch = chain(0.0, 1.0).replace({"phases.1": np.array([math.pi, 2.0])})
+    largest, error = ss.largest_exponents(batch, periods=100, settle=80)
     assert abs(largest[0] - math.log(abs(orbit.multipliers[0]))) < max(4 * error[0], 0.005)
     told = ss.verdict(orbit.model, periods=20, settle=80)
     assert (told.kind, told.period) == ("periodic", 1) and told.orbit.mean_velocity == pytest.approx(KNOWN["antiphase"][1], rel=1e-11)

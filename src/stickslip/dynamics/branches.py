@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.cycle_paths import CyclePath, border_of_rest, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
+from stickslip.dynamics.diagrams import strobe_attrs
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.marked import Special, certain
@@ -77,8 +78,11 @@ class Branch:
         """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
         import xarray as xr
 
-        columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
         single = machine_of(self.orbits[0].model).is_single
+        columns: dict[str, Any] = {
+            name: ("point", [o.state[i] for o in self.orbits], {} if single else strobe_attrs(name))
+            for i, name in enumerate(self.orbits[0].names)
+        }
         known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
         if single:

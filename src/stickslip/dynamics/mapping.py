@@ -168,6 +168,7 @@ def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
 
 
 def largest(value: Any) -> float:
+    """The largest size of a number or of an array of them."""
     return float(np.max(np.abs(np.asarray(value, float))))
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.duals import slopes_of, variables
+from stickslip.dynamics.many import picked
 from stickslip.dynamics.mapping import cases_of, coordinates, largest
 from stickslip.dynamics.order import order_of
 from stickslip.errors import InputError
@@ -28,7 +29,9 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False)
         )
     if driven and model.period is None:
         why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
-        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])
+        cycle = "for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"
+        hint = cycle if machine_of(model).is_single else "type ss.solve(machine, duration=...) for its motion from a start"
+        raise InputError(what, [f"{why}; {hint}"])
     if driven and not machine_of(model).is_single and _drifts(model):
         kind = type(model).__name__
         raise InputError(what, [f"the equations of {kind} have positions in them, but with these numbers bodies can be shifted together "
@@ -38,8 +41,11 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False)
 
 
 def _drifts(model: Any) -> bool:
-    """Whether some of the positions that are coordinates can be shifted, and no acceleration and no load changes."""
-    order, one = order_of(model), cases_of(model, 1)[0]
+    """Whether some of the positions that are coordinates can be shifted, and no acceleration and no load changes.
+
+    Of a batch the first case is asked.
+    """
+    order, one = order_of(model), cases_of(picked(model, [0]), 1)[0]
     mechanics, random = machine_of(one).mechanics, np.random.default_rng(20261122)
     if mechanics.stops:
         return False
