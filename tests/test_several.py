@@ -16,7 +16,6 @@ from stickslip.analysis.motion import threshold_table
 from stickslip.analysis.segments import shares
 from stickslip.analysis.steady import period_number, velocity_range
 from stickslip.datasets import write_csv
-from stickslip.dynamics.variational import monodromy
 from stickslip.events import events_of
 from stickslip.layout import BodyStates, ContactStates, StateLayout, of_one_contact
 from stickslip.pieces import HarmonicArcs, PolynomialPieces, inner_rates, pieces_from_arrays
@@ -350,8 +349,8 @@ def test_a_file_of_an_unknown_format_or_layout_is_refused_with_what_to_do(place,
 @pytest.mark.parametrize(
     "analysis",
     [
-        ss.energy, ss.motion, ss.mean_velocity, ss.strobe, ss.poincare, ss.spectrum, ss.plot.velocity, ss.plot.phase, ss.plot.forces,
-        threshold_table, velocity_range, period_number, shares, monodromy, lambda run: run.steadiness,
+        ss.energy, ss.motion, ss.mean_velocity, ss.spectrum, ss.plot.velocity, ss.plot.phase, ss.plot.forces,
+        threshold_table, velocity_range, period_number, shares, lambda run: run.steadiness,
         lambda run: ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), guess=run),
     ],
 )  # fmt: skip

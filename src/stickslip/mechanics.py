@@ -224,7 +224,10 @@ class SeveralBodies(Mechanics):
     @property
     def slips_of(self) -> tuple[tuple[float, ...], ...]:
         """1 at the contact's body, -1 at the body it rubs on."""
-        return tuple(tuple((name == c.body) - 1.0 * (name == c.on) for name in self.bodies) for c in self.joints.values())
+        others = {contact: c.on if isinstance(c.on, str) else None for contact, c in self.joints.items()}  # a speed may be a symbol
+        return tuple(
+            tuple((name == c.body) - 1.0 * (name == others[contact]) for name in self.bodies) for contact, c in self.joints.items()
+        )
 
     def row(self, first: str, second: str | None) -> tuple[float, ...]:
         """What the distance of two bodies, or of one and the ground, takes of each coordinate."""

@@ -62,7 +62,7 @@ def mean_velocity(run: Any, body: int | str | None = None) -> Any:
         return run.mean_velocity[()]
     if hasattr(run, "channels"):  # a measured record
         return run.mean_velocity()
-    _is_run("mean_velocity", run)
+    is_run("mean_velocity", run)
     if run.model.period is not None and len(run.strobe_times) < 2:
         raise InputError("mean_velocity", [_too_short(run)])
     return run.steadiness.mean_velocity
@@ -90,7 +90,7 @@ def _of_body(run: Any, body: int | str) -> float:
     return float((x[-1] - x[0]) / (t[-1] - t[0]))
 
 
-def _is_run(what: str, run: Any) -> None:
+def is_run(what: str, run: Any) -> None:
     """Say what to type where something else than a run was given."""
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
@@ -137,7 +137,7 @@ def _extremes(run: Any, since: float) -> tuple[float, float]:
 
 def needs_run(what: str, run: Any, why: str) -> Any:
     """A run of one body on one contact; what to type where something else was given, and `why` one of several cannot be taken."""
-    _is_run(what, run)
+    is_run(what, run)
     return of_one_contact(what, run, why)
 
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity, whole_motions
+from stickslip.dynamics.diagrams import UNDONE, periods_of, state_attrs, steady_velocity, whole_motions
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import at_rest, coordinates, needs_model, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import number
@@ -123,7 +124,9 @@ def basins(
     **starts
         ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
         (of a smooth drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):
-        single values or arrays. If none is given: v, and z where it is one number, over twice their scales.
+        single values or arrays. If none is given: v, and z where it is one number, over twice their scales. Of a machine of several
+        bodies the names are those of ``ss.periodic_orbit(machine).names``: ``**{"v.head": [...], "v.tail": [...]}``; if none is given,
+        the velocities of all bodies. Bodies that came to rest where they happened to stop are one attractor.
 
     Returns
     -------
@@ -176,8 +179,14 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
 
 
 def _usual(at: Any) -> dict[str, Array]:
-    """Over twice the scales; inner states and memories only where there is one inner state, so that the grid stays a grid."""
-    inner = at.smooth - at.names.index("v") - 1
+    """Over twice the scales; inner states and memories only where there is one inner state, so that the grid stays a grid.
+
+    Of several bodies over their velocities alone.
+    """
+    if at.mechanics is not None:
+        names = at.names[at.order.velocities]
+        return {n: np.linspace(-2, 2, 41) * at.speed for n in names}
+    inner = at.smooth - at.order.velocities.stop
     return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
 
 
@@ -219,11 +228,8 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
             {"units": "1", "long_name": "motion period (0: none, -1: not computed)"},
         ),
     }
-    told = {"v": ("velocity at the start", "m/s"), "phase": ("phase of the drive at the start", "1"), "x": ("position at the start", "m")}
-    told |= {n: ("what the law remembers at the start", "1") for n in at.names[at.smooth :]}
-    coords = {
-        n: (n, a, dict(zip(("long_name", "units"), told.get(n, ("inner state at the start", "m")), strict=True))) for n, a in axes.items()
-    }
+    phase = {"long_name": "phase of the drive at the start", "units": "1"}
+    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start")) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
 
 
@@ -240,13 +246,29 @@ def told_apart(
 
 def _fingerprints(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> Array:
     """Numbers that are the same for two starts on one motion, whichever of its periods they are in: means over whole ones, in scales."""
-    speed = (V / at.scales[at.names.index("v")])[:, None]
+    speed = (V / at.speed)[:, None]
     if by_phase:  # the strobe is at another phase for each start: only what does not depend on it
         return speed
     count = whole_motions(points.shape[1], period)[:, None]
     last = (np.arange(points.shape[1]) >= points.shape[1] - count)[..., None]
-    scaled = np.where(last, points / at.scales, 0.0)
+    scaled = np.where(last, _without_shifts(points, at) / at.scales, 0.0)
     return np.hstack([scaled.sum(axis=1) / count, (scaled**2).sum(axis=1) / count, speed])
+
+
+def _without_shifts(points: Array, at: Any) -> Array:
+    """Strobe points in which bodies that rest at every one of them have one place in common: where they stopped is chance.
+
+    The rests of several bodies that a spring joins come as continua, and all of one are one attractor.
+    """
+    if at.mechanics is None or at.mechanics.coordinates < 2 or at.inner_states:
+        return points
+    order, found = at.order, points.copy()
+    still = np.all(points[..., order.velocities] == 0.0, axis=1)  # (cases, coordinates)
+    first = np.argmax(still, axis=1)
+    for body, j in zip(order.kept, range(order.places.start, order.places.stop), strict=True):
+        chance = still[:, body] & (first != body if order.cyclic else True)
+        found[chance, :, j] = 0.0
+    return found
 
 
 def _numbers(prints: Array, period: Array, good: Array) -> Array:

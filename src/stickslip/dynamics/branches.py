@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.cycle_paths import CyclePath, border_of_rest, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
+from stickslip.dynamics.diagrams import strobe_attrs
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.marked import Special, certain
@@ -20,6 +21,7 @@ from stickslip.dynamics.paths import Path, Point, follow
 from stickslip.dynamics.special import Located, located
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["Branch", "Special", "continuation"]
@@ -76,17 +78,25 @@ class Branch:
         """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
         import xarray as xr
 
-        columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
-        known = [name for name in _COLUMNS if hasattr(self.orbits[0], name)]
+        single = machine_of(self.orbits[0].model).is_single
+        columns: dict[str, Any] = {
+            name: ("point", [o.state[i] for o in self.orbits], {} if single else strobe_attrs(name))
+            for i, name in enumerate(self.orbits[0].names)
+        }
+        known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
-        columns["motion_type"] = ("point", [o.type for o in self.orbits])
+        if single:
+            columns["motion_type"] = ("point", [o.type for o in self.orbits])
+        else:
+            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in self.orbits])
         columns["largest_multiplier"] = ("point", [float(abs(o.multipliers).max()) for o in self.orbits], {"units": "1"})
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, {"units": "1"})
         columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, {"units": "1"})
         told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
         attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
-        return xr.Dataset(columns, {self.parameter: ("point", self.values, self.family.describe(self.parameter))}, attrs)
+        coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
+        return xr.Dataset(columns, coords if single else coords | {"contact": list(self.orbits[0].patterns)}, attrs)
 
     @explains_arguments
     def at(self, value: float) -> PeriodicOrbit:
@@ -126,6 +136,7 @@ class Branch:
         )
 
 
+_OF_ONE = ("pattern", "margin")  # known of one body on one contact
 _COLUMNS = ("mean_velocity", "stable", "pattern", "margin", "residual", "duration")
 _TOLD = {
     "duration": {"units": "s", "long_name": "duration of the cycle"},

@@ -16,10 +16,11 @@ from stickslip.dynamics.mapping import coordinates, strobe_map
 from stickslip.dynamics.marked import Meeting, Special
 from stickslip.dynamics.newton import Found, newton
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.paths import tangent_of
 from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.errors import InputError, SolveError
-from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["Curve", "Meeting", "special_curve"]
@@ -155,15 +156,20 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
         raise InputError(
             "special_curve", ["it is a branch of limit cycles; allowed are those of driven motions; take ss.continuation at each value"]
         )
+    laws = machine_of(special.orbit.model).laws
     origin, span = np.array([special.value, begin]), np.array([np.ptp(branch.values) or 1.0, abs(stop - begin)])
+    if special.kind == "type-border":
+        hint = "type ss.continuation at each value; flips and folds are followed for any machine"
+        needs_one_body("special_curve", special.orbit.model, "a border of motion types is followed by the arcs of one contact", hint)
     if special.kind in ("flip", "fold"):
         problem, u = _multiplier_problem(both, special, origin, span)
-    elif special.kind == "type-border" and not law_of(special.orbit.model).dynamic:
+    elif special.kind == "type-border" and not any(law.dynamic for law in laws):
         problem, u = _border_problem(both, branch, special, origin, span)
     else:
+        names = " and ".join(dict.fromkeys(law.name for law in laws))
         raise InputError(
             "special_curve",
-            [f"it is a {special.kind} under {type(special.orbit.model.friction).__name__}; allowed are flips and folds of any law, "
+            [f"it is a {special.kind} under {names}; allowed are flips and folds of any law, "
              "and type borders of set-valued laws, where they are sharp; for others take ss.continuation at each value"],
         )  # fmt: skip
     return _followed(problem, u, special.kind, float(np.sign(stop - begin)), step, points)

@@ -16,6 +16,7 @@ import numpy as np
 from stickslip.dynamics.closed import ClosedMotion, largest_first
 from stickslip.dynamics.mapping import Coordinates, coordinates, flow_map
 from stickslip.dynamics.newton import newton_within
+from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.sections import halved
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, SolveError
@@ -162,6 +163,8 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
+    needs_one_body("periodic_orbit", model, "a cycle that nothing drives is found where one spring turns",
+                   "type ss.solve(machine, duration=...) for a motion, or give the machine a period")  # fmt: skip
     state, duration = _guessed(model, period, guess, rtol)
     at, unit = coordinates(model), clock(model)
 

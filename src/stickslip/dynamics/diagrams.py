@@ -10,7 +10,8 @@ import numpy as np
 from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, shared
-from stickslip.dynamics.mapping import coordinates, needs_model, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import coordinates, strobe_map, strobe_orbit
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
 from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
@@ -71,7 +72,8 @@ def bifurcation(
     -------
     xarray.Dataset
         Over direction ("up", "down"), the parameter and point: the strobe state (v, z, ...), displacement in each period [m]; over
-        direction and parameter: mean_velocity [m/s], period (0: none up to 32, -1: not computed), v_max, v_min [m/s] of the last period.
+        direction and parameter: mean_velocity [m/s], period (0: none up to 32, -1: not computed), v_max, v_min [m/s] of the last period
+        (of one body).
 
     Examples
     --------
@@ -221,9 +223,10 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
         "displacement": (whole, ways, {"units": "m", "long_name": "displacement in a drive period"}),
         "mean_velocity": (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"}),
         "period": (flat, period, {"units": "1", "long_name": "drive periods until it repeats (0: none found, -1: not computed)"}),
-        "v_max": (flat, v_max[..., 0], {"units": "m/s", "long_name": "largest velocity"}),
-        "v_min": (flat, v_min[..., 0], {"units": "m/s", "long_name": "smallest velocity"}),
     }
+    if at.mechanics is None:
+        columns["v_max"] = (flat, v_max[..., 0], {"units": "m/s", "long_name": "largest velocity"})
+        columns["v_min"] = (flat, v_min[..., 0], {"units": "m/s", "long_name": "smallest velocity"})
     coords = {parameter: (parameter, values, robots.describe(parameter)), "direction": list(directions)}
     return xr.Dataset(columns, coords, {"parameter": parameter, "settle": settle})
 
@@ -238,5 +241,21 @@ def strobe_attrs(name: str) -> dict[str, str]:
     """
     if name.startswith("memory"):
         return {"units": "1", "long_name": f"what the law remembers on the strobe, {name}"}
-    what = {"v": "velocity", "x": "position"}.get(name, f"inner state {name}")
-    return {"units": "m/s" if name == "v" else "m", "long_name": f"{what} on the strobe"}
+    return state_attrs(name, "on the strobe", f"inner state {name}")
+
+
+def state_attrs(name: str, when: str, inner: str = "inner state") -> dict[str, str]:
+    """Unit and name of a coordinate at some time.
+
+    Examples
+    --------
+    >>> state_attrs("v.head", "at the start")
+    {'units': 'm/s', 'long_name': 'velocity of head at the start'}
+    """
+    letter, _, part = name.partition(".")
+    if letter == "memory":
+        return {"units": "1", "long_name": f"what the law remembers {when}"}
+    known = {"v": "velocity", "x": "position", "l": "position, less that of the first body,"}
+    what = known.get(letter, inner)
+    whose = f" of {part}" if part and letter in known else ""
+    return {"units": "m/s" if letter == "v" else "m", "long_name": f"{what}{whose} {when}"}

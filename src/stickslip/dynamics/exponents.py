@@ -12,10 +12,12 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import at_rest, coordinates, flight, needs_model, strobe_map, strobe_states
-from stickslip.dynamics.variational import transfers
+from stickslip.dynamics.mapping import at_rest, coordinates, flight, strobe_map, strobe_states
+from stickslip.dynamics.needs import needs_model
+from stickslip.dynamics.variational import needs_followed, resting, transfers
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
@@ -98,6 +100,7 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 
 def _check(model: Any, periods: Any, settle: Any) -> None:
     needs_model("lyapunov", model)
+    needs_followed("lyapunov", model)
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)
@@ -125,23 +128,38 @@ def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
 
     All directions but the last are carried along; the last has what the volume leaves over.
     """
-    matrices, areas = transfers(run)
-    starts = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
+    parts = _parts(run.model)
+    matrices, areas = transfers(run, parts)
+    starts = np.repeat(np.asarray(run.pieces.t)[:-1] - run.pieces.t[0], parts)
     number = np.minimum((starts / run.period_time + 1e-9).astype(int), run.periods - 1)
     logs, volume = np.zeros((run.periods, len(Q))), np.zeros(run.periods)
     np.add.at(volume, number, areas)
-    Q = (_carried if len(Q) > 2 else _carried_in_the_plane)(matrices, number, logs, Q) if len(Q) > 1 else Q
+    if len(Q) > 2:
+        Q = _carried(matrices, number, logs, Q, np.repeat(resting(run), parts))
+    elif len(Q) == 2:
+        Q = _carried_in_the_plane(matrices, number, logs, Q)
     with np.errstate(invalid="ignore"):
         logs[:, -1] = np.where(np.isneginf(volume), -np.inf, volume - logs[:, :-1].sum(axis=1))
     return logs, Q
 
 
-def _carried(matrices: Array, number: Array, logs: Array, Q: Array) -> Array:
-    """The frame at the end; what its directions but the last grow by is added to `logs`."""
-    for M, k in zip(matrices, number, strict=True):
+def _parts(model: Any) -> int:
+    """Into how many parts each step is cut: those of Taylor series are long for the variational equation of several bodies on springs."""
+    machine = machine_of(model)
+    return 1 if machine.is_single or machine.has_inner_states else 4
+
+
+def _carried(matrices: Array, number: Array, logs: Array, Q: Array, still: Array) -> Array:
+    """The frame at the end; what its directions but the last grow by is added to `logs`.
+
+    While several contacts rest at once as many directions end there, the last ones: what rounding leaves of them is no growth.
+    """
+    for M, k, count in zip(matrices, number, still, strict=True):
         Q, R = np.linalg.qr(M @ Q)
         with np.errstate(divide="ignore"):
             logs[k, :-1] += np.log(abs(np.diag(R)))[:-1]
+        if count > 1:
+            logs[k, -count:] = -np.inf
     return Q
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
 from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError, is_whole
@@ -273,6 +274,7 @@ def switching_flow(model: Model) -> SwitchingFlow:
     >>> [after for _, _, after in done.events]
     [1, -1]
     """
+    needs_one_body("switching_flow", model, "its modes are those of one contact")
     law = law_of(model)
     if law.dynamic:
         raise InputError("switching_flow", [f"{law.name} has inner states; allowed are laws with sliding and breakaway"])

@@ -1,7 +1,8 @@
 """The strobe map: where a state at t = 0 is after some drive periods, for many starts and many robots in one batch.
 
 The position of a robot appears nowhere in its equations. It is no coordinate of the map, and its multiplier, which is 1, is
-left out; a mechanism with a spring has x as its first coordinate.
+left out; a mechanism with a spring has x as its first coordinate. Of several bodies that move along a track only the differences of
+their positions are coordinates, and the way made is that of their centre of mass.
 """
 
 from __future__ import annotations
@@ -11,43 +12,79 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.batch import labels_of
+from stickslip.dynamics.order import Order, numbered, order_of
+from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
-from stickslip.forces import inner_start, rest_velocity
-from stickslip.friction.adapter import law_of
-from stickslip.machine import is_machine, machine_of
-from stickslip.mechanics import normal_load
+from stickslip.forces import inner_start
+from stickslip.machine import MachineAdapter, machine_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
+from stickslip.solvers.starts import start_of_parts
+from stickslip.steadiness import centre_of_mass
 
 __all__ = ["Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
 
 Array = Any
+_RESTS = 1e-13  # of the velocity scale: a slip that is rounding
 
 
 @sealed
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """The coordinates of a strobe state: their names, and the size against which each is measured."""
+    """The coordinates of a strobe state: their names, and the size against which each is measured.
+
+    Of a machine of several bodies they are velocities of the bodies, inner states by contact, and positions: those of all bodies where
+    forces depend on them, else what those of all but the first are more than that of the first.
+    """
 
     names: tuple[str, ...]
     scales: Array
-    memories: int = 0  # the last so many coordinates are whole numbers that the law remembers
+    order: Order
+    memories: int = 0  # the last so many coordinates are whole numbers that laws remember
+    mechanics: Any = None  # of a machine of several bodies: it knows their names
 
     @property
     def smooth(self) -> int:
         """How many coordinates are no memories."""
         return len(self.names) - self.memories
 
+    @property
+    def inner_states(self) -> int:
+        """How many inner states there are."""
+        return self.order.inner.stop - self.order.inner.start
+
+    @property
+    def speed(self) -> float:
+        """Size of the velocities [m/s]."""
+        return float(self.scales[self.order.velocities.start])
+
     def start(self, state: Any) -> dict[str, Any]:
         """A state, or a table of them, as `solve` takes a start."""
         state = np.asarray(state, float)
-        first = self.names.index("v") + 1
-        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[:first])}
-        for name, part in (("z", state[..., first : self.smooth]), ("memory", state[..., self.smooth :])):
+        if self.mechanics is not None:
+            return self._start_of_parts(state)
+        order, memory = self.order, state[..., self.smooth :]
+        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[: order.inner.start])}
+        for name, part in (("z", state[..., order.inner]), ("memory", memory)):
             if part.shape[-1]:
                 found[name] = part[..., 0] if part.shape[-1] == 1 else part
         return {name: value[()] for name, value in found.items()}
+
+    def _start_of_parts(self, state: Array) -> dict[str, Any]:
+        """Positions and velocities by body, inner states and memories by contact."""
+        columns, m = np.moveaxis(state[..., : self.smooth], -1, 0), self.mechanics
+        q, u, z = self.order.parted(columns, np.zeros_like(columns[0]))
+        found = {
+            what: {name: np.asarray(value)[()] for name, value in zip(m.bodies, values, strict=True)}
+            for what, values in (("x", m.positions(0.0, q)), ("v", m.velocities(0.0, u)))
+        }
+        memory = np.moveaxis(state[..., self.smooth :], -1, 0)
+        for what, values, counts in (("z", np.array(z), [c.states for c in m.laws]), ("memory", memory, [c.modes for c in m.laws])):
+            own = np.split(values, np.cumsum(counts)[:-1]) if sum(counts) else []
+            named = {name: np.moveaxis(each, 0, -1) for name, each in zip(m.contacts, own, strict=False) if len(each)}
+            found |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
+        return found
 
     def distance(self, a: Any, b: Any) -> Any:
         """The largest difference of two states in their scales."""
@@ -57,7 +94,10 @@ class Coordinates:
 @sealed
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period."""
+    """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period.
+
+    Of a machine of several bodies the way is that of their centre of mass, and extremes of one velocity are not known (NaN).
+    """
 
     state: Array  # (cases, coordinates)
     displacement: Array  # [m]
@@ -75,17 +115,20 @@ def coordinates(model: Any) -> Coordinates:
     >>> coordinates(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)).names
     ('v', 'z')
     """
-    law = law_of(model)
-    count, memories = law.states, law.modes
-    inner = (*_numbered("z", count), *_numbered("memory", memories))
-    speed = _largest(machine_of(model).free_velocity) or _largest(model.velocity_scale) or 1.0
-    shift = ("x",) if knows_position(model) else ()
-    time = _largest(machine_of(model).time_scale)
-    scales = [speed * time / (2 * np.pi)] * len(shift) + [speed]
-    if count:
-        typical = law.scale(normal_load(model, 0.0, 0.0))
-        scales += [_largest(s) for s in ((speed * time,) * count if typical is None else typical)]
-    return Coordinates((*shift, "v", *inner), np.array(scales + [1.0] * memories), memories)
+    order, machine = order_of(model), machine_of(model)
+    mechanics, laws = machine.mechanics, machine.laws
+    speed = largest(machine.free_velocity) or largest(machine.velocity_scale) or 1.0
+    time = largest(machine.time_scale)
+    places = [speed * time / (2 * np.pi)] * mechanics.coordinates
+    sizes: list[float] = []
+    if any(law.states for law in laws):
+        for law, load in zip(laws, mechanics.loads(0.0, mechanics.start), strict=True):
+            typical = law.scale(load) if law.states else ()
+            sizes += [largest(s) for s in ((speed * time,) * law.states if typical is None else typical)]
+    scales = order.joined([0.0, *places[1:]] if order.cyclic else places, [speed] * mechanics.coordinates, sizes)
+    memories = sum(law.modes for law in laws)
+    names = (*order.names, *_memory_names(machine))
+    return Coordinates(names, np.array(scales + [1.0] * memories), order, memories, None if machine.is_single else mechanics)
 
 
 def at_rest(model: Any) -> Array:
@@ -97,17 +140,35 @@ def at_rest(model: Any) -> Array:
     >>> at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
     [[0.0, 0.0], [0.0, 0.0]]
     """
-    at, z = coordinates(model), inner_start(model)
+    at = coordinates(model)
+    if at.mechanics is not None:
+        return states_of_parts("start", model, None)
+    z = inner_start(model)
     found = np.zeros((len(z), len(at.names)))
     found[:, at.smooth - z.shape[1] : at.smooth] = z
     return found
 
 
-def _numbered(name: str, count: int) -> tuple[str, ...]:
-    return (name,) if count == 1 else tuple(f"{name}{i}" for i in range(count))
+def states_of_parts(what: str, model: Any, start: Any) -> Array:
+    """Strobe states of a machine of several bodies from a start as `solve` takes it: array (cases, coordinates)."""
+    problems, at, n = Problems(what), coordinates(model), machine_of(model).mechanics.coordinates
+    table = start_of_parts(model, labels_of(model), start, problems)
+    problems.check()
+    q, u, rest = np.split(table, [n, 2 * n], axis=1)
+    inner = rest.shape[1] - at.memories
+    return np.column_stack([*at.order.joined(list(q.T), list(u.T), list(rest.T[:inner])), rest[:, inner:]])
 
 
-def _largest(value: Any) -> float:
+def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
+    """Names of what laws remember, by contact where there are several."""
+    if machine.is_single:
+        return numbered("memory", machine.laws[0].modes)
+    found = zip(machine.mechanics.contacts, machine.laws, strict=True)
+    return tuple(f"memory.{name}.{k}" for name, law in found for k in range(law.modes))
+
+
+def largest(value: Any) -> float:
+    """The largest size of a number or of an array of them."""
     return float(np.max(np.abs(np.asarray(value, float))))
 
 
@@ -142,52 +203,52 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
-    if law_of(model).random:
+    machine = machine_of(model)
+    random = next((law.name for law in machine.laws if law.random), None)
+    if random is not None:
         raise InputError(
-            type(model.friction).__name__,
+            random,
             ["its bonds form again at random places, so no two drive periods are alike and there is no strobe map that orbits, "
              "exponents or basins could belong to; allowed are laws without chance, such as ss.GMS or ss.LuGre; for this one type "
              "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
         )  # fmt: skip
-    if not law_of(model).compiles:
+    if not all(law.compiles for law in machine.laws):
         return _one_by_one(model, states, periods, rtol)
     from stickslip.solvers.arcs import handles
 
-    if not law_of(model).dynamic and handles(model) is None:
+    if machine.is_single and not machine.has_inner_states and handles(model) is None:
         return _by_arcs(model, states, periods)
     return _in_lanes(model, states, periods, rtol)
 
 
 def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
-    """The engine's lanes: their table has x, then v at the contact, inner states, x again where the equations know it, memories.
-
-    `span` [s] is how long a period is, for models that have none.
-    """
-    from stickslip.batch import rows_of
-    from stickslip.engine import lanes, tableaux, trace
+    """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
+    from stickslip.engine import lanes, tableaux
     from stickslip.solvers.exact import REPEAT
     from stickslip.solvers.repeating import check_period
     from stickslip.solvers.rosenbrock import LOOSE, SAFETY
     from stickslip.solvers.stepping import BUDGET
+    from stickslip.solvers.tables import CaseTable
 
-    cyclic, dynamic = not knows_position(model), law_of(model).dynamic
+    machine, at, cases = machine_of(model), coordinates(model), len(states)
+    order, dynamic = at.order, machine.has_inner_states
     tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
     check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=False)
-    rows = rows_of(model, tuple(name for name in kernel.names if name != trace.SPAN))
-    rows = np.array(np.broadcast_to(rows, (len(states), rows.shape[1])), order="C")
-    rows = rows if span is None else np.column_stack([rows, np.broadcast_to(span, len(states))])
-    offset = np.broadcast_to(np.asarray(rest_velocity(model), float), len(states))[:, None]
-    whole = np.hstack([np.zeros((len(states), 1)), states]) if cyclic else states
-    x, v, z, memory = np.split(whole, [1, 2, 2 + law_of(model).states], axis=1)
-    table = np.hstack([x, v - offset, z, *(() if cyclic else (x,)), np.round(memory)])
+    q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
+    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), 0.0 if span is None else span)
     job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)
-    found = lanes.run(kernel, rows, table, job)
-    y = np.where(found.status[:, None] <= 1, found.end[:, 1:], np.nan)
-    end = np.hstack([y[:, :1] + offset, y[:, 1:]] if cyclic else [y[:, -1:], y[:, :1] + offset, y[:, 1:-1]])
-    end = np.hstack([end, found.memory])
-    carried = offset[:, 0] * periods * model.period if cyclic and not dynamic and np.any(offset) else 0.0
-    return Ends(end, found.end[:, 0] - table[:, 0] + carried, found.status, found.v_max + offset[:, 0], found.v_min + offset[:, 0])
+    found = lanes.run(kernel, table.rows, table.start, job)
+    places, v, inner = table.ends(found)
+    zero = (np.zeros(cases),) if order.cyclic else ()
+    y = np.column_stack([*order.joined([*zero, *places.T], list(v.T), list(inner.T))])
+    end = np.hstack([np.where(found.status[:, None] <= 1, y, np.nan), found.memory])
+    if not machine.is_single:
+        none = np.full(cases, np.nan)
+        return Ends(end, found.displacement, found.status, none, none)
+    offset = table.offsets[:, 0]
+    carried = table.carried * periods * model.period if np.any(table.carried) else 0.0
+    return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset)
 
 
 def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> Ends:
@@ -200,7 +261,7 @@ def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> End
     >>> flow_map(belt, [[0.0, 0.1], [0.0, 0.1]], [1.0, 2.0]).state.round(12).tolist()  # it rides along
     [[0.1, 0.1], [0.2, 0.1]]
     """
-    if not law_of(model).compiles:
+    if not all(law.compiles for law in machine_of(model).laws):
         raise InputError(
             type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
         )
@@ -216,15 +277,18 @@ def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
 
 def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
     """Any other method: a run for each case."""
-    cases = _cases(model, len(states))
+    cases = cases_of(model, len(states))
     runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
     ends = np.array([strobe_states(run)[-1] for run in runs])
-    way = np.array([run.strobe_x[-1] - run.strobe_x[0] for run in runs])
+    way = np.array([way_of(run)[-1] - way_of(run)[0] for run in runs])
+    if not machine_of(model).is_single:
+        none = np.full(len(runs), np.nan)
+        return Ends(ends, way, np.zeros(len(runs), int), none, none)
     top, low = (np.array([extreme(run.v) for run in runs]) for extreme in (np.max, np.min))
     return Ends(ends, way, np.zeros(len(runs), int), top, low)
 
 
-def _cases(model: Any, count: int) -> list[Any]:
+def cases_of(model: Any, count: int) -> list[Any]:
     """Every case of a batch as a model of its own."""
     from stickslip.batch import rows_of
 
@@ -238,15 +302,48 @@ def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any
     """The trajectory from a strobe state, with its dense output and its events."""
     from stickslip.solvers import solve
 
-    options = {"rtol": rtol} if law_of(model).dynamic else {}
+    options = {"rtol": rtol} if machine_of(model).has_inner_states else {}
     return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)
 
 
 def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
-    columns = [run.strobe_x] if knows_position(run.model) else []
-    columns += [run.strobe_v] + ([] if run.strobe_z is None else [run.strobe_z])
-    return np.column_stack(columns + ([] if run.strobe_memory is None else [run.strobe_memory]))
+    x, v, z, memory = run.strobe_x, run.strobe_v, run.strobe_z, run.strobe_memory
+    held = [] if memory is None else [memory]
+    if machine_of(run.model).is_single:
+        placed = [x] if knows_position(run.model) else []
+        return np.column_stack([*placed, v, *([] if z is None else [z]), *held])
+    return np.column_stack([*columns_of(run.model, x, v, z), *held])
+
+
+def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
+    """The coordinates of a machine of several bodies, without memories, from columns of a run: (time, body) and (time, contact, state)."""
+    m = machine_of(model).mechanics
+    q, u = m.coordinates_of(tuple(x.T)), m.coordinates_of(tuple(v.T))
+    inner = [z[:, i, k] for i, law in enumerate(m.laws) for k in range(law.states)]
+    return order_of(model).joined(q, u, inner)
+
+
+def way_of(run: Any) -> Array:
+    """Position of the body, or of the centre of mass of several, at the strobe times [m]."""
+    return run.strobe_x if machine_of(run.model).is_single else centre_of_mass(run.model, run.strobe_x)
+
+
+def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
+    """A state that comes back, in which contacts that rest on the strobe rest exactly: Newton's method leaves rounding in their velocities.
+
+    A slip of rounding would be an arc of its own. A single body is told apart by its own arcs.
+    """
+    at, machine = coordinates(model), machine_of(model)
+    if at.mechanics is None or machine.has_inner_states:
+        return state
+    end, v, found = strobe_map(model, state, periods, rtol).state[0], at.order.velocities, np.array(state)
+    slips = at.mechanics.slips(0.0, tuple(end[v]))
+    for row, slip in zip(at.mechanics.directions, slips, strict=True):
+        if abs(float(slip)) <= _RESTS * at.speed:
+            brakes = v.start + np.flatnonzero(row)
+            found[brakes] = end[brakes]
+    return found
 
 
 def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
@@ -273,18 +370,3 @@ def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 
     shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
     ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state[:, :d]
     return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T
-
-
-def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False) -> None:
-    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given."""
-    if not is_machine(model):
-        raise InputError(
-            what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
-        )
-    if not batch and any(np.ndim(value) for _, value in leaves(model)):
-        raise InputError(
-            what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
-        )
-    if driven and model.period is None:
-        why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
-        raise InputError(what, [f"{why}; for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"])

@@ -12,7 +12,8 @@ from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.exponents import largest_exponents
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import coordinates, needs_model, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.mapping import coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number

@@ -18,18 +18,20 @@ from stickslip.dynamics.mapping import (
     coordinates,
     difference_jacobian,
     flight,
-    needs_model,
+    states_of_parts,
     strobe_map,
     strobe_orbit,
     strobe_states,
+    way_of,
+    with_rests,
 )  # fmt: skip
-from stickslip.dynamics.newton import Found, newton_within
-from stickslip.dynamics.variational import multipliers_of
+from stickslip.dynamics.needs import needs_model
+from stickslip.dynamics.newton import STEP, Found, newton_within
+from stickslip.dynamics.variational import is_followed, monodromy, multipliers_of, orders_differ, resting
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
-from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
-from stickslip.machine import is_machine
+from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 
@@ -40,6 +42,7 @@ RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for
 _CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
+_NEUTRAL = 1e-8  # how far from 1 the multiplier of a place that is free may be computed
 _SAME = 1e-7  # strobe states closer than this are one
 
 
@@ -84,7 +87,29 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        return multipliers_of(self.monodromy, not law_of(self.model).dynamic and bool(np.any(self.run._modes == 0)))
+        return multipliers_of(self.monodromy, int(resting(self.run).max()) if is_followed(self.model) else 0)
+
+    @cached_property
+    def monodromy(self) -> Array:
+        """The derivative of the state after the motion by the state before it; `evidence` says how it was found."""
+        return monodromy(self.run) if is_followed(self.model) else self._jacobian(STEP)
+
+    def _jacobian(self, step: float) -> Array:
+        return difference_jacobian(self.model, self.state, self.period, self.rtol, step)
+
+    @cached_property
+    def evidence(self) -> str:
+        """How the multipliers were found, and what limits them."""
+        if not is_followed(self.model):
+            sizes = coordinates(self.model).scales[: len(self.monodromy)]
+            moved = abs(self.monodromy - self._jacobian(4 * STEP)) / sizes[:, None] * sizes
+            return f"central differences of the strobe map; with steps four times as long the matrix changes by {moved.max():.1e}"
+        told = "variational equation along the orbit, with a saltation matrix at every switch"
+        if self._is_neutral:
+            told += "; what rests all the time may rest anywhere nearby: a multiplier of 1 belongs to that"
+        if orders_differ(self.run):
+            return f"{told}; one-sided: contacts switch at one instant, and which of them goes first matters to disturbances"
+        return told
 
     @cached_property
     def differences(self) -> Array:
@@ -93,9 +118,9 @@ class PeriodicOrbit(ClosedMotion):
 
     @cached_property
     def mean_velocity(self) -> float:
-        """Mean velocity V [m/s]: the way made in one motion period over its time."""
-        run = self.run
-        return float((run.strobe_x[-1] - run.strobe_x[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
+        """Mean velocity V [m/s]: the way made in one motion period over its time; of several bodies that of their centre of mass."""
+        run, way = self.run, way_of(self.run)
+        return float((way[-1] - way[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
 
     @cached_property
     def motion(self) -> Motion:
@@ -112,6 +137,18 @@ class PeriodicOrbit(ClosedMotion):
         """Signs of the motion period in order, such as "+0-0"."""
         return self.motion.pattern
 
+    @cached_property
+    def patterns(self) -> dict[str, str]:
+        """Signs of the slip within the motion period by contact, such as "+0-0", of any machine."""
+        modes = np.asarray(self.run.pieces.mode)
+        return {name: _pattern(modes[:, i]) for i, name in enumerate(self.run.contacts)}
+
+    @property
+    def _is_neutral(self) -> bool:
+        """Whether disturbances that do not die out only move what rests all the time to another place at rest."""
+        free = sum(pattern == "0" for pattern in self.patterns.values())
+        return bool(0 < np.sum(abs(self.multipliers) >= 1.0 - _NEUTRAL) <= free and np.all(abs(self.multipliers) <= 1.0 + _NEUTRAL))
+
     @property
     def margin(self) -> float:
         """Distance to the next border of motion types; 0 is on it."""
@@ -126,9 +163,12 @@ class PeriodicOrbit(ClosedMotion):
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        single = machine_of(self.model).is_single
+        kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
+        word = "stable" if self.stable else "neutral" if self._is_neutral else "unstable"
         return (
-            f"<PeriodicOrbit: period {self.period}, type {self.type}, V = {self.mean_velocity:.9g} m/s, "
-            f"{'stable' if self.stable else 'unstable'} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+            f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
+            f"{word} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
         )
 
 
@@ -183,6 +223,7 @@ def periodic_orbit(model: Model, period: int = 1, guess: Any = None, *, rtol: fl
         tried.append(found)
         state = np.append(found.at * at.scales[: at.smooth], found.memory)
         if found.good and not _shorter(model, state, int(period), rtol):
+            state = with_rests(model, state, int(period), rtol)
             return PeriodicOrbit(model, int(period), state, found.residual, rtol)
     raise SolveError(_failure(int(period), tried, guess))
 
@@ -235,6 +276,8 @@ def states_of(start: Any, model: Any) -> Array:
     at, rest = coordinates(model), at_rest(model)
     if start is None:
         return rest
+    if isinstance(start, dict) and at.mechanics is not None:
+        return _checked(start, states_of_parts("start", model, start), at)
     if isinstance(start, dict):
         columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
         return _checked(start, np.stack(columns, axis=1), at)
@@ -246,22 +289,46 @@ def _one_state(start: Any, at: Coordinates) -> Array:
     if isinstance(start, PeriodicOrbit):
         return start.state
     if hasattr(start, "strobe_v"):
-        return strobe_states(of_one_contact("periodic_orbit", start, "its strobe states have one velocity"))[-1]
+        return _end_of(start, at)
     try:
         state = np.asarray(number(start), float).ravel()
     except (TypeError, ValueError):
         state = np.empty(0)
     if state.shape != (len(at.names),):
-        raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type dict(v=0.0)"])
+        raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
     return _checked(start, state, at)
+
+
+def _end_of(run: Any, at: Coordinates) -> Array:
+    """The last strobe state of a run of the same bodies."""
+    if at.mechanics is None:
+        return strobe_states(of_one_contact("periodic_orbit", run, "its strobe states have one velocity"))[-1]
+    given, wanted = (tuple(run.bodies), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
+    if given != wanted:
+        told = [f"bodies {', '.join(bodies)} and contacts {', '.join(contacts)}" for bodies, contacts in (given, wanted)]
+        raise InputError("start", [f"the run has {told[0]}; allowed is a run of {told[1]}; type guess=ss.solve(machine, periods=200)"])
+    return strobe_states(run)[-1]
 
 
 def _checked(start: Any, state: Array, at: Coordinates) -> Array:
     """A state whose numbers are finite and of a size that can be computed with."""
     if not np.all(abs(state) <= LARGEST_START):
         allowed = f"finite {', '.join(at.names)} up to {LARGEST_START:.0e} in size"
-        raise InputError("start", [f"{start!r} has numbers that are too large or not finite; allowed are {allowed}; type dict(v=0.0)"])
+        raise InputError("start", [f"{start!r} has numbers that are too large or not finite; allowed are {allowed}; type {_dict(at)}"])
     return state
+
+
+def _dict(at: Coordinates) -> str:
+    """A start that can be typed."""
+    return "dict(v=0.0)" if at.mechanics is None else f"dict(v={{{at.mechanics.bodies[0]!r}: 0.0}})"
+
+
+def _pattern(mode: Array) -> str:
+    """The signs of a closed motion in order, from a "+" on if there is one, else from a "-"."""
+    signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode]
+    kept = [sign for k, sign in enumerate(signs) if sign != signs[k - 1]] or signs[:1]
+    turned = ["".join(kept[k:] + kept[:k]) for k in range(len(kept))]
+    return min(turned, key=lambda text: ("+-0".index(text[0]), text))
 
 
 def _named(start: dict[str, Any], name: str, rest: Array) -> Array:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.family import Family
-from stickslip.dynamics.mapping import Coordinates, strobe_map
+from stickslip.dynamics.mapping import Coordinates, coordinates, strobe_map, with_rests
 from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.orbits import RUNS, PeriodicOrbit
 from stickslip.sealing import sealed
@@ -57,10 +57,16 @@ class Point:
 
     @cached_property
     def half(self) -> float:
-        """How far v moves in half the period: changes its sign where a doubled motion falls together with its two halves."""
-        return float(
-            strobe_map(self.orbit.model, self.orbit.state, self.orbit.period // 2, self.orbit.rtol).state[0, 0] - self.orbit.state[0]
-        )
+        """How far v moves in half the period, of several bodies all coordinates.
+
+        It changes its sign where a doubled motion falls together with its two halves.
+        """
+        orbit, at = self.orbit, coordinates(self.orbit.model)
+        moved = strobe_map(orbit.model, orbit.state, orbit.period // 2, orbit.rtol).state[0] - orbit.state
+        if at.mechanics is None:
+            return float(moved[0])
+        share = np.linspace(1.0, 2.0, at.smooth)  # of all: the first body may rest on the strobe
+        return float(share @ (moved / at.scales)[: at.smooth])
 
     @property
     def fold(self) -> float:
@@ -124,7 +130,8 @@ class Path:
     def orbit(self, found: Found) -> Any:
         """The motion at a point."""
         state = np.append(found.at[:-1] * self.scales, found.memory)
-        return PeriodicOrbit(self.family.robot(self.value(found.at)), self.period, state, found.residual, self.rtol)
+        model = self.family.robot(self.value(found.at))
+        return PeriodicOrbit(model, self.period, with_rests(model, state, self.period, self.rtol), found.residual, self.rtol)
 
     def point(self, found: Found, towards: Array) -> Point:
         """A point with its orbit and its direction."""

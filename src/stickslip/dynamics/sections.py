@@ -7,14 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.steady import needs_run, period_number
+from stickslip.analysis.steady import is_run, needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import Problems, did_you_mean, is_whole
+from stickslip.steadiness import centre_of_mass
 from stickslip.variables import VARIABLES
 
 __all__ = ["halved", "poincare", "spectrum", "strobe"]
 
 Array = Any
+_WAY = "way of the centre of mass since the point before"
+_OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", "friction_force")
 
 
 @explains_arguments
@@ -32,7 +35,8 @@ def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> Any:
     Returns
     -------
     xarray.Dataset
-        Over ``point``: time [s], v [m/s], z, and the displacement since the point before [m] (the position itself drifts).
+        Over ``point``: time [s], v [m/s], z, and the displacement since the point before [m] (the position itself drifts). Of a machine
+        of several bodies v is over ``body`` too, z over ``contact``, and the displacement is that of the centre of mass.
 
     Examples
     --------
@@ -41,7 +45,7 @@ def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> Any:
     >>> (strobe(run, phase=0.25).v[-2:] * 1e3).round(3).values.tolist()
     [11.296, 12.645]
     """
-    run = needs_run("strobe", run, "each of its points has one velocity")
+    is_run("strobe", run)
     problems = Problems("strobe")
     if not (isinstance(phase, Real) and 0 <= phase <= 1):
         problems.add(f"phase = {phase!r}; allowed is 0 to 1, in drive periods; type phase=0.25")
@@ -60,7 +64,8 @@ def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, se
     ----------
     run : Trajectory
     on : str
-        The column: "v", "z", "acceleration" or any other that `Trajectory.at` gives.
+        The column: "v", "z", "acceleration" or any other that `Trajectory.at` gives; of a machine of several bodies with the name of the
+        body or contact: "v.head", "slip.tail", "z.tail.0".
     value : float
         The value that is passed.
     direction : int
@@ -80,7 +85,7 @@ def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, se
     >>> poincare(run, direction=1).phase[-2:].round(6).values.tolist()  # it starts forwards at one phase
     [0.100694, 0.100694]
     """
-    run = needs_run("poincare", run, "each of its points has one velocity")
+    is_run("poincare", run)
     problems = Problems("poincare")
     _check_column(problems, run, "on", on)
     if not (isinstance(value, Real) and np.isfinite(value)):
@@ -92,14 +97,14 @@ def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, se
     begin = (run.settle if settle is None else settle) * run.period_time
     t = run.t[run.t >= begin]
     t = np.unique(t)
-    level = run.at(t)[on] - value
+    level = read(run, on, t) - value
     rising, falling = (level[:-1] <= 0) & (level[1:] > 0), (level[:-1] >= 0) & (level[1:] < 0)
     where = np.flatnonzero({1: rising, -1: falling, 0: rising | falling}[direction])
     return _dataset(run, halved(run, on, value, t[where], t[where + 1], np.where(rising[where], 1.0, -1.0)))
 
 
 def _check_column(problems: Problems, run: Any, name: str, column: Any) -> None:
-    columns = [n for n, values in run.at(run.strobe_times[:1]).items() if np.ndim(values) == 1 and n != "t"]
+    columns = _columns(run)
     if column not in columns:
         problems.add(f"{name} = {column!r} is no column with one number at each instant; {did_you_mean(str(column), columns)}")
 
@@ -111,11 +116,33 @@ def _check_settle(problems: Problems, run: Any, settle: Any) -> None:
         problems.add(f"settle = {settle!r}; allowed is {told}; type for example settle={periods // 2}")
 
 
+def _columns(run: Any) -> list[str]:
+    """Names of the columns with one number at each instant; of several bodies and contacts with theirs."""
+    found = {n: values for n, values in run.at(run.strobe_times[:1]).items() if n != "t" and values is not None}
+    if run.pieces.layout.single:
+        return [n for n, values in found.items() if np.ndim(values) == 1]
+    named = [f"{n}.{body}" for n in _OF_BODIES if n in found for body in run.bodies]
+    named += [f"{n}.{contact}" for n in _OF_CONTACTS if n in found for contact in run.contacts]
+    return named + [f"z.{c.name}.{k}" for c in run.pieces.layout.contacts for k in range(len(c.inner))]
+
+
+def read(run: Any, column: str, t: Array) -> Array:
+    """One column at some times: array (time,)."""
+    if run.pieces.layout.single:
+        return run.at(t)[column]
+    kind, _, part = column.partition(".")
+    found = run.at(t)[kind]
+    if kind == "z":
+        part, _, state = part.rpartition(".")
+        found = found[..., int(state)]
+    return found[:, list(run.bodies if kind in _OF_BODIES else run.contacts).index(part)]
+
+
 def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array) -> Array:
     """The instants between low and high at which the column leaves the value, to the last bit."""
     for _ in range(60):
         middle = 0.5 * (low + high)
-        beyond = sign * (run.at(middle)[on] - value) > 0 if len(middle) else np.zeros(0, bool)
+        beyond = sign * (read(run, on, middle) - value) > 0 if len(middle) else np.zeros(0, bool)
         low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
     return high
 
@@ -123,6 +150,8 @@ def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array
 def _dataset(run: Any, t: Array) -> Any:
     import xarray as xr
 
+    if not run.pieces.layout.single:
+        return _dataset_of_parts(run, t)
     found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
     columns: dict[str, Any] = {"time": ("point", t, {"units": "s"}), "v": ("point", found["v"], {"units": "m/s", "long_name": "velocity"})}
     if found["z"] is not None:
@@ -131,6 +160,23 @@ def _dataset(run: Any, t: Array) -> Any:
     columns["displacement"] = ("point", np.diff(found["x"], prepend=np.nan), {"units": "m", "long_name": "way since the point before"})
     columns["phase"] = ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"})
     return xr.Dataset(columns)
+
+
+def _dataset_of_parts(run: Any, t: Array) -> Any:
+    """The same of several bodies and contacts."""
+    import xarray as xr
+
+    x, v, z = run._states_at(t, run._index(t))
+    way = centre_of_mass(run.model, x)
+    columns: dict[str, Any] = {
+        "time": ("point", t, {"units": "s"}),
+        "v": (("point", "body"), v, {"units": "m/s", "long_name": "velocity"}),
+        "displacement": ("point", np.diff(way, prepend=np.nan), {"units": "m", "long_name": _WAY}),
+        "phase": ("point", np.mod(t / run.period_time, 1.0), {"units": "1", "long_name": "phase of the drive"}),
+    }
+    if z.shape[-1]:
+        columns["z"] = (("point", "contact", "inner_state"), z, {"long_name": "inner state"})
+    return xr.Dataset(columns, {"body": list(run.bodies), "contact": list(run.contacts)})
 
 
 @explains_arguments

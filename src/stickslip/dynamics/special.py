@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.dynamics.marked import certain
 from stickslip.dynamics.paths import Path, Point
-from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 
 __all__ = ["Located", "located", "root"]
 
@@ -21,6 +21,7 @@ _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, 
 _ASIDE = 1e-4  # how far away the slope of a test function is taken
 _MULTIPLIERS = 1e-10  # how well they are known: the steps of the variational equation are halved until they change by ten times that
 _RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
+_BETWEEN = " | "  # the patterns of several contacts
 _UNSEEN = 1e-12  # an arc shorter than 1e-13 of a period is not seen; borders known in closed form are moved by up to 6e-13 of their value
 
 
@@ -46,7 +47,7 @@ def located(path: Path, a: Point, b: Point) -> list[Located]:
         found.append(Located("flip", there, (), _accuracy(path, there, _flip, b)))
     if a.turning * b.turning < 0:
         found += _turning(path, a, b)
-    found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if law_of(a.orbit.model).dynamic else []
+    found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
     found += _changes(path, a, b, _word, _kind_of_change, _said_of_words)
     return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
 
@@ -123,7 +124,7 @@ def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Poin
 def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Located]:
     """Where a word for the motion changes, however often: bisection for each change."""
     found: list[Located] = []
-    low, end, near, first = 0.0, _length(a, b), _NEAR[law_of(a.orbit.model).dynamic], a
+    low, end, near, first = 0.0, _length(a, b), _NEAR[_is_dynamic(a.orbit)], a
     last = word(a.orbit)
     while last != word(b.orbit):
         inner, outer, here, before = low, end, b, a
@@ -148,8 +149,17 @@ def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: A
 
 
 def _word(orbit: Any) -> str:
-    """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds."""
-    return orbit.type if law_of(orbit.model).dynamic else orbit.pattern
+    """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds.
+
+    Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp.
+    """
+    if not machine_of(orbit.model).is_single:
+        return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
+    return orbit.type if _is_dynamic(orbit) else orbit.pattern
+
+
+def _is_dynamic(orbit: Any) -> bool:
+    return machine_of(orbit.model).has_inner_states
 
 
 def _reversals(orbit: Any) -> int:
@@ -162,7 +172,7 @@ def _said_of_reversals(before: int, after: int, orbit: Any) -> str:
 
 
 def _said_of_words(before: str, after: str, orbit: Any) -> str:
-    m = getattr(orbit, "motion", None)
+    m = getattr(orbit, "motion", None) if machine_of(orbit.model).is_single else None
     if m is not None and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
     return f"pattern {before} becomes {after}"
@@ -170,10 +180,15 @@ def _said_of_words(before: str, after: str, orbit: Any) -> str:
 
 def _kind_of_change(before: str, after: str) -> str:
     """A slide that is cut in two where its velocity touches zero is a grazing; any other change is a border of types."""
+    changed = [(a, b) for a, b in zip(before.split(_BETWEEN), after.split(_BETWEEN), strict=True) if a != b]
+    return "grazing" if all(_is_grazing(a, b) for a, b in changed) else "type-border"
+
+
+def _is_grazing(before: str, after: str) -> bool:
     long, short = sorted((before, after), key=len, reverse=True)
     for side in "+-":
         if any(
             side + gap + side in long + long and side + gap + side not in short + short for gap in ("0", "-" if side == "+" else "+")
         ) and (long.count(side) > short.count(side)):
-            return "grazing"
-    return "type-border"
+            return True
+    return False

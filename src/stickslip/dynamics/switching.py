@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.flows import offer_slopes
+from stickslip.dynamics.order import needs_one_body
 from stickslip.errors import InputError
 from stickslip.forces import offered_force
 from stickslip.friction.adapter import law_of
@@ -60,6 +61,7 @@ def sequence_of(orbit: Any) -> tuple[Sequence, Array]:
     >>> found.pattern, times.round(6).tolist()
     ('0+-', [0.050631, 0.07294, 0.634425])
     """
+    needs_one_body("sequence_of", orbit.model, "it follows the arcs of one contact")
     if law_of(orbit.model).dynamic or knows_position(orbit.model):
         raise InputError("sequence_of", ["an orbit as a sequence of arcs needs a set-valued law, and equations in which x does not appear"])
     T = float(orbit.model.period)

@@ -12,7 +12,8 @@ from stickslip.dynamics.attractors import Attractor, on_grid, settled_points, st
 from stickslip.dynamics.diagrams import UNDONE, checked_values, strobe_attrs
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.many import Report
-from stickslip.dynamics.mapping import Coordinates, coordinates, needs_model, spread_over
+from stickslip.dynamics.mapping import Coordinates, coordinates, spread_over
+from stickslip.dynamics.needs import needs_model
 from stickslip.errors import InputError
 from stickslip.sweeps.progress import Watch
 

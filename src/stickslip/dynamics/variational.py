@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.flows import offer_slopes, rates
+from stickslip.dynamics.flows import breakaway_slopes, rates
+from stickslip.dynamics.mapping import columns_of, coordinates
 from stickslip.dynamics.memories import remembered
-from stickslip.friction.adapter import law_of
-from stickslip.layout import of_one_contact
-from stickslip.position import knows_position
+from stickslip.dynamics.order import needs_one_body, order_of
+from stickslip.machine import machine_of
 
-__all__ = ["monodromy", "multipliers_of", "product", "saltation", "transfers"]
+__all__ = ["monodromy", "multipliers_of", "orders_differ", "product", "resting", "saltation", "transfers"]
 
 Array = Any
 _S6 = 6**0.5
@@ -55,7 +55,6 @@ def monodromy(run: Any, tolerance: float = 1e-9) -> Array:
     >>> round(float(monodromy(last)[0, 0]), 6)  # type IV forgets all but this part in one period
     0.089023
     """
-    run = of_one_contact("monodromy", run, "the switches of one contact are followed")
     before = product(transfers(run, 1)[0])
     for parts in (2, 4, 8, 16):
         after = product(transfers(run, parts)[0])
@@ -75,38 +74,77 @@ def transfers(run: Any, parts: int = 1) -> tuple[Array, Array]:
         Logarithms of their determinants, by Liouville's formula: a stiff bristle's e^-1000 is far below rounding in the matrix.
     """
     pieces, model = run.pieces, run.model
-    t, mode = np.asarray(pieces.t), run._modes
+    machine = machine_of(model)
+    t, mode = np.asarray(pieces.t), pieces.mode
     grid = (t[:-1, None] + (np.arange(parts) / parts) * np.diff(t)[:, None]).ravel()
     h, index = np.repeat(np.diff(t) / parts, parts), np.repeat(np.arange(len(mode)), parts)
     matrices, areas = _steps(run, grid, h, index)
-    if not law_of(model).dynamic:
-        stuck = mode[index] == 0
-        matrices[stuck, _place_of_v(model), :], areas[stuck] = 0.0, -np.inf
-    changed = np.diff(mode) != 0
-    if law_of(model).modes:
+    if not machine.has_inner_states:
+        for contact, row in enumerate(_rows_of_contacts(model)):
+            stuck = mode[index, contact] == 0
+            matrices[stuck, row, :], matrices[stuck, :, row], areas[stuck] = 0.0, 0.0, -np.inf
+    changed = np.any(np.diff(mode, axis=0) != 0, axis=1)
+    if any(law.modes for law in machine.laws):
         changed |= np.any(np.diff(pieces.memory, axis=0) != 0, axis=1)
-    for i in np.flatnonzero(changed):
-        last, S = (int(i) + 1) * parts - 1, saltation(run, int(i) + 1)
+    nodes = np.flatnonzero(changed) + 1
+    for node, S in zip(nodes, saltations(run, nodes), strict=True):
+        last = int(node) * parts - 1
         matrices[last] = S @ matrices[last]
         with np.errstate(divide="ignore"):
             areas[last] += np.log(abs(np.linalg.det(S)))
     return matrices, areas
 
 
-def _place_of_v(model: Any) -> int:
-    return int(knows_position(model))
+def is_followed(model: Any) -> bool:
+    """Whether disturbances can be followed through every switch."""
+    return not _unknown(model)
+
+
+def _unknown(model: Any) -> str:
+    """Of which switches it is not known what they do to disturbances; "" if of none."""
+    machine = machine_of(model)
+    mechanics, rows = machine.mechanics, machine.mechanics.directions
+    if machine.is_single:
+        return ""
+    if any(law.modes for law in machine.laws):
+        return "what a switch of a law's memory does to disturbances is known for one contact"
+    if mechanics.stops:
+        return "what stops that throw bodies back do to disturbances is not known"
+    shared = any(sum(map(abs, column)) > 1.0 for column in zip(*rows, strict=True)) or any(sum(map(abs, row)) != 1.0 for row in rows)
+    if shared and not machine.has_inner_states:
+        return "its contacts act on one another at once, and what their switches do to disturbances is not known"
+    return ""
+
+
+def needs_followed(what: str, model: Any) -> None:
+    """`InputError` where they cannot."""
+    if why := _unknown(model):
+        needs_one_body(what, model, why, "type ss.largest_exponents(machine) for the largest exponent, from neighbours")
+
+
+def resting(run: Any) -> Array:
+    """How many contacts rest exactly on each piece of a run: so many directions are forgotten at once."""
+    if machine_of(run.model).has_inner_states:
+        return np.zeros(len(run.pieces.mode), int)
+    return np.sum(np.asarray(run.pieces.mode) == 0, axis=1)
+
+
+def _rows_of_contacts(model: Any) -> list[int]:
+    """For each contact under a law that rests exactly the number of the velocity that it stops."""
+    first = order_of(model).velocities.start
+    return [first + next(k for k, g in enumerate(row) if g) for row in machine_of(model).mechanics.directions]
 
 
 def _states(run: Any, t: Array, index: Array) -> Array:
     """The coordinates (d, n) at instants on given pieces."""
-    x, v, z = run._states_at(t, index)
-    return np.vstack([*([x] if knows_position(run.model) else []), v, *z.T])
+    x, v, z = run.pieces.evaluate(t, index)
+    return np.vstack(columns_of(run.model, x, v, z))
 
 
 def _steps(run: Any, t: Array, h: Array, index: Array) -> tuple[Array, Array]:
     """Radau IIA over every step at once: transfer matrices, and integrals of the trace."""
-    mode, stages = run._modes[index], len(NODES)
-    memory = run.pieces.memory[index] if law_of(run.model).modes else ()
+    mode, stages = run.pieces.mode[index], len(NODES)
+    memory = run.pieces.memory[index] if any(law.modes for law in machine_of(run.model).laws) else ()
     times = [t + min(c, _INSIDE) * h for c in NODES]
     J = [rates(run.model, mode, s, _states(run, s, index), memory)[1] for s in times]
     n, d = len(t), J[0].shape[1]
@@ -129,13 +167,14 @@ def product(matrices: Array) -> Array:
     return matrices[0]
 
 
-def multipliers_of(M: Array, forgets: bool, autonomous: bool = False) -> Array:
+def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:
     """The eigenvalues of a monodromy matrix, the largest first; real where all are.
 
     Parameters
     ----------
-    forgets : bool
-        Whether a direction is wiped out on the way: the smallest eigenvalue is then 0, and not what rounding makes of it.
+    forgets : int
+        How many directions are wiped out at one instant on the way: so many of the smallest eigenvalues are 0, and not what rounding makes
+        of them. The rank is as much lower; contacts that rest one after the other count once.
     autonomous : bool
         Whether the flow does not depend on time: the eigenvalue 1 along the orbit is left out.
     """
@@ -144,7 +183,7 @@ def multipliers_of(M: Array, forgets: bool, autonomous: bool = False) -> Array:
         found = np.delete(found, int(np.argmin(abs(found - 1.0))))
     found = found[np.argsort(-abs(found), kind="stable")]
     if forgets and len(found):
-        found[-1] = 0.0
+        found[-int(forgets) :] = 0.0
     return found.real if np.all(found.imag == 0) else found
 
 
@@ -156,27 +195,79 @@ def saltation(run: Any, node: int) -> Array:
     node : int
         Number of the piece that begins with the switch.
     """
+    return saltations(run, np.array([node]))[0]
+
+
+def saltations(run: Any, nodes: Array, backwards: bool = False) -> Array:
+    """What the switches at the beginnings of some pieces do to a small change of the state: array (nodes, d, d).
+
+    Contacts that switch at one instant do it one after the other, in their order or `backwards`, with the field between them.
+    """
     model, pieces = run.model, run.pieces
-    t, before, after = float(pieces.t[node]), int(run._modes[node - 1]), int(run._modes[node])
-    at, v = np.array([t]), _place_of_v(model)
-    old, new = (_states(run, at, np.array([i])) for i in (node - 1, node))
-    if law_of(model).modes:
-        return remembered(model, t, old[:, 0], new[:, 0], (before, after), pieces.memory[node - 1 : node + 1])
-    S = np.eye(len(old))
-    if abs(new[v, 0] - old[v, 0]) > 1e-9 * float(np.max(model.velocity_scale)):
-        return S  # an impulse of the drive, at an instant that is known
-    f_old = rates(model, np.array([before]), at, old)[0][:, 0]
-    f_new = rates(model, np.array([after]), at, old)[0][:, 0]
+    t = np.asarray(pieces.t)[nodes]
+    old, new = (_states(run, t, index) for index in (nodes - 1, nodes))
+    found = np.broadcast_to(np.eye(len(old)), (len(nodes), len(old), len(old))).copy()
+    machine = machine_of(model)
+    if any(law.modes for law in machine.laws):
+        needs_followed("monodromy", model)
+        for i, node in enumerate(nodes):
+            sides = (int(pieces.mode[node - 1, 0]), int(pieces.mode[node, 0]))
+            found[i] = remembered(model, float(t[i]), old[:, i], new[:, i], sides, pieces.memory[node - 1 : node + 1])
+        return found
+    v, switches = order_of(model).velocities, []
+    thrown = np.any(abs(new[v] - old[v]) > 1e-9 * float(np.max(machine.velocity_scale)), axis=0)
+    for k in map(int, np.flatnonzero(~thrown)):  # an impulse of the drive comes at an instant that is known
+        switches += [(k, *switch) for switch in _in_turn(pieces.mode[nodes[k] - 1], pieces.mode[nodes[k]], backwards)]
+    if switches:
+        at = np.array([k for k, *_ in switches])
+        before, after = (np.array([switch[i] for switch in switches]) for i in (2, 3))
+        f_old, f_new = (rates(model, side, t[at], old[:, at])[0].T for side in (before, after))
+        drift = np.array([np.broadcast_to(rate, len(at)) for rate in machine.mechanics.offset_rates(t[at])], float).T
+        for i, (k, contact, one, other) in enumerate(switches):
+            S = _switched(model, float(t[k]), old[:, k], (one, other), contact, (f_old[i], f_new[i]), float(drift[i, contact]))
+            found[k] = S @ found[k]
+    return found
+
+
+def _in_turn(before: Array, after: Array, backwards: bool) -> list[tuple[int, Array, Array]]:
+    """The contacts that switch at one instant, each with the modes of all before and after it."""
+    found, mode = [], np.array(before)
+    changed = np.flatnonzero(before != after)
+    for contact in map(int, changed[::-1] if backwards else changed):
+        then = mode.copy()
+        then[contact] = after[contact]
+        found.append((contact, mode, then))
+        mode = then
+    return found
+
+
+def _switched(model: Any, t: float, y: Array, modes: tuple[Array, Array], contact: int, f: tuple[Array, Array], drift: float) -> Array:
+    """What the switch of one contact does, from the rates before and after it; `drift` is the rate of what is added to its slip."""
+    machine, S = machine_of(model), np.eye(len(y))
+    (before, after), (f_old, f_new), exact = modes, f, not machine.has_inner_states
+    if exact and after[contact] == 0:
+        S[_rows_of_contacts(model)[contact], :] = 0.0  # it rests on what it rubs on, however it came there
+        return S
     jump = f_new - f_old
-    if law_of(model).dynamic:
-        if np.any(abs(jump) > 1e-9 * abs(f_old).max()) and f_old[v] != 0.0:
-            S[:, v] += jump / f_old[v]
-    elif after == 0:
-        S[v, :] = 0.0
-    elif before == 0:
-        by_t, by_x = offer_slopes(model, t, 0.0 if v == 0 else float(old[0, 0]), after)
-        if v and by_t + by_x * f_old[0] != 0.0:
-            S[:, 0] += jump * by_x / (by_t + by_x * f_old[0])
-    elif f_old[v] != 0.0:
-        S[:, v] += jump / f_old[v]
-    return S
+    if not np.any(abs(jump) > 1e-9 * abs(f_old).max()) and (before[contact] == 0 or not exact):
+        return S
+    if exact and before[contact] == 0:
+        by_t, *by_y = breakaway_slopes(model, t, y, before, contact, int(after[contact]))
+        slope, falls = np.array(by_y), by_t + float(np.dot(by_y, f_old))
+    else:
+        slope = np.zeros(len(y))
+        slope[order_of(model).velocities] = machine.mechanics.directions[contact]
+        falls = float(slope @ f_old) + drift
+    return S + np.outer(jump, slope) / falls if falls != 0.0 else S
+
+
+def orders_differ(run: Any, tolerance: float = 1e-6) -> bool:
+    """Whether contacts that switch at one instant do so differently in the other order: disturbances then grow by one of two matrices."""
+    mode = np.asarray(run.pieces.mode)
+    nodes = np.flatnonzero(np.sum(np.diff(mode, axis=0) != 0, axis=1) > 1) + 1
+    if not len(nodes) or not is_followed(run.model):
+        return False
+    sizes = coordinates(run.model).scales
+    one, other = (saltations(run, nodes, backwards) for backwards in (False, True))
+    scaled = sizes[None, None, :] / sizes[None, :, None]
+    return bool(np.max(abs(one - other) * scaled) > tolerance * np.max(abs(one) * scaled))

@@ -27,7 +27,7 @@ from stickslip.engine.write import Writer
 from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "plain_name", "prelude", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "plain_name", "prelude", "run"]
 
 SEGMENTS = 32
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
@@ -92,6 +92,7 @@ class Results:
 
 
 _kernels: dict[Any, Kernel] = {}
+_layouts: dict[Any, tuple[StateLayout, tuple[int, ...]]] = {}
 
 
 def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
@@ -137,6 +138,40 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
         _states_of(eq),
     )
+
+
+def layout_of(model: Any) -> StateLayout:
+    """What the states of a model's kernels are; nothing is compiled, and a kind that was seen before costs nothing.
+
+    Examples
+    --------
+    >>> from stickslip.machines import Chain
+    >>> layout_of(Chain.example()).names
+    ('v.module 1', 'v.module 2', 'l.module 2')
+    """
+    return _arranged(model)[0]
+
+
+def needed_positions(model: Any) -> tuple[int, ...]:
+    """Numbers of the coordinates whose positions (or differences to that of the first) stand in a force, a load or a guard."""
+    return _arranged(model)[1]
+
+
+def _arranged(model: Any) -> tuple[StateLayout, tuple[int, ...]]:
+    key = kind_of(model)
+    try:
+        known = _layouts.get(key)
+    except TypeError:  # a part of the kind that cannot be compared, such as a list
+        return _arrangement(trace(model))
+    if known is None:
+        known = _layouts[key] = _arrangement(trace(model))
+    return known
+
+
+def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:
+    nodes, first = (*eq.f[: eq.positions.start], *eq.guards), int(eq.cyclic)
+    varied = frozenset[str]().union(*map(eq.graph.varies, nodes))
+    return _states_of(eq), tuple(first + k for k, i in enumerate(eq.positions) if eq.y[i].name in varied)
 
 
 def _states_of(eq: System) -> StateLayout:

@@ -68,7 +68,7 @@ def continuation(
         raise InputError("plot", [f"labels has {len(labels)} texts for {len(branches)} branches; give one for each"])
     parameter, across = branches[0].parameter, branches[0].points[branches[0].parameter]
     cycles = branches[0].orbits[0].model.period is None
-    observable = observable or ("duration" if cycles else "v")
+    observable = observable or ("duration" if cycles else "v" if "v" in branches[0].points else "mean_velocity")
     shown = [_values(b, observable) for b in branches]
     told = branches[0].points[observable].attrs
     unit = told.get("units", {"v": "m/s", "z": "m", "x": "m"}.get(observable, "1"))
@@ -225,9 +225,9 @@ def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
     'amplitude of the inner mass $A$ (µm)'
     """
     if "parameter" not in getattr(diagram, "attrs", {}) or observable not in diagram:
-        raise InputError(
-            "plot", [f"{type(diagram).__name__} without {observable!r}; allowed is the Dataset of ss.bifurcation and a column of it"]
-        )
+        columns = f": {', '.join(map(str, diagram))}" if "parameter" in getattr(diagram, "attrs", {}) else ""
+        allowed = f"allowed is the Dataset of ss.bifurcation and a column of it{columns}"
+        raise InputError("plot", [f"{type(diagram).__name__} without {observable!r}; {allowed}"])
     across, y = diagram[diagram.attrs["parameter"]], diagram[observable]
     unit = y.attrs.get("units", "1")
     (right, side), (up, mark) = scaled(across.values, across.attrs.get("units", "1")), scaled(y.values, unit)

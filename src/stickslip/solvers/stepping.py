@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name, rows_of
 from stickslip.engine import checks, lanes, trace
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
-from stickslip.fields import replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.layout import StateLayout
 from stickslip.machine import machine_of
@@ -19,6 +17,7 @@ from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
+from stickslip.solvers.tables import CaseTable
 from stickslip.summary import STATUS, Summary
 from stickslip.trajectory import Trajectory
 
@@ -33,7 +32,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
     check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
-    method, job, table = _method(tableau), _job(todo, rtol), _Table(todo, kernel)
+    method, job, table = _method(tableau), _job(todo, rtol), CaseTable(todo.model, kernel, todo.start, todo.span)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, table, job))
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
@@ -50,7 +49,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
 
 
-def _state(todo: Request, end: Any, table: _Table, layout: StateLayout) -> str:
+def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:
     """The state at which a run stopped, each number with its name and unit."""
     if not machine_of(todo.model).is_single:
         velocities = end[1 : 1 + table.offsets.shape[1]] + table.offsets[0]
@@ -66,11 +65,11 @@ def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Sum
     """The summary of a batch, and of every case at its end x, v (cases,), the law's inner states (cases, states) and its memories."""
     check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
-    table = _Table(todo, kernel)
+    table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
     summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table, slice(None)))])
-    x, v, z, _ = np.split(results.end, [1, 2, 2 + law_of(todo.model).states], axis=1)
-    return summary, x[:, 0], v[:, 0] + table.offsets[:, 0], z, results.memory
+    _, v, z = table.ends(results)
+    return summary, results.end[:, 0], v[:, 0], z, results.memory
 
 
 def _method(tableau: Tableau | None) -> str:
@@ -83,39 +82,7 @@ def _job(todo: Request, rtol: float) -> lanes.Job:
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
-class _Table:
-    """The cases as the kernel takes them: rows of numbers, starts (way, the states, the memories), and what to add to get velocities."""
-
-    def __init__(self, todo: Request, kernel: lanes.Kernel):
-        model = todo.model
-        names = [n for n in kernel.names if n != trace.SPAN]
-        self.rows = rows_of(model, tuple(names))
-        self.span = np.broadcast_to(todo.span, (todo.cases,))
-        if len(names) < len(kernel.names):
-            self.rows = np.column_stack([self.rows, self.span])
-        count = len(kernel.owners)
-        offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
-        own = [0.0 if i is None else -offsets[i] for i in kernel.owners]
-        self.offsets = np.stack([_spread(offset, todo.cases) for offset in own], axis=1)
-        cyclic = bool(kernel.layout.ways)
-        steps = cyclic and not machine_of(model).has_inner_states
-        self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
-        q, u, z, memory = np.split(todo.start, [count, 2 * count, todo.start.shape[1] - _memories(model)], axis=1)
-        places = q[:, 1:] - q[:, :1] if cyclic else q
-        self.start = np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
-
-
-def _spread(value: Any, cases: int) -> Any:
-    """A number, or one for each case, for every case."""
-    return np.broadcast_to(np.asarray(value, float), (cases,))
-
-
-def _memories(model: Any) -> int:
-    """How many whole numbers the laws remember."""
-    return sum(law.modes for law in machine_of(model).laws)
-
-
-def _parts(todo: Request, kernel: lanes.Kernel, table: _Table, job: lanes.Job) -> Any:
+def _parts(todo: Request, kernel: lanes.Kernel, table: CaseTable, job: lanes.Job) -> Any:
     """Raw results chunk by chunk, in order; threads share the chunks."""
     bounds = _bounds(todo.cases, todo.workers)
     begun = [0] * len(bounds)
@@ -143,7 +110,7 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, table: _Table, cases: slice) -> Raw:
+def _raw(r: lanes.Results, table: CaseTable, cases: slice) -> Raw:
     offset, carried = table.offsets[cases, 0], table.carried[cases] * table.span[cases]
     return Raw(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
@@ -153,7 +120,7 @@ def _raw(r: lanes.Results, table: _Table, cases: slice) -> Raw:
     )  # fmt: skip
 
 
-def _pieces(pieces: Any, kernel: lanes.Kernel, table: _Table, periods: int) -> PolynomialPieces:
+def _pieces(pieces: Any, kernel: lanes.Kernel, table: CaseTable, periods: int) -> PolynomialPieces:
     """The recorded steps of one case as dense output."""
     period = float(table.span[0])
     pieces = pieces[pieces[:, 0] < periods]

@@ -1,0 +1,61 @@
+"""The cases of a batch as the engine's lanes take them, and what their ends are: the one place that knows the order of the columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import numbers_by_name, rows_of
+from stickslip.engine import lanes, trace
+from stickslip.fields import replace_leaf
+from stickslip.machine import machine_of
+
+__all__ = ["CaseTable"]
+
+Array = Any
+
+
+class CaseTable:
+    """Rows of numbers, starts (way, the states, the memories), and what to add to the lanes' states to get velocities.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        One case, or a batch.
+    kernel : lanes.Kernel
+    start : array (cases, 2 coordinates + inner states + memories)
+        Positions, velocities, inner states and memories, each in the order of coordinates and contacts.
+    span : array
+        Length of a period [s], one for all or one for each case.
+    """
+
+    def __init__(self, model: Any, kernel: lanes.Kernel, start: Array, span: Any):
+        cases, names = len(start), [n for n in kernel.names if n != trace.SPAN]
+        rows = rows_of(model, tuple(names))
+        self.rows = np.array(np.broadcast_to(rows, (cases, rows.shape[1])), order="C")
+        self.span = np.broadcast_to(span, (cases,))
+        if len(names) < len(kernel.names):
+            self.rows = np.column_stack([self.rows, self.span])
+        self.count = count = len(kernel.owners)
+        offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
+        own = [0.0 if i is None else -offsets[i] for i in kernel.owners]
+        self.offsets = np.stack([_spread(offset, cases) for offset in own], axis=1)
+        self.cyclic = bool(kernel.layout.ways)
+        steps = self.cyclic and not machine_of(model).has_inner_states
+        self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
+        inner = sum(law.states for law in machine_of(model).laws)
+        q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + inner], axis=1)
+        places = q[:, 1:] - q[:, :1] if self.cyclic else q
+        self.start = np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
+
+    def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
+        """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""
+        found, n = results.end, self.count
+        last = found.shape[1] - (n - 1 if self.cyclic else n)
+        return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]
+
+
+def _spread(value: Any, cases: int) -> Array:
+    """A number, or one for each case, for every case."""
+    return np.broadcast_to(np.asarray(value, float), (cases,))
