@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli import show, timed
+from stickslip.cli import bodies, show, timed
 from stickslip.cli.arguments import parser, subject
 from stickslip.machine import machine_of
 
@@ -18,7 +18,7 @@ DATA = (".nc", ".mat", ".csv")
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Simulate one robot or mechanism and say how it moves.")
+    made = parser(command, "Simulate one robot, mechanism or machine and say how it moves.")
     made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
     made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat or .csv)")
     asked = made.parse_intermixed_args(words)
@@ -31,6 +31,7 @@ def act(command: str, words: list[str]) -> int:
     run = solve(robot, **study.options, keep="trajectory")
     written = [str(path) for path in (_drawn(run, figure), written_to(run, data)) if path is not None]
     make, tell = (_record, _told) if robot.period is not None else (timed.record, timed.told)
+    make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.told)
     record = make(study, run, written)
     if asked.json:
         show.print_json(record)
@@ -54,7 +55,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
     return {
         "robot": study.title(),
-        "law": type(run.model.friction).__name__,
+        "law": machine_of(run.model).law_names,
         "dimensionless": study.dimensionless,
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
