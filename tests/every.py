@@ -139,7 +139,7 @@ def _sweep(c):
 
 
 def _map(c):
-    other = {"friction.mu_plus": [0.2, 0.25]} if hasattr(c.machine, "friction") else {"modules.0.friction.mu_plus": [0.2, 0.25]}
+    other = {"modules.0.inner_mass": [0.009, 0.0095]} if isinstance(c.machine, ss.Chain) else {"friction.mu_plus": [0.2, 0.25]}
     grid = ss.map(c.machine, **c.axis, **other, **c.length)
     assert grid.mean_velocity.shape == (2, 2) and ss.plot.velocity_map(grid).get_xlabel()
 

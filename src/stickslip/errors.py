@@ -58,10 +58,10 @@ class OneContactNeeded(InputError, AttributeError):
     --------
     >>> import stickslip as ss
     >>> try:
-    ...     ss.mirrored(ss.Chain.example())
+    ...     ss.latex(ss.Chain.example())
     ... except ss.InputError as error:
-    ...     print(str(error)[:91])
-    mirrored: Chain has no drive of its own, because it lists its bodies and contacts; allowed
+    ...     print(str(error)[:87])
+    latex: Chain has no law of its own, because it lists its bodies and contacts; allowed are
     """
 
     @classmethod

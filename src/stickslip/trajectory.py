@@ -373,7 +373,14 @@ class Trajectory:
     @property
     def notes(self) -> list[str]:
         """Remarks on the machine's numbers, on a motion that has not settled, and on bodies that drift apart."""
-        return [*machine_of(self.model).notes, *(note for note in (self.steadiness.note, drifting_apart(self)) if note)]
+        return [*machine_of(self.model).notes, *(note for note in (self._settled, drifting_apart(self)) if note)]
+
+    @property
+    def _settled(self) -> str:
+        layout = self.pieces.layout
+        if machine_of(self.model).is_single and not layout.is_one:
+            return f"whether a motion of {layout.says} has settled is not judged"
+        return self.steadiness.note
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

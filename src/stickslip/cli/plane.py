@@ -116,9 +116,8 @@ def _largest(values: Any) -> dict[str, int]:
 def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
     law = f" with the law {found['law']}" if found["law"] else ""
     lines = [f"{name}: {show.counted(found['cases'], 'case')}{law}"]
-    lines += [
-        show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))
-    ]
+    shares = sorted(found["shares"].items(), key=lambda item: -item[1])
+    lines += [show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in shares)] if shares else []
     return "\n".join([*lines, *_fastest(found), *found["notes"], *(f"written to {path}" for path in written)])
 
 

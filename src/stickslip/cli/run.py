@@ -60,6 +60,7 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
         "motion": told,
+        "has_drive": machine_of(run.model).drive is not None,
         "period_time": run.period_time,
         "velocity_max": fastest,
         "velocity_min": slowest,
@@ -93,7 +94,7 @@ def _told(record: dict[str, Any]) -> str:
     low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
-        ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
+        ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})") if record["has_drive"] else ("motion", f"pattern {m['pattern']}"),
         ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g}{second}"),
         ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),
