@@ -14,7 +14,7 @@ from stickslip.maths import pi, sin
 SHAKEN = ss.Robot(
     body_mass=0.06259, inner_mass=0.00948, drive=ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), friction=ss.Coulomb(0.15, 0.21)
 )  # fmt: skip
-DRY = ss.Coulomb(mu_plus=0.2, mu_minus=0.3)
+DRY, STICTION = ss.Coulomb(mu_plus=0.2, mu_minus=0.3), ss.Coulomb(mu_plus=0.2, mu_minus=0.2, f_plus=0.3, f_minus=0.3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +82,8 @@ def _chain(module):
 #: What stands in the rows of the table: a machine, and the name of a number of it with two values.
 every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "Robot": (SHAKEN, "drive.amplitude", (5e-4, 6e-4)),
-    "PulledMass": (ss.PulledMass(1.0, 2.0, 0.1, DRY, load=1.0), "speed", (0.1, 0.15)),
-    "BlockOnBelt": (ss.BlockOnBelt(1.0, 2.0, 0.1, DRY, load=1.0), "speed", (0.1, 0.15)),
+    "PulledMass": (ss.PulledMass(1.0, 2.0, 0.1, STICTION, load=1.0), "speed", (0.1, 0.15)),
+    "BlockOnBelt": (ss.BlockOnBelt(1.0, 2.0, 0.1, STICTION, load=1.0), "speed", (0.1, 0.15)),
     "ForcedOscillator": (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, DRY), "omega", (0.6, 0.7)),
     "Chain, set-valued laws": (_chain(SHAKEN), "phases.1", (0.5, 1.57)),
     "Chain, LuGre": (_chain(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)), "link.stiffness", (500.0, 1200.0)),
@@ -164,7 +164,7 @@ def _energy(c):
 
 
 def _check(c):
-    assert ss.check(c.machine, periods=4, rk4_steps=()).digits >= 2
+    assert ss.check(c.machine, periods=2, rk4_steps=()).digits >= 2
 
 
 def _periodic_mean_velocity(c):
@@ -178,6 +178,16 @@ def _orbit(c):
 
 def _lyapunov(c):
     assert ss.lyapunov(c.machine, periods=50).spectrum is not None
+
+
+def _continuation(c):
+    low, high = c.values
+    branch = ss.continuation(c.machine, parameter=c.number, start=low, stop=low + 0.05 * (high - low))
+    assert len(branch.orbits) > 1
+
+
+def _basins(c):
+    assert ss.basins(c.machine, v=[0.0, 0.05], settle=100).attractors
 
 
 def _bifurcation(c):
@@ -271,8 +281,9 @@ def _command(c):
 every_door = {
     "ss.solve": _solve, "a batch": _batch, "ss.sweep": _sweep, "ss.map, plot.velocity_map": _map, "a study folder": _study,
     "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
-    "ss.periodic_orbit": _orbit, "ss.lyapunov": _lyapunov, "ss.bifurcation": _bifurcation, "to_toml, from_toml": _toml,
-    "run.save, ss.load": _save, "run.to_xarray": _xarray, "CSV": _csv, "report": _report, "plot.velocity": _velocity,
+    "ss.periodic_orbit": _orbit,
+    "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
+    "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray, "CSV": _csv, "report": _report, "plot.velocity": _velocity,
     "plot.forces": _forces, "plot.phase": _phase, "ss.strobe": _strobe, "ss.spectrum": _spectrum, "ss.latex": _latex,
     "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
 }  # fmt: skip

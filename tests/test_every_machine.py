@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from every import Case, every_door, every_machine
+from stickslip.analysis.works import lost_at_hits
 
 PAGE = Path(__file__).parent.parent / "docs" / "which-machine.md"
 sys.path.insert(0, str(PAGE.parent / "_ext"))
@@ -28,7 +29,8 @@ def test_every_machine_is_taken_or_refused_with_a_reason(case, door):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = cell(every_door[door], case)
-    assert found == kept_table(PAGE.read_text(encoding="utf-8"))[case.name, door], f"python docs/_ext/which_machine.py writes {PAGE.name} anew"
+    kept = kept_table(PAGE.read_text(encoding="utf-8"))
+    assert found == kept[case.name, door], "if that is meant, python docs/_ext/which_machine.py writes the page anew"
 
 
 def test_the_page_lists_every_machine_and_every_door():
@@ -125,13 +127,16 @@ def test_energy_of_several_bodies_is_balanced_to_rounding():
 
     soft, hits = (ss.solve(cls(300.0, DRY), periods=30) for cls in (Capsule, OnBelt))
     assert ss.energy(soft).damping[-1] > 0.1 * ss.energy(soft).friction[-1]
-    assert any(event.kind == "hit" for event in hits.events)
+    lost = [loss for _, loss in lost_at_hits(hits, hits.model.mechanics)]
+    assert max(lost) > 1e-3 * ss.energy(hits).drive[-1]
     assert max(ss.energy(run).worst for run in (soft, hits)) < 1e-10  # exact runs: rounding of some hundred steps in a period
 
 
 def test_columns_of_one_contact_are_asked_of_several_in_vain():
     many = ss.solve(ss.Chain.example().replace({"phases.1": [0.5, 1.0]}), periods=12)
-    with pytest.raises(AttributeError, match="'motion_type': it is of one body on one contact, and a Chain lists several; there are mean_velocity"):
+    with pytest.raises(
+        AttributeError, match="it is of one body on one contact, and a Chain lists several; there are mean_vel"
+    ):
         many.motion_type  # noqa: B018
     grid = ss.map(ss.Chain.example(), **{"phases.1": [0.5, 1.0], "link.stiffness": [500.0, 1200.0]}, periods=12)
     with pytest.raises(ss.InputError, match=r"the dataset has no motion_type; it has mean_velocity, period"):

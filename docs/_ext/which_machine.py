@@ -62,6 +62,7 @@ def main():
     """Write the table into the page."""
     sys.path.insert(0, str(PAGE.parent.parent / "tests"))
     import matplotlib.pyplot as plt
+
     from every import Case, every_door, every_machine
 
     cells = {}
