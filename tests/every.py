@@ -283,7 +283,8 @@ every_door = {
     "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
     "ss.periodic_orbit": _orbit,
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
-    "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray, "CSV": _csv, "report": _report, "plot.velocity": _velocity,
+    "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
+    "CSV": _csv, "report": _report, "plot.velocity": _velocity,
     "plot.forces": _forces, "plot.phase": _phase, "ss.strobe": _strobe, "ss.spectrum": _spectrum, "ss.latex": _latex,
     "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
 }  # fmt: skip
