@@ -12,7 +12,6 @@ import pytest
 import xarray as xr
 
 import stickslip as ss
-from stickslip.mechanisms import MECHANISMS
 from stickslip.sweeps import sweep
 from stickslip.sweeps.progress import Bar, Lines
 
@@ -300,7 +299,7 @@ SPRUNG = {
 }
 
 
-@pytest.mark.parametrize(("kind", "law"), [*((kind, STICTION) for kind in MECHANISMS), ("pulled_mass", BRISTLES)])
+@pytest.mark.parametrize(("kind", "law"), [*((kind, STICTION) for kind in SPRUNG), ("pulled_mass", BRISTLES)])
 def test_each_case_starts_where_its_neighbour_ended(kind, law):
     """Position too, where there is a spring: as runs that hand their last instant on, with the spring as far stretched as it was."""
     bench, axis, span = SPRUNG[kind]

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ParamSpec, TypeVar
 
-from stickslip.errors import InputError, StickslipError, is_whole
+from stickslip.errors import InputError, OneContactNeeded, StickslipError, is_whole
 from stickslip.fields import check_arguments, number
 
 __all__ = [
@@ -56,7 +56,8 @@ def _is_law(value: Any) -> bool:
 
 
 def _is_model(value: Any) -> bool:
-    return _has("friction", "acceleration")(value) or _has("bodies", "contacts")(value)
+    """Whether something says how one body moves, or lists bodies and contacts."""
+    return _has("friction", "acceleration")(value) or _has("bodies", "contacts", "links")(value)
 
 
 _ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
@@ -64,7 +65,7 @@ _ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4
 Run = Annotated[Any, Kind(_has("pieces", "settle"), "a Trajectory; type for example ss.solve(robot)")]
 Model = Annotated[Any, Kind(_is_model, f"a Robot, a mechanism or a machine; {_ROBOT}")]
 Maker = Annotated[
-    Any, Kind(lambda v: callable(v) or _has("friction")(v), "a robot or a function that makes one; type ss.presets.piezo_rig")
+    Any, Kind(lambda v: callable(v) or _is_model(v), "a robot, a machine, or a function that makes one; type ss.presets.piezo_rig")
 ]
 Law = Annotated[Any, Kind(_is_law, "a friction law; type for example ss.Coulomb(mu_plus=0.15, mu_minus=0.21)")]
 LawOrModel = Annotated[Any, Kind(lambda v: _is_law(v) or _is_model(v), f"a friction law, a Robot, a mechanism or a machine; {_ROBOT}")]
@@ -117,6 +118,8 @@ def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
     def explained(*args: P.args, **kwargs: P.kwargs) -> T:
         try:
             return function(*args, **kwargs)
+        except OneContactNeeded as error:
+            raise InputError(function.__name__, error.problems) from error
         except StickslipError:
             raise
         except Exception as error:

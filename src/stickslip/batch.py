@@ -164,7 +164,7 @@ def made_model(what: str, made: Any) -> Any:
     if hasattr(made, "__dataclass_fields__") and not isinstance(made, type):
         return made
     raise InputError(
-        what, [f"the maker returns {made!r}; allowed is a Robot or a mechanism; return ss.presets.piezo_rig(...), for example"]
+        what, [f"the maker returns {made!r}; allowed is a Robot, a mechanism or a machine; return ss.presets.piezo_rig(...), for example"]
     )
 
 

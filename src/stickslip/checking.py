@@ -16,8 +16,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
-from stickslip.friction.adapter import law_of
-from stickslip.machine import is_machine
+from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
 from stickslip.solvers.arcs import handles
@@ -184,7 +183,7 @@ def check(
     """
     _check_arguments(robot, rk4_steps)
     court = _Court(robot, periods, start)
-    dynamic = law_of(robot).dynamic
+    dynamic = machine_of(robot).has_inner_states
     tell = _told(progress, 1 + scipy + len(rk4_steps))
     tell("our own methods")
     run, judges = court.ladder(rtol) if dynamic else court.exact()
@@ -216,7 +215,8 @@ def _check_arguments(robot: Any, rk4_steps: Any) -> None:
     elif robot.period is None:
         problems.add(
             f"{name} has no period, and the judges compare means over drive periods; allowed is a Robot or a ForcedOscillator; "
-            f'type for example ss.solve(bench, duration=60.0), and beside it the same with method="{SCIPY[law_of(robot).dynamic][0]}"'
+            "type for example ss.solve(bench, duration=60.0), and beside it the same with "
+            f'method="{SCIPY[machine_of(robot).has_inner_states][0]}"'
         )
     if not isinstance(rk4_steps, (tuple, list)) or not all(map(rk4.allows, rk4_steps)):
         example = f"({rk4_steps},)" if rk4.allows(rk4_steps) else "(2000, 10000)"

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 __all__ = [
-    "InputError", "Problems", "SolveError", "StickslipError", "as_path", "did_you_mean", "gather", "is_one_of", "is_whole", "other_words",
+    "InputError", "OneContactNeeded", "Problems", "SolveError", "StickslipError", "as_path", "did_you_mean", "gather", "is_one_of",
+    "is_whole", "other_words",
 ]  # fmt: skip
 
 
@@ -46,6 +47,31 @@ class InputError(StickslipError, ValueError):
         if len(self.problems) == 1:
             return f"{self.what}: {self.problems[0]}"
         return f"{self.what}: {len(self.problems)} problems\n" + "\n".join(f"  - {p}" for p in self.problems)
+
+
+class OneContactNeeded(InputError, AttributeError):
+    """A machine that lists its bodies and contacts, where one body on one contact is needed.
+
+    It is an AttributeError too, so that who asks whether a machine has a law or a load of its own learns that it has not.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     ss.latex(ss.Chain.example())
+    ... except ss.InputError as error:
+    ...     print(str(error)[:87])
+    latex: Chain has no law of its own, because it lists its bodies and contacts; allowed are
+    """
+
+    @classmethod
+    def of(cls, model: Any, name: str) -> OneContactNeeded:
+        """What to say where `name` of the only body or contact of a model was asked for."""
+        kind = type(model).__name__
+        why = f"{kind} has no {name} of its own, because it lists its bodies and contacts"
+        allowed = "allowed are machines of one body on one contact, such as a Robot, a BlockOnBelt or a ForcedOscillator"
+        typed = f'type ss.solve({kind.lower()}) for its motion; the docs\' page "Which machine" lists what takes it'
+        return cls(kind, [f"{why}; {allowed}; {typed}"])
 
 
 class SolveError(StickslipError, RuntimeError):

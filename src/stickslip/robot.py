@@ -246,6 +246,9 @@ def mirrored(robot: Model) -> Robot:
     >>> turned.track.tilt == -robot.track.tilt, turned.acceleration(0.01, 0.0, 0.0, 0.0) == -robot.acceleration(0.01, 0.0, 0.0, 0.0)
     (True, True)
     """
+    if not _has_what_is_mirrored(robot):
+        why = f"{type(robot).__name__} has no drive on a track that could be turned round"
+        raise InputError("mirrored", [f"{why}; allowed is a Robot; of another machine write the mirror image by hand"])
     drive = robot.drive.drive if isinstance(robot.drive, Reversed) else Reversed(robot.drive)
     found = dataclasses.replace(robot, drive=drive, friction=mirrored_law(robot.friction), track=_uphill(robot.track))
     wrong = _unmirrored(robot, found)
@@ -255,6 +258,10 @@ def mirrored(robot: Model) -> Robot:
             type(robot).__name__, [f"{why}; allowed are robots whose drive, friction and track say all; write the mirror image by hand"]
         )
     return found
+
+
+def _has_what_is_mirrored(robot: Any) -> bool:
+    return all(hasattr(robot, name) for name in ("drive", "friction", "track"))
 
 
 def _unmirrored(robot: Robot, found: Robot) -> str:

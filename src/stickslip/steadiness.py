@@ -15,8 +15,8 @@ from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = [
-    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "centre_of_mass", "is_steady", "judged", "mean_tolerance",
-    "of_run", "outcome_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
+    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "centre_of_mass", "drifting_apart", "is_steady", "judged",
+    "mean_tolerance", "of_run", "outcome_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
 ]  # fmt: skip
 
 STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
@@ -27,6 +27,10 @@ STEADINESS: dict[int, str] = {
     IRREGULAR: "does not repeat",
     UNKNOWN: "not known",
 }
+
+
+_APART = 1e-3  # of the free velocity: bodies whose mean velocities differ by more may drift apart ...
+_ALIKE = 0.1  # ... if their distance grows evenly, to this part
 
 
 @dataclass(frozen=True)
@@ -222,7 +226,7 @@ def of_run(run: Any) -> Steadiness:
     if known:
         return Steadiness(STEADY, period, mean, mean)
     code = int(judged(mean, limit / T, period, machine_of(run.model).free_velocity, tolerance))
-    return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(len(x) - 1, int(run.settle), period))
+    return Steadiness(code, period, mean, limit / T, _change(x, T), tolerance, _advice(run.model, len(x) - 1, int(run.settle), period))
 
 
 def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
@@ -248,6 +252,24 @@ def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
     length = speed * float(model.period) / (2 * np.pi)
     scales = np.concatenate([np.full(v.shape[1], speed), typical, np.full(sum(a.shape[1] for a in apart), length)])
     return way, strobe, np.where(scales > 0, scales, 1.0)
+
+
+def drifting_apart(run: Any) -> str:
+    """A sentence on bodies that drift apart, whose distance grew as much in the last quarter of a run as in the one before; or ""."""
+    if machine_of(run.model).is_single or run.model.period is None or len(run.bodies) < 2:
+        return ""
+    x, names = run.strobe_x, list(run.bodies)
+    quarter = (len(x) - 1) // 4
+    if quarter < 4:
+        return ""
+    grown = [x[-1 - k * quarter] - x[-1 - (k + 1) * quarter] for k in (0, 1)]
+    speeds = grown[0] / (quarter * float(run.model.period))
+    last, before = (np.ptp(each) for each in grown)
+    if not (np.ptp(speeds) > _APART * float(machine_of(run.model).free_velocity) and abs(last - before) < _ALIKE * last):
+        return ""
+    fast, slow = names[int(np.argmax(speeds))], names[int(np.argmin(speeds))]
+    told = f"{fast} and {slow} drift apart, by {np.ptp(speeds):.3g} m/s: the mean velocity is that of the centre of mass"
+    return f"{told}; type ss.mean_velocity(run, body={fast!r})"
 
 
 def _sizes(law: Any, load: Any, states: int) -> Any:
@@ -285,7 +307,9 @@ def _change(x: Any, T: float) -> float:
     return float(abs(x[-1] - 2 * x[-3] + x[-5]) / (4 * T)) if len(x) > 4 else float("nan")
 
 
-def _advice(periods: int, settle: int, period: int) -> str:
+def _advice(model: Any, periods: int, settle: int, period: int) -> str:
+    word = "robot" if machine_of(model).drive is not None else type(model).__name__.lower()
+    itself = f"ss.periodic_mean_velocity({word}) for the steady motion itself"
     if period and settle < periods - 2 * period:
-        return f"type settle={periods - 2 * period}, or ss.periodic_mean_velocity(robot) for the steady motion itself"
-    return f"type more periods, such as periods={10 * periods}, or ss.periodic_mean_velocity(robot) for the steady motion itself"
+        return f"type settle={periods - 2 * period}, or {itself}"
+    return f"type more periods, such as periods={10 * periods}, or {itself}"

@@ -26,6 +26,7 @@ from stickslip.friction import LAWS, Coulomb
 from stickslip.friction.adapter import adapted
 from stickslip.jsontext import plain
 from stickslip.layout import StateLayout
+from stickslip.mechanics import declares_parts
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
@@ -70,7 +71,7 @@ def unwritable(doing: str) -> Callable[[Path, OSError], InputError]:
 def save(run: Any, path: str | Path) -> Path:
     """Write a run to a file; an existing file is replaced. The ending of its name says what it holds.
 
-    A law of your own is kept by its name and numbers; `stickslip.load` asks for its class again.
+    A law or a machine of your own is kept by its name and numbers; `stickslip.load` asks for its class again.
     A drive or a track of your own cannot be kept.
 
     Parameters
@@ -131,9 +132,11 @@ def _dimension(group: Any, size: int) -> str:
 
 def _model_attributes(model: Any) -> dict[str, str]:
     """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
-    if type(model) is not Robot and type(model) not in MECHANISMS.values():
-        allowed = f"a Robot or a mechanism; type {_COLUMNS_ONLY} for its columns"
+    if type(model) is not Robot and type(model) not in MECHANISMS.values() and not declares_parts(model):
+        allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"
         raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep {allowed}"])
+    if declares_parts(model):
+        return _machine_attributes(model)
     law = model.friction
     try:
         if type(law) in LAWS.values():
@@ -145,10 +148,20 @@ def _model_attributes(model: Any) -> dict[str, str]:
     return {**kept, "law": json.dumps({"name": type(law).__name__, "dynamic": adapted(law).dynamic, "fields": numbers})}
 
 
+def _machine_attributes(model: Any) -> dict[str, str]:
+    """A machine that lists its parts as TOML; the name of its class where that is a user's own."""
+    try:
+        text = model.to_toml()
+    except InputError as error:
+        raise InputError("save", [*error.problems, f"Type {_COLUMNS_ONLY} for the columns alone"]) from None
+    own = {} if type(model) in MECHANISMS.values() else {"machine": type(model).__name__}
+    return {"robot": text, **own}
+
+
 _COLUMNS_ONLY = 'run.to_xarray().to_netcdf(path, engine="h5netcdf")'
 
 
-def read(path: str | Path, laws: Sequence[type] = ()) -> dict[str, Any]:
+def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> dict[str, Any]:
     """What `save` kept of a run, as the arguments of `Trajectory`."""
     path = as_path(path, "load")
     give = "give the path of a file that run.save(path) wrote"
@@ -163,7 +176,7 @@ def read(path: str | Path, laws: Sequence[type] = ()) -> dict[str, Any]:
             attrs = {k: _one(v) for k, v in hdf5.attributes(file, allowance, size).items()}
             _check_format(attrs, path)
             kept = hdf5.attributes(file["pieces"], allowance, size)
-            found = {"pieces": _pieces(file, kept, int(attrs["stickslip_format"])), "model": _model(attrs, laws)}
+            found = {"pieces": _pieces(file, kept, int(attrs["stickslip_format"])), "model": _model(attrs, laws, machines)}
         kept = {k: attrs[k] for k in ("method", "status", "rtol")} | {k: int(attrs[k]) for k in ("periods", "settle", "samples")}
         return {**found, **kept, **{k: json.loads(attrs[k]) for k in ("start", "provenance", "counts")}}
     except InputError:
@@ -217,7 +230,9 @@ def _check_format(attrs: Any, path: Path) -> None:
     raise InputError("load", [f"{str(path)!r} {why}"])
 
 
-def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
+def _model(attrs: dict[str, Any], laws: Sequence[type], machines: Sequence[type]) -> Any:
+    if "machine" in attrs:
+        return _own_machine(str(attrs["machine"]), machines).from_toml(attrs["robot"])
     robot = from_text(attrs["robot"])
     if "law" not in attrs:
         return robot
@@ -227,6 +242,16 @@ def _model(attrs: dict[str, Any], laws: Sequence[type]) -> Any:
         return robot.replace(friction=(_UnknownDynamic if kept["dynamic"] else _UnknownSetValued)(kept["name"], kept["fields"]))
     fields = {k: tuple(v) if isinstance(v, list) else v for k, v in kept["fields"].items()}
     return robot.replace(friction=cls(**fields))
+
+
+def _own_machine(name: str, machines: Sequence[type]) -> Any:
+    """The user's class of this name."""
+    found = next((cls for cls in machines if cls.__name__ == name), None)
+    if found is None:
+        given = ", ".join(cls.__name__ for cls in machines) or "none"
+        why = f"it holds a run of the machine {name}, which is not part of stickslip; the classes given are {given}"
+        raise InputError("load", [f"{why}; type ss.load(path, machines=[{name}]) with its class"])
+    return found
 
 
 def from_text(text: str) -> Any:

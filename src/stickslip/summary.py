@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import did_you_mean
+from stickslip.mechanics import declares_parts
 from stickslip.sealing import sealed
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
+from stickslip.variables import VARIABLES
 
 __all__ = ["LOST", "STATUS", "Summary"]
 
@@ -67,6 +69,10 @@ class Summary:
         columns = self.__dict__.get("columns", {})
         if name in columns:
             return columns[name]
+        model, known = self.__dict__.get("model"), VARIABLES.get(name)
+        if known is not None and known.dims == () and declares_parts(model):  # machines of bodies and contacts have some of the columns
+            told = f"it is of one body on one contact, and a {type(model).__name__} lists several; there are {', '.join(columns)}"
+            raise AttributeError(f"Summary has no {name!r}: {told}; type ss.motion(run) for the contacts of one run")
         raise AttributeError(f"Summary has no {name!r}" + ("" if name.startswith("_") else f"; {did_you_mean(name, columns)}"))
 
     def __dir__(self) -> list[str]:

@@ -18,15 +18,21 @@ __all__ = ["document_of", "from_table", "from_toml", "record_html", "to_table", 
 PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
 
 
-def _kind_name(part: str, record: Any) -> str:
-    for name, cls in PARTS[part].items():
+def _kinds_of(cls: type) -> dict[str, dict[str, Any]]:
+    """The parts that a record of this class has, each with its kinds by name; a class adds its own in `part_kinds`."""
+    known = {**PARTS, **getattr(cls, "part_kinds", {})}
+    return {f.name: known[f.name] for f in dataclasses.fields(cls) if f.name in known}
+
+
+def _kind_name(part: str, record: Any, kinds: dict[str, Any]) -> str:
+    for name, cls in kinds.items():
         if type(record) is cls:
             return name
     raise InputError(
         "to_toml",
         [
             f"{part} is a {type(record).__name__}, which a study file cannot name; "
-            f"allowed are {', '.join(PARTS[part])}. Keep the robot in a Python file, in a function that returns it: a study file with the "
+            f"allowed are {', '.join(kinds)}. Keep the robot in a Python file, in a function that returns it: a study file with the "
             f'line make = "{_file_of(record)}:rig" then runs the function rig with --allow-code'
         ],
     )
@@ -41,10 +47,13 @@ def _file_of(record: Any) -> str:
 def to_table(record: Any) -> dict[str, Any]:
     """A record as nested dicts of plain numbers, lists and strings."""
     table: dict[str, Any] = {}
+    known = _kinds_of(type(record))
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
-        if field.name in PARTS:
-            table[field.name] = {"kind": _kind_name(field.name, value), **to_table(value)}
+        if field.name in known:
+            several = isinstance(value, tuple)
+            tables = [_table_of_part(field.name, part, known[field.name]) for part in (value if several else (value,))]
+            table[field.name] = tables if several else tables[0]
         elif is_array(value):
             import numpy as np
 
@@ -52,6 +61,12 @@ def to_table(record: Any) -> dict[str, Any]:
         elif value is not None:
             table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
     return table
+
+
+def _table_of_part(part: str, record: Any, kinds: dict[str, Any]) -> dict[str, Any]:
+    """The table of one part; where there is one kind only it is not named."""
+    kind = _kind_name(part, record, kinds)
+    return {**({"kind": kind} if len(kinds) > 1 else {}), **to_table(record)}
 
 
 def _plain(value: Any) -> Any:
@@ -88,8 +103,8 @@ def from_toml(cls: type, text: str, name: str = "robot") -> Any:
     """A robot or a mechanism (of class `cls`) from TOML text; all that is wrong with it is reported at once."""
     document = document_of(text)
     if not isinstance(document.get(name), dict):
-        first = next(f for f in dataclasses.fields(cls) if is_number_field(f))
-        shown = f"{first.name} = {first.metadata.get('example', '1.0')}"
+        first = next((f for f in dataclasses.fields(cls) if is_number_field(f)), None)
+        shown = f"{first.name} = {first.metadata.get('example', '1.0')}" if first else f'kind = "{getattr(cls, "kind", "")}"'
         raise InputError("study file", [f"has no [{name}] table; begin with the line [{name}] and then {shown}"])
     return from_table(cls, document[name], name)
 
@@ -99,38 +114,40 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
     problems, arguments = Problems("study file"), dict(table)
     if hasattr(cls, "kind") and arguments.pop("kind", cls.kind) != cls.kind:
         problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
-    for part in _parts_of(cls):
-        if isinstance(arguments.get(part), dict):
-            arguments[part] = _part(part, dict(arguments[part]), problems, f"{name}.{part}")
+    for part, kinds in _kinds_of(cls).items():
+        given = arguments.get(part)
+        if isinstance(given, dict):
+            arguments[part] = _part(part, dict(given), problems, f"{name}.{part}", kinds)
+        elif isinstance(given, list) and given and all(isinstance(each, dict) for each in given):  # an array of tables: several parts
+            made = [_part(part, dict(each), problems, f"{name}.{part}.{i}", kinds) for i, each in enumerate(given)]
+            arguments[part] = None if None in made else tuple(made)
         elif part in arguments or part != "track":
-            problems.add(_missing(part, name))
+            problems.add(_missing(part, name, kinds))
             arguments.pop(part, None)
     made = _build(cls, arguments, name, problems)
     problems.check()
     return made
 
 
-def _missing(part: str, where: str) -> str:
-    return f'[{where}.{part}] is missing or no table; type [{where}.{part}] and then kind = "{next(iter(PARTS[part]))}"'
+def _missing(part: str, where: str, kinds: dict[str, Any]) -> str:
+    if len(kinds) == 1:
+        return f"[[{where}.{part}]] is missing or no array of tables; type [[{where}.{part}]] once for each {next(iter(kinds))}"
+    return f'[{where}.{part}] is missing or no table; type [{where}.{part}] and then kind = "{next(iter(kinds))}"'
 
 
-def _parts_of(cls: type) -> list[str]:
-    """The parts that a record of this class has."""
-    return [f.name for f in dataclasses.fields(cls) if f.name in PARTS]
-
-
-def _part(part: str, table: dict[str, Any], problems: Problems, where: str) -> Any:
-    if "kind" not in table:
-        kinds = " or ".join(f'kind = "{name}"' for name in PARTS[part])
-        problems.add(f"{where}.kind is missing; type {kinds} under [{where}]")
+def _part(part: str, table: dict[str, Any], problems: Problems, where: str, kinds: dict[str, Any]) -> Any:
+    kind = table.pop("kind", next(iter(kinds)) if len(kinds) == 1 else None)
+    if kind is None:
+        named = " or ".join(f'kind = "{name}"' for name in kinds)
+        problems.add(f"{where}.kind is missing; type {named} under [{where}]")
         return None
-    kind = table.pop("kind")
-    if not is_one_of(kind, PARTS[part]):
-        problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), PARTS[part])}")
+    if not is_one_of(kind, kinds):
+        problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), kinds)}")
         return None
-    for inner in [name for name in table if name in PARTS and isinstance(table[name], dict)]:  # a drive around a drive
-        table[inner] = _part(inner, dict(table[inner]), problems, f"{where}.{inner}")
-    return _build(PARTS[part][kind], table, where, problems)
+    known = {**PARTS, **_kinds_of(kinds[kind])}
+    for inner in [name for name in table if name in known and isinstance(table[name], dict)]:  # a drive around a drive
+        table[inner] = _part(inner, dict(table[inner]), problems, f"{where}.{inner}", known[inner])
+    return _build(kinds[kind], table, where, problems)
 
 
 def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems) -> Any:
@@ -140,19 +157,22 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         hint = other_words(name, arguments[name], taken, " = ") or did_you_mean(name, taken)
         problems.add(f"{where}.{name} is not known; {hint}")
         del arguments[name]
-    for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in PARTS]:
+    kinds = _kinds_of(cls)
+    for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in kinds]:
         if "None" in str(fields[name].type):
             arguments[name] = None
             continue
         example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
         problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
         arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
-    lacking = [p for p in _parts_of(cls) if arguments.get(p, 0) is None or (p not in arguments and p != "track")]
+    lacking = [p for p in kinds if arguments.get(p, 0) is None or (p not in arguments and p != "track")]
     for part in lacking:
         if "." in where and part not in arguments:  # a part of a part
-            problems.add(_missing(part, where))
+            problems.add(_missing(part, where, kinds[part]))
+    if problems.found and any(len(kinds[part]) == 1 for part in lacking):  # nothing can stand for several parts
+        return None
     try:
-        made = cls(**{**arguments, **{p: _stand_in(p) for p in lacking}})  # so that the other fields are judged too
+        made = cls(**{**arguments, **{p: _stand_in(cls, p, kinds[p]) for p in lacking}})  # so that the other fields are judged too
     except InputError as error:
         problems.found += [f"{where}{'.' if sentence.startswith(tuple(taken)) else ': '}{sentence}" for sentence in error.problems]
         return None
@@ -168,9 +188,11 @@ def _read_back(example: str, otherwise: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _stand_in(part: str) -> Any:
+def _stand_in(cls: Any, part: str, kinds: dict[str, Any]) -> Any:
     """Some part of this sort, for one that is missing."""
-    kind = next(iter(PARTS[part].values()))
+    if part in getattr(cls, "part_kinds", {}):
+        return getattr(cls.example(), part)
+    kind = next(iter(kinds.values()))
     return kind.example() if hasattr(kind, "example") else kind()
 
 

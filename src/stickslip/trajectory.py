@@ -20,7 +20,7 @@ from stickslip.machine import machine_of
 from stickslip.parts import BodyRun, ContactRun
 from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.sealing import sealed
-from stickslip.steadiness import Steadiness, of_run
+from stickslip.steadiness import Steadiness, drifting_apart, of_run
 from stickslip.summary import STATUS, Summary
 from stickslip.variables import VARIABLES
 
@@ -372,10 +372,15 @@ class Trajectory:
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the robot's numbers, and on a motion that has not settled."""
+        """Remarks on the machine's numbers, on a motion that has not settled, and on bodies that drift apart."""
+        return [*machine_of(self.model).notes, *(note for note in (self._settled, drifting_apart(self)) if note)]
+
+    @property
+    def _settled(self) -> str:
         layout = self.pieces.layout
-        settled = self.steadiness.note if layout.is_one else f"whether a motion of {layout.says} has settled is not judged"
-        return [*machine_of(self.model).notes, *([settled] if settled else [])]
+        if machine_of(self.model).is_single and not layout.is_one:
+            return f"whether a motion of {layout.says} has settled is not judged"
+        return self.steadiness.note
 
     def to_xarray(self) -> Any:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""

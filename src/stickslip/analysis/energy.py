@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from stickslip import forces
+from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
+from stickslip.errors import InputError
 from stickslip.machine import machine_of
 from stickslip.pieces import HarmonicArcs
 from stickslip.sealing import sealed
@@ -33,15 +35,16 @@ class Energy:
     ----------
     drive : array (periods,)
         W_d, work that comes in [J]: of the inertial drive force -m d²xi/dt² with its impulses, of the pulled end of a spring,
-        of the motor of a belt, of a given force.
+        of the motor of a belt, of a given force. Of a machine that lists its bodies that of all applied forces, gravity among them, and
+        of what moves the ground under a contact.
     gravity : array (periods,)
         W_g, work of gravity along the track [J].
     friction : array (periods,)
-        W_f, work that friction takes at the contact [J].
+        W_f, work that friction takes at the contact, or at all of them [J].
     damping : array (periods,)
-        W_c, work that the damping of a mechanism takes [J].
+        W_c, work that the damping of a mechanism, or of links and elastic stops, takes [J].
     potential : array (periods,)
-        Change of the energy U in the spring of a mechanism [J].
+        Change of the energy U in the spring of a mechanism, or in links and elastic stops [J].
     kinetic : array (periods,)
         Change of the kinetic energy [J].
     actuator : array (periods,)
@@ -98,7 +101,8 @@ def energy(run: Run) -> Energy:
     >>> ss.energy(Trajectory(robot, at_rest, periods=1, settle=0, rtol=1e-6, method="by hand")).friction.tolist()
     [0.0]
     """
-    run = needs_run("energy", run, "it balances the friction of one contact")
+    several = hasattr(run, "model") and not machine_of(run.model).is_single
+    run = _balanced(run) if several else needs_run("energy", run, "it balances the friction of one contact")
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
@@ -109,7 +113,12 @@ def energy(run: Run) -> Energy:
     works = {n: np.bincount(owner, (p.reshape(t.shape) @ weights) * half, count) for n, p in powers.items()}
     for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
         _add_impulse(run, works, when, jump, row)
-    changes = {"kinetic": np.diff(0.5 * run.model.total_mass * v**2), "potential": np.diff(_potential(run, borders, x))}
+    if several:
+        for when, loss in works_of_parts.lost_at_hits(run, machine_of(run.model).mechanics):
+            works["damping"][np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)] += loss
+    changes = {"kinetic": np.diff(_kinetic(run, v))}
+    if not several:
+        changes["potential"] = np.diff(_potential(run, borders, x))
     return Energy(**works, **changes, residual=_residual(run, {**works, **changes}), settle=min(int(run.settle), count))
 
 
@@ -123,7 +132,7 @@ def _borders(run: Any) -> tuple[Array, Array, Array]:
     if ends[1] - t[-1] <= 1e-9 * run.period_time:
         return t, x, v
     last = run._states_at(ends[1:], np.array([len(run.pieces.mode) - 1]))
-    return np.append(t, ends[1]), np.append(x, last[0]), np.append(v, last[1])
+    return np.append(t, ends[1]), np.append(x, last[0], axis=0), np.append(v, last[1], axis=0)
 
 
 def _cut(run: Any, borders: Array) -> tuple[Array, Array, Array]:
@@ -145,6 +154,9 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     """Power of each force [W]."""
     x, v, z = run._states_at(t, index)
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
+    if not machine_of(model).is_single:
+        found = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, column)
+        return found | {"gravity": none, "actuator": none}
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}
     if machine_of(model).drive is None:
@@ -152,6 +164,16 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     gravity = forces.offered_force(model, t, x) - column["drive_force"]
     works = {"drive": column["drive_force"] * v, "gravity": gravity * v, **friction, "damping": none}
     return works | {"actuator": column["actuator_power"]}
+
+
+def _balanced(run: Any) -> Any:
+    """A run of a machine whose energy can be balanced; `InputError` of one in which forces work that no part says."""
+    why = works_of_parts.unbalanced(machine_of(run.model).mechanics)
+    if why:
+        raise InputError(
+            "energy", [f"{type(run.model).__name__} {why}; type run.friction_force and run.slip for the power of each contact"]
+        )
+    return run
 
 
 def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[str, Array]:
@@ -162,16 +184,27 @@ def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[st
     return {"drive": model.drive_power(t, x, v, R) + none, "damping": model.damping_power(t, x, v) + none}
 
 
-def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: float, row: int) -> None:
+def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: Any, row: int) -> None:
     """Work of an impulse: its size times the mean of the velocities before and after."""
-    model = run.model
+    model, several = run.model, not machine_of(run.model).is_single
     before, after = (int(run._index(t + d * run.period_time)) for d in (-1e-12, 1e-12))
-    v = float(run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[1][0])
-    later = float(run._states_at(np.array([t]), np.array([after]))[1][0]) if after > before else v + jump
-    works["drive"][row] += model.total_mass * jump * 0.5 * (v + later)
+    v = run._states_at(np.array([min(t, run.pieces.t[before + 1])]), np.array([before]))[1][0]
+    later = run._states_at(np.array([t]), np.array([after]))[1][0] if after > before else v + jump
+    if several:
+        works["drive"][row] += _kinetic(run, later) - _kinetic(run, v)
+        return
+    works["drive"][row] += float(model.total_mass * jump * 0.5 * (v + later))
     moment = 1e-12 * run.period_time
     xi_rate = 0.5 * (model.drive.velocity(t - moment) + model.drive.velocity(t + moment))
     works["actuator"][row] -= model.body_mass * jump * xi_rate
+
+
+def _kinetic(run: Any, v: Array) -> Array:
+    """Kinetic energy of all bodies [J]."""
+    if machine_of(run.model).is_single:
+        return 0.5 * run.model.total_mass * v**2
+    found: Array = works_of_parts.kinetic(machine_of(run.model).mechanics, v)
+    return found
 
 
 def _potential(run: Any, t: Array, x: Array) -> Array:

@@ -9,16 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.segments import Segments, intervals_of, raw_segments, type_of
+from stickslip.analysis.segments import Segments, Watched, WatchedOf, clipped, intervals_of, raw_segments, type_of
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import everywhere
 from stickslip.friction import Coulomb
 from stickslip.friction.adapter import adapted, law_of
+from stickslip.machine import machine_of
 from stickslip.summary import Summary
 
-__all__ = ["DWELL", "SLIP_RATIO", "Motion", "coulomb_twin", "motion", "threshold_table"]
+__all__ = ["DWELL", "SLIP_RATIO", "Motion", "Motions", "coulomb_twin", "motion", "threshold_table"]
 
 #: The body counts as stuck while the elastic part of friction is below this fraction of its steady sliding value ...
 SLIP_RATIO = 0.75
@@ -85,8 +86,43 @@ class Motion:
         return self.type if self._twin is None else self._twin()
 
 
+@dataclass(frozen=True)
+class Motions:
+    """The motion that a machine of several contacts ends in: that of each contact. The machine as a whole has no motion type.
+
+    Parameters
+    ----------
+    contacts : dict of Motion
+        By name; types and patterns are those of the slip velocity of that contact.
+    anchored : tuple of str
+        Names of the contacts that never move in the window of the mean; those whose laws have inner states never slip there.
+    period : int or None
+        Drive periods until the motion of the whole machine repeats; None if none was found.
+    direction : int
+        Sign of the mean velocity of the centre of mass.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.motion(ss.solve(ss.Chain.example(), periods=60))
+    >>> {name: each.pattern for name, each in found.contacts.items()}, found.anchored, found.period
+    ({'module 1': '+0-0', 'module 2': '+0-0'}, (), 1)
+    """
+
+    contacts: dict[str, Motion]
+    anchored: tuple[str, ...]
+    period: int | None
+    direction: int
+
+    def __getattr__(self, name: str) -> Any:
+        if name in Motion.__dataclass_fields__ or name == "twin":
+            names = ", ".join(map(repr, self.contacts))
+            raise AttributeError(f"a machine of several contacts has no {name} as a whole; type motion.contacts[name].{name}, of {names}")
+        raise AttributeError(f"Motions has no {name!r}")
+
+
 @explains_arguments
-def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion:
+def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Any:
     """The motion that a run ends in.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
@@ -104,7 +140,7 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
 
     Returns
     -------
-    Motion
+    Motion, or Motions of a machine that lists its contacts
 
     Examples
     --------
@@ -116,11 +152,74 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
     if hasattr(run, "channels"):  # a measured record
         return run.motion(dwell=dwell)
     _check(run, slip_ratio, dwell)
+    if hasattr(run, "model") and not machine_of(run.model).is_single:
+        return _of_contacts(run, slip_ratio, dwell)
     run = needs_run("motion", run, "its types and patterns are those of one velocity")
+    return _motion(run, Watched(run), _One(run), slip_ratio, dwell)
+
+
+def _of_contacts(run: Any, slip_ratio: float, dwell: float) -> Motions:
+    """The motion of each contact of a machine."""
     period = period_number(run)
-    raw = raw_segments(run, period or 1, slip_ratio)
-    told = _typed(run, raw, period, dwell)
-    dynamic = law_of(run.model).dynamic
+    watched = {name: WatchedOf(run, i) for i, name in enumerate(run.contacts)}
+    found = {name: _motion(run, each, _Slip(run, each.number), slip_ratio, dwell) for name, each in watched.items()}
+    still = tuple(name for name, each in watched.items() if _never_moves(run, each, found[name]))
+    net = run.steadiness.mean_velocity
+    machine = machine_of(run.model)
+    floor = (float(run.rtol) if machine.has_inner_states else 1e-12) * float(machine.free_velocity)
+    return Motions(found, still, period, int(np.sign(net)) if abs(net) > floor else 0)
+
+
+def _never_moves(run: Any, watched: Watched, found: Motion) -> bool:
+    """Whether a contact rests all through the window of the mean; one with inner states, which never rests, whether it never slips."""
+    if watched.law.states:
+        return found.type in ("rest", "presliding")
+    return not np.any(watched.modes[clipped(run.pieces, *run.window)[1]])
+
+
+class _One:
+    """How far the only body goes in a motion period, and its velocity."""
+
+    def __init__(self, run: Any):
+        self.run = run
+
+    def net(self, count: int) -> float:
+        """Way over the last `count` drive periods [m]."""
+        x = self.run.strobe_x
+        return float(x[-1] - x[max(len(x) - 1 - count, 0)])
+
+    @property
+    def column(self) -> Any:
+        """Velocity at the instants of the columns [m/s]."""
+        return self.run.v
+
+
+class _Slip(_One):
+    """How far one contact of several slips in a motion period, and its slip velocity."""
+
+    def __init__(self, run: Any, number: int):
+        self.run, self.number = run, number
+
+    def net(self, count: int) -> float:
+        """Way that the contact slips over the last `count` drive periods [m]: that of its bodies, less what it rubs on."""
+        run, direction = self.run, np.array(self.run.pieces.layout.contacts[self.number].direction)
+        x, since = run.strobe_x, run.strobe_times[-1] - count * run.period_time * (1 + 1e-12)
+        inside = run.t >= since
+        told = self.column[inside] - run.v[inside] @ direction
+        return float((x[-1] - x[max(len(x) - 1 - count, 0)]) @ direction + np.trapezoid(told, run.t[inside]))
+
+    @property
+    def column(self) -> Any:
+        """Slip velocity at the instants of the columns [m/s]."""
+        return self.run.slip[:, self.number]
+
+
+def _motion(run: Any, watched: Watched, moved: _One, slip_ratio: float, dwell: float) -> Motion:
+    """The motion of one contact."""
+    period = period_number(run)
+    raw = raw_segments(run, period or 1, slip_ratio, watched)
+    told = _typed(run, raw, period, dwell, watched, moved)
+    dynamic, single = watched.law.dynamic, machine_of(run.model).is_single
     return Motion(
         type=str(told["motion_type"][0]),
         pattern=str(told["pattern"][0]),
@@ -133,7 +232,7 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
         intervals=_intervals(raw, dwell),
         slip_ratio=slip_ratio if dynamic else None,
         dwell=dwell if dynamic else None,
-        _twin=(lambda: _twin_type(run)) if dynamic else None,
+        _twin=((lambda: _twin_type(run)) if single else lambda: None) if dynamic else None,
     )
 
 
@@ -149,13 +248,12 @@ def _check(run: Any, slip_ratio: float, dwell: float) -> None:
         raise InputError("motion", problems)
 
 
-def _typed(run: Any, raw: Segments, period: int | None, dwell: float) -> dict[str, Any]:
-    count, model = period or 1, run.model
-    net = run.strobe_x[-1] - run.strobe_x[max(len(run.strobe_x) - 1 - count, 0)]
-    scale = model.velocity_scale * run.period_time
-    floor = (float(run.rtol) if law_of(model).dynamic else 1e-12) * scale * count
-    v = run.v[run.t >= run.pieces.t[-1] - count * run.period_time]
-    moving = np.ptp(v) > (0.0 if law_of(model).dynamic else 1e-9 * model.velocity_scale)
+def _typed(run: Any, raw: Segments, period: int | None, dwell: float, watched: Watched, moved: _One) -> dict[str, Any]:
+    count, dynamic = period or 1, watched.law.dynamic
+    net, speed = moved.net(count), machine_of(run.model).velocity_scale
+    floor = (float(run.rtol) if dynamic else 1e-12) * speed * run.period_time * count
+    v = moved.column[run.t >= run.pieces.t[-1] - count * run.period_time]
+    moving = np.ptp(v) > (0.0 if dynamic else 1e-9 * speed)
     return type_of(*raw.rows(), [period or 0], [raw.margin_force], [net], dwell, moving=[moving], net_floor=floor)
 
 
@@ -228,6 +326,6 @@ def threshold_table(
     for slip_ratio in slip_ratios:
         raw = raw_segments(run, period or 1, slip_ratio)
         for dwell in dwells:
-            told = _typed(run, raw, period, dwell)
+            told = _typed(run, raw, period, dwell, Watched(run), _One(run))
             rows.append({"slip_ratio": slip_ratio, "dwell": dwell, "type": str(told["motion_type"][0]), "pattern": str(told["pattern"][0])})
     return rows

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from stickslip.machine import machine_of
+
 __all__ = ["RK4", "certain_digits", "naive", "sentence"]
 
 #: Name of the judge with fixed steps.
@@ -46,7 +48,7 @@ def sentence(answer: float, uncertainty: float, digits: int, period: int | None,
 
 
 def _small(robot: Any) -> float:
-    return 1e-9 * float(robot.velocity_scale)
+    return 1e-9 * float(machine_of(robot).velocity_scale)
 
 
 def naive(answer: float, judges: list[Any], robot: Any) -> str:

@@ -217,9 +217,13 @@ class Subject:
 
     def robot(self) -> Any:
         """The robot itself."""
+        from stickslip.machine import is_machine
+
         made = _builder(self.make)(self.arguments)
-        if not hasattr(made, "friction"):
-            raise InputError(self.name, [f"it returns {made!r}; allowed is a Robot or a mechanism; type for example return ss.Robot(...)"])
+        if not is_machine(made):
+            raise InputError(
+                self.name, [f"it returns {made!r}; allowed is a Robot, a mechanism or a machine; type for example return ss.Robot(...)"]
+            )
         return made
 
     @property

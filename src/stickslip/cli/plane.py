@@ -87,7 +87,7 @@ def _found(grid: Any) -> dict[str, Any]:
     """How much of the plane moves how, and where it is fastest."""
     import numpy as np
 
-    types, counts = np.unique(grid["motion_type"].values, return_counts=True)
+    types, counts = np.unique(grid["motion_type"].values if "motion_type" in grid else [], return_counts=True)
     shares = {str(t): int(n) / int(counts.sum()) for t, n in zip(types, counts, strict=True)}
     V = grid["mean_velocity"]
     found: dict[str, Any] = {"cases": int(V.size), "shares": shares}
@@ -116,9 +116,8 @@ def _largest(values: Any) -> dict[str, int]:
 def _told(name: str, found: dict[str, Any], written: list[str]) -> str:
     law = f" with the law {found['law']}" if found["law"] else ""
     lines = [f"{name}: {show.counted(found['cases'], 'case')}{law}"]
-    lines += [
-        show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in sorted(found["shares"].items(), key=lambda item: -item[1]))
-    ]
+    shares = sorted(found["shares"].items(), key=lambda item: -item[1])
+    lines += [show.facts((t, f"{100 * share:.1f} % of the plane") for t, share in shares)] if shares else []
     return "\n".join([*lines, *_fastest(found), *found["notes"], *(f"written to {path}" for path in written)])
 
 

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli import show, timed
+from stickslip.cli import bodies, show, timed
 from stickslip.cli.arguments import parser, subject
 from stickslip.machine import machine_of
 
@@ -18,7 +18,7 @@ DATA = (".nc", ".mat", ".csv")
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Simulate one robot or mechanism and say how it moves.")
+    made = parser(command, "Simulate one robot, mechanism or machine and say how it moves.")
     made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
     made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat or .csv)")
     asked = made.parse_intermixed_args(words)
@@ -31,6 +31,7 @@ def act(command: str, words: list[str]) -> int:
     run = solve(robot, **study.options, keep="trajectory")
     written = [str(path) for path in (_drawn(run, figure), written_to(run, data)) if path is not None]
     make, tell = (_record, _told) if robot.period is not None else (timed.record, timed.told)
+    make, tell = (make, tell) if machine_of(robot).is_single else (bodies.record, bodies.told)
     record = make(study, run, written)
     if asked.json:
         show.print_json(record)
@@ -54,11 +55,12 @@ def _record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     works = {name: float(getattr(balance, name)[balance.settle :].mean()) for name in ("drive", "gravity", "friction", "actuator")}
     return {
         "robot": study.title(),
-        "law": type(run.model.friction).__name__,
+        "law": machine_of(run.model).law_names,
         "dimensionless": study.dimensionless,
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
         "motion": told,
+        "has_drive": machine_of(run.model).drive is not None,
         "period_time": run.period_time,
         "velocity_max": fastest,
         "velocity_min": slowest,
@@ -92,7 +94,7 @@ def _told(record: dict[str, Any]) -> str:
     low, high, mean = (show.quantity(record[name], per_second) for name in ("velocity_min", "velocity_max", "mean_velocity"))
     rows = [
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
-        ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})"),
+        ("motion type", f"{m['type']}  (pattern {m['pattern']}{twin})") if record["has_drive"] else ("motion", f"pattern {m['pattern']}"),
         ("repeats after", "not found" if m["period"] is None else f"{count} of {record['period_time']:.6g}{second}"),
         ("margin", f"{show.quantity(m['margin'], digits=3)}  (0 is the border to another type)"),
         ("parts of a period", percent),

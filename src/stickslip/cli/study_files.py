@@ -25,7 +25,7 @@ SOLVER = (
 #: Whether a study file may name code in this command.
 ALLOW_CODE: ContextVar[bool] = ContextVar("allow_code", default=False)
 _FILES: set[str] = set()  # names under which files of the user are loaded as modules
-_TABLES = ("robot", "mechanism", "make", "arguments", "solve", "identify")
+_TABLES = ("robot", "mechanism", "machine", "make", "arguments", "solve", "identify")
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,8 @@ def _make_room(name: str, path: Path) -> None:
 
 
 def _is_usable(made: Any) -> bool:
-    """Whether something may be a maker, a robot or mechanism, or a law."""
-    return callable(made) or hasattr(made, "friction") or hasattr(made, "breakaway") or hasattr(made, "rate")
+    """Whether something may be a maker, a robot, a mechanism or a machine, or a law."""
+    return callable(made) or any(hasattr(made, name) for name in ("friction", "contacts", "breakaway", "rate"))
 
 
 # ---- reading ----
@@ -136,7 +136,7 @@ def _read(text: str, name: str, folder: Path) -> Study:
 
 
 def _made(document: dict[str, Any]) -> bool:
-    return any(name in document for name in ("robot", "mechanism", "make"))
+    return any(name in document for name in ("robot", "mechanism", "machine", "make"))
 
 
 def _make(document: dict[str, Any], text: str, folder: Path, problems: Problems) -> Any:
@@ -144,6 +144,10 @@ def _make(document: dict[str, Any], text: str, folder: Path, problems: Problems)
     from stickslip.robot import Robot
 
     try:
+        if "machine" in document:
+            why = "machine holds the numbers of a class of your own, which a study file cannot name"
+            how = 'keep the machine in a Python file, in a function that returns it: make = "mine.py:rig" then runs rig with --allow-code'
+            raise InputError("machine", [f"{why}; {how}"])
         if "make" in document:
             return _function(str(document["make"]), folder)
         return _mechanism(document, text) if "mechanism" in document else Robot.from_toml(text)

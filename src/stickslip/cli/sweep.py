@@ -181,18 +181,11 @@ def _told(grid: Any, study: Any, written: str | None) -> str:
     """The first rows of the grid, and how its cases ended."""
     axes = _axes(grid)
     varying = [str(n) for n in grid.coords if n not in axes and set(grid[n].dims) & set(axes)]
-    names = (*axes, *varying, *_COLUMNS)
+    names = (*axes, *varying, *(name for name in _COLUMNS if name in grid))  # of several bodies there are no types
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
-    head = [
-        *(_headed(grid, d) for d in (*axes, *varying)),
-        _headed(grid, "mean_velocity"),
-        "type",
-        "pattern",
-        "period [drive periods]",
-        "margin",
-    ]
+    head = [_headed(grid, name).replace("motion_type", "type") for name in names]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.table(head, rows)]
     if cases > _SHOWN:

@@ -6,6 +6,7 @@ from collections import Counter
 from typing import Any
 
 from stickslip.cli import show
+from stickslip.machine import machine_of
 
 __all__ = ["record", "told"]
 
@@ -20,7 +21,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
     balance = energy(run)
     return {
         "robot": study.title(),
-        "law": type(run.model.friction).__name__,
+        "law": machine_of(run.model).law_names,
         "mechanism": type(run.model).__name__,
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "duration": float(run.pieces.t[-1] - run.pieces.t[0]),

@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.arguments import LawOrModel, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import LawAdapter, adapted, is_law
+from stickslip.friction.adapter import LawAdapter, adapted, is_law, law_of
 from stickslip.machine import is_machine
 from stickslip.mechanics import normal_load
 
@@ -145,7 +145,7 @@ def latex(model: LawOrModel) -> str:
     \end{aligned}
     """
     moves = is_machine(model)
-    law = model.friction if moves else model
+    law = law_of(model).law if moves else model
     if not is_law(law):
         given = f"{type(model).__name__} given; allowed is a friction law or a robot"
         raise InputError("latex", [f"{given}; type for example ss.latex(robot.friction)"])

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.contracts import Law
-from stickslip.errors import InputError
+from stickslip.errors import InputError, OneContactNeeded
 
 __all__ = ["TINY", "LawAdapter", "Switches", "adapted", "is_law", "law_of", "mirrored"]
 
@@ -202,7 +202,9 @@ def adapted(law: Law) -> LawAdapter:
 
 
 def law_of(model: Any) -> LawAdapter:
-    """The law of a model's contact, to be asked in one way."""
+    """The law of a model's only contact, to be asked in one way; an error of a machine that lists contacts."""
+    if callable(getattr(model, "contacts", None)):
+        raise OneContactNeeded.of(model, "law")
     return adapted(model.friction)
 
 

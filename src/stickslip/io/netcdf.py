@@ -13,7 +13,7 @@ __all__ = ["load"]
 
 
 @explains_arguments
-def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
+def load(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] = ()) -> Trajectory:
     """Read a run that `Trajectory.save` wrote.
 
     Parameters
@@ -22,6 +22,8 @@ def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
     laws : sequence of classes
         Your own friction laws, for runs that used one. Without them such a run still has its motion (t, x, v, z, mode, strobe points);
         its forces then say what to type.
+    machines : sequence of classes
+        Your own machines of bodies and contacts, for runs of one; such a run is not read without its class.
 
     Returns
     -------
@@ -39,4 +41,4 @@ def load(path: str | Path, laws: Sequence[type] = ()) -> Trajectory:
     >>> same.model == robot, bool((same.v == run.v).all())
     (True, True)
     """
-    return Trajectory(**read(path, laws))
+    return Trajectory(**read(path, laws, machines))

@@ -5,16 +5,17 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.drives.shifted import Shifted
 from stickslip.errors import Problems
 from stickslip.fields import everywhere, replace_leaf
 from stickslip.machine import machine_of
 from stickslip.machines.machine import Machine
-from stickslip.machines.parts import Body, Contact, Spring
+from stickslip.machines.parts import LINKS, Body, Contact, Spring
 from stickslip.maths import maximum, pi
 from stickslip.mechanics import normal_load
+from stickslip.robot import Robot
 
 __all__ = ["Chain"]
 
@@ -49,11 +50,16 @@ class Chain(Machine):
     link: Any
     phases: tuple[float, ...] | None = None
 
+    kind: ClassVar[str] = "chain"  # its name in a study file
+    _table: ClassVar[str] = "mechanism"
+    part_kinds: ClassVar[dict[str, dict[str, Any]]] = {"modules": {"robot": Robot}, "link": LINKS}
+
     def _check(self, problems: Problems) -> None:
         modules = self.modules
         if not isinstance(modules, tuple) or len(modules) < 2:
+            listed = "a list is no tuple, and a tuple means several parts; " if isinstance(modules, list) else ""
             problems.add(
-                f"modules = {modules!r}; allowed is a tuple of two robots or more (an array of numbers in one robot means cases); "
+                f"modules = {modules!r}; {listed}allowed is a tuple of two robots or more (an array of numbers in one robot means cases); "
                 "type modules=(head, tail)"
             )
             return
@@ -69,7 +75,8 @@ class Chain(Machine):
                 f"link has {len(self.link)} links for {len(modules)} modules; allowed is one link, or one for each pair of neighbours"
             )
         if isinstance(self.link, (list, type)) or self.link is None:
-            problems.add(f"link = {self.link!r}; allowed is a link; type link=ss.Spring(stiffness=1200.0, damping=0.4)")
+            listed = "a list is no tuple, and a tuple means several links; " if isinstance(self.link, list) else ""
+            problems.add(f"link = {self.link!r}; {listed}allowed is a link; type link=ss.Spring(stiffness=1200.0, damping=0.4)")
         for i, phase in enumerate(self.phases or ()):
             if not everywhere(abs(phase) <= 2 * pi):
                 problems.add(f"phases[{i}] = {phase!r}; allowed is from -2 pi to 2 pi [rad]")
@@ -132,7 +139,6 @@ class Chain(Machine):
         """Two modules that push in turn."""
         from stickslip.drives import Harmonic
         from stickslip.friction import Coulomb
-        from stickslip.robot import Robot
 
         module = Robot(0.06259, 0.00948, Harmonic(amplitude=6e-4, omega=65.4 * pi), Coulomb(mu_plus=0.15, mu_minus=0.21))
         return cls((module, module), link=Spring(stiffness=1200.0, damping=0.4), phases=(0.0, 0.5 * pi))

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from stickslip.batch import check_shape, shape_of
-from stickslip.errors import InputError, Problems
+from stickslip.errors import InputError, OneContactNeeded, Problems
 from stickslip.fields import Frozen
 from stickslip.machines.checks import check_parts
 from stickslip.mechanics import SeveralBodies
 from stickslip.tables import from_toml, record_html, to_toml
 
 __all__ = ["Machine"]
+
+#: What a machine of one body on one contact says of itself.
+_OF_ONE = ("friction", "load", "acceleration", "contact_velocity", "total_mass", "velocity_scale", "drive", "track")
 
 
 class Machine(Frozen):
@@ -58,8 +61,15 @@ class Machine(Frozen):
     (('head', 'tail'), 0.9810000000000001)
     """
 
+    _table: ClassVar[str] = "machine"  # what its table in TOML is called
+
     #: After this time the drives repeat [s]; None where nothing does: a run is then so many seconds long.
     period: Any = None
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _OF_ONE:
+            raise OneContactNeeded.of(self, name)
+        raise AttributeError(f"{type(self).__name__} has no {name!r}")
 
     def bodies(self) -> Mapping[str, Any]:
         """The bodies by name: a dictionary of `stickslip.Body`."""
@@ -97,13 +107,16 @@ class Machine(Frozen):
         return shape_of(self)
 
     def to_toml(self) -> str:
-        """The machine as TOML text, every digit kept; `from_toml` reads it back."""
-        return to_toml(self, "machine")
+        """The machine as TOML text, every digit kept; `from_toml` of its class reads it back.
+
+        A study file holds what `stickslip` knows by name, such as a `Chain`; of a class of your own it names the function that makes it.
+        """
+        return to_toml(self, self._table)
 
     @classmethod
     def from_toml(cls, text: str) -> Any:
         """A machine of this kind from the TOML text of `to_toml`."""
-        return from_toml(cls, text, "machine")
+        return from_toml(cls, text, cls._table)
 
     def _repr_html_(self) -> str:
         return record_html(self)

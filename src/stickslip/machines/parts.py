@@ -9,7 +9,7 @@ from stickslip.errors import Problems
 from stickslip.fields import Frozen, at_least, between, positive
 from stickslip.maths import is_symbol, maximum, where
 
-__all__ = ["Body", "Contact", "Rigid", "Spring", "Stop"]
+__all__ = ["LINKS", "Body", "Contact", "Rigid", "Spring", "Stop"]
 
 
 class _Part(Frozen):
@@ -196,3 +196,7 @@ class Stop(_Part):
         """Force of an elastic stop that keeps the two together as a tension does [N]; 0 while they do not touch."""
         depth = self.side * distance - self.gap
         return where(depth > 0, self.side * maximum(self.stiffness * depth + self.damping * (self.side * rate), 0.0), 0.0)
+
+
+#: The links by their names in a study file.
+LINKS: dict[str, Any] = {"spring": Spring, "rigid": Rigid}

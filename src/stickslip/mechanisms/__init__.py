@@ -1,6 +1,12 @@
-"""Mechanisms: the test benches of the field, each equations of motion with one contact. `MECHANISMS` lists them by name."""
+"""Mechanisms: the test benches of the field, each equations of motion with one contact.
+
+`MECHANISMS` lists by name what stands in the table [mechanism] of a study file: the benches, and chains of robots.
+"""
+
+from typing import Any
 
 from stickslip.contracts import Machine
+from stickslip.machines.chain import Chain
 from stickslip.mechanisms.block_on_belt import BlockOnBelt
 from stickslip.mechanisms.forced_oscillator import ForcedOscillator
 from stickslip.mechanisms.pulled_mass import PulledMass
@@ -9,4 +15,4 @@ __all__ = ["MECHANISMS", "BlockOnBelt", "ForcedOscillator", "PulledMass"]
 
 _ALL = (BlockOnBelt, ForcedOscillator, PulledMass)
 _KEEPING_THE_CONTRACT: tuple[type[Machine], ...] = _ALL  # mypy compares their methods
-MECHANISMS = {cls.kind: cls for cls in _ALL}
+MECHANISMS: dict[str, Any] = {cls.kind: cls for cls in (*_ALL, Chain)}

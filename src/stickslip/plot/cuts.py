@@ -101,6 +101,8 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
 def _strips(ax: Any, curves: list[Any], x: Any) -> None:
     """The motion types along the axis, a strip for each curve under all of them, with the curve's line at its left end."""
     height = 0.06
+    if not all("motion_type" in curve for curve in curves):  # of machines of several bodies there are none
+        return
     for i, curve in enumerate(curves):
         top = height * (len(curves) - i) - 0.01
         types = np.asarray((curve.isel(way=0) if "way" in curve.dims else curve)["motion_type"].values)

@@ -12,6 +12,7 @@ from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
 from stickslip.steadiness import STEADINESS, UNSETTLED
+from stickslip.sweeps.columns import column_of
 
 __all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 
@@ -60,7 +61,7 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
     """
     first, second = plane_of(grid, x, y)
     across, up = scaled(grid, first), scaled(grid, second)
-    types = np.asarray(grid["motion_type"].transpose(second, first).values)
+    types = np.asarray(column_of("plot", grid, "motion_type").transpose(second, first).values)
     present = [name for name in TYPE_COLOURS if (types == name).any()]
     codes = np.zeros(types.shape, int)
     for i, name in enumerate(present):
@@ -257,6 +258,8 @@ def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: 
     """Lines between the regions of different types, the corners of cells rounded off and specks left out; False if there are none."""
     import contourpy
 
+    if "motion_type" not in grid:
+        return False
     types = np.asarray(grid["motion_type"].transpose(second, first).values)
     names, codes = np.unique(types, return_inverse=True)
     if len(names) < 2 or min(types.shape) < 2:

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
+from stickslip.datasets import names_of
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
@@ -21,22 +22,39 @@ from stickslip.summary import Summary
 __all__ = ["forces", "limits", "phase", "rests", "sampled", "span", "velocity"]
 
 _POINTS = 1200  # per curve
+_WIDE = 30  # letters of a legend's row
 _MANY = 6000  # of a run that nothing drives, which is shown whole
 
 
-def _runs(run: Any) -> list[Any]:
+def _runs(run: Any, several: bool = False) -> list[Any]:
     runs = list(run) if isinstance(run, (list, tuple)) else [run]
     if not runs or any(isinstance(r, Summary) or not hasattr(r, "pieces") for r in runs):
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
-    return [of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
+    return [r if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
+
+
+def _parts(run: Any, dim: str) -> list[str]:
+    """Names of the bodies or contacts of a machine that lists them; none of a robot or a bench."""
+    return [] if machine_of(run.model).is_single else names_of(run)[dim]
+
+
+def _by_part(runs: list[Any], names: list[str], columns: list[tuple[Any, Any]], dim: str) -> list[tuple[str, int, Any, Any]]:
+    """Curves as (name, number of the run, t, values): one for each run, or one for each part of a run's machine."""
+    found = []
+    for i, (run, name, (t, values)) in enumerate(zip(runs, names, columns, strict=True)):
+        parts = _parts(run, dim)
+        if not parts:
+            found.append((name, i, t, values))
+        found += [(part if len(runs) == 1 else f"{name}, {part}", i, t, values[:, k]) for k, part in enumerate(parts)]
+    return found
 
 
 def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
     if labels is not None and len(labels) != len(runs):
         raise InputError("plot", [f"labels has {len(labels)} texts for {len(runs)} runs; give one for each run"])
-    return list(labels) if labels is not None else [type(r.model.friction).__name__ for r in runs]
+    return list(labels) if labels is not None else [machine_of(r.model).law_names for r in runs]
 
 
 def span(run: Any, periods: float | None = None, duration: float | None = None) -> tuple[float, float]:
@@ -92,13 +110,19 @@ def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
     return [(max(a, start), min(b, end)) for a, b in found if b > start and a < end]
 
 
-def _finish(ax: Any, runs: list[Any], more: Sequence[Any] = ()) -> Any:
-    """A legend above the axes: of several runs their names, and what else wants a word."""
-    curves = ax.get_legend_handles_labels()[0] if len(runs) > 1 else []
+def _finish(ax: Any, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
+    """A legend above the axes: of several curves their names, and what else wants a word."""
+    curves = ax.get_legend_handles_labels()[0] if len(drawn) > 1 else []
     if curves or more:
         handles = [*curves, *more]
-        legend_above(ax, handles=handles, ncols=min(len(handles), 4), columnspacing=1.4)
+        legend_above(ax, handles=handles, ncols=min(len(handles), _columns(handles)), columnspacing=1.4)
     return ax
+
+
+def _columns(handles: Sequence[Any]) -> int:
+    """How many columns of a legend the figure is wide enough for."""
+    longest = sorted((len(str(handle.get_label())) for handle in handles), reverse=True)[:4]
+    return 4 if sum(longest) <= _WIDE else 3
 
 
 def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: float, name: str = "") -> list[Any]:
@@ -129,6 +153,8 @@ def velocity(
 ) -> Any:
     """Velocity of the body over the last drive periods; where its contact sticks the background is shaded.
 
+    Of a machine of several bodies there is one curve for each, and no shade.
+
     Parameters
     ----------
     run : Trajectory or list of Trajectory
@@ -153,20 +179,22 @@ def velocity(
     >>> ss.plot.velocity(run, periods=2).get_ylabel()
     'velocity $v$ (mm/s)'
     """
-    runs = _runs(run)
+    runs = _runs(run, several=True)
     names, spans = _labels(runs, labels), [span(r, periods, duration) for r in runs]
-    curves = [sampled(r, *span, "v") for r, span in zip(runs, spans, strict=True)]
+    curves = _by_part(runs, names, [sampled(r, *span, "v") for r, span in zip(runs, spans, strict=True)], "body")
     time, seconds = prefix(*(b - a for a, b in spans))
-    factor, unit = prefix(*(v for _, v in curves))
+    factor, unit = prefix(*(v for *_, v in curves))
     with publication():
         ax = axes(ax)
-        shaded = _shade(ax, rests(runs[0], *spans[0]), spans[0][0], time, names[0] if len(runs) > 1 else "")
+        rested = [] if _parts(runs[0], "body") else rests(runs[0], *spans[0])
+        shaded = _shade(ax, rested, spans[0][0], time, names[0] if len(runs) > 1 else "")
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
-        for i, ((t, v), (start, _), name) in enumerate(zip(curves, spans, names, strict=True)):
-            ax.plot((t - start) * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+        for i, (name, number, t, v) in enumerate(curves):
+            since = t - spans[number][0]
+            ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
         _time_axis(ax, runs[0], spans[0], time, seconds)
         ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
-        return _finish(ax, runs, shaded)
+        return _finish(ax, curves, shaded)
 
 
 @explains_arguments
@@ -181,7 +209,8 @@ def phase(
 
     The mean motion over the periods shown is taken out, as the paper does ("subtracting the rigid displacements"), so that a
     periodic motion gives a closed curve with one strobe point for each of its drive periods. Where nothing drives there are no strobe
-    points, and the displacement is that from the spring's far end, so that a limit cycle is a closed curve.
+    points, and the displacement is that from the spring's far end, so that a limit cycle is a closed curve. Of a machine of several
+    bodies there is one curve for each.
 
     Parameters
     ----------
@@ -206,11 +235,12 @@ def phase(
     >>> ss.plot.phase(run).get_xlabel()
     'displacement without drift $x - Vt$ (µm)'
     """
-    runs = _runs(run)
+    runs = _runs(run, several=True)
     names = _labels(runs, labels)
     if duration is not None and runs[0].model.period is not None:
         raise InputError("plot", [f"duration = {duration!r}; a driven motion is shown for whole drive periods; type periods=3"])
-    orbits = [_orbit(r, span(r, _shown(r) if periods is None else periods, duration)) for r in runs]
+    named = _orbits(runs, names, [span(r, _shown(r) if periods is None else periods, duration) for r in runs])
+    names, orbits = [name for name, _ in named], [orbit for _, orbit in named]
     across, metres = prefix(*(s for s, _, _, _ in orbits))
     up, unit = prefix(*(v for _, v, _, _ in orbits))
     with publication():
@@ -223,7 +253,7 @@ def phase(
         ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}m)")
         ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
         ax.margins(0.06)
-        return _finish(ax, runs, [_strobe_word()] if runs[0].model.period is not None else [])
+        return _finish(ax, orbits, [_strobe_word()] if runs[0].model.period is not None else [])
 
 
 def _displacement(model: Any) -> str:
@@ -247,28 +277,40 @@ def _shown(run: Any) -> int | None:
     return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
 
 
-def _orbit(run: Any, span: tuple[float, float]) -> tuple[Any, Any, Any, Any]:
+def _orbits(runs: list[Any], names: list[str], spans: list[tuple[float, float]]) -> list[tuple[str, tuple[Any, Any, Any, Any]]]:
+    """The orbit of each run, or of each body of a run, by name."""
+    found = []
+    for run, name, span in zip(runs, names, spans, strict=True):
+        parts = _parts(run, "body")
+        found += [(part if len(runs) == 1 else f"{name}, {part}", _orbit(run, span, k)) for k, part in enumerate(parts)]
+        found += [] if parts else [(name, _orbit(run, span))]
+    return found
+
+
+def _orbit(run: Any, span: tuple[float, float], body: int | None = None) -> tuple[Any, Any, Any, Any]:
     """Displacement without drift and velocity over a span, and both at the strobe times, of which there are none where nothing drives."""
     start, end = span
+    own = (...,) if body is None else (..., body)
     if run.model.period is None:
         t, v = sampled(run, start, end, "v")
         none = np.empty(0)
-        return sampled(run, start, end, "x")[1] - machine_of(run.model).far_end_velocity * t, v, none, none
+        return sampled(run, start, end, "x")[1][own] - machine_of(run.model).far_end_velocity * t, v[own], none, none
     count = max(round((end - start) / run.period_time), 1)
     events = np.array([e.t for e in run.events if start < e.t < end])
     t = np.unique(np.concatenate([np.linspace(start, end, 400 * count + 1), events]))
     found, ends = run.at(t), run.at(np.array([start, end]))
-    drift, strobe = (ends["x"][1] - ends["x"][0]) / (end - start), run.at(np.clip(run.strobe_times[-count - 1 :], start, end))
-    s = found["x"] - drift * (t - start)
+    drift = (ends["x"][1] - ends["x"][0])[own] / (end - start)
+    strobe = run.at(np.clip(run.strobe_times[-count - 1 :], start, end))
+    s = found["x"][own] - drift * (t - start)
     middle = 0.5 * (s.max() + s.min())
-    return s - middle, found["v"], strobe["x"] - drift * (strobe["t"] - start) - middle, strobe["v"]
+    return s - middle, found["v"][own], strobe["x"][own] - drift * (strobe["t"] - start) - middle, strobe["v"][own]
 
 
 @explains_arguments
 def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
     """Drive force and friction force over the last drive periods, with the break-away forces or the limits of sliding.
 
-    Of a mechanism there is the friction force alone.
+    Of a mechanism there is the friction force alone, of a machine of several contacts that of each.
 
     Parameters
     ----------
@@ -291,7 +333,9 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     >>> ss.plot.forces(run).lines[-1].get_label()
     'friction force $R$'
     """
-    (run,) = _runs(run) if len(_runs(run)) == 1 else _runs(None)
+    (run,) = _runs(run, several=True) if len(_runs(run, several=True)) == 1 else _runs(None)
+    if _parts(run, "contact"):
+        return _forces_of_contacts(run, periods, ax, duration)
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
     shown = {"friction force $R$": "friction_force"}
     if machine_of(run.model).drive is not None:
@@ -313,6 +357,22 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
         handles = [*ax.get_legend_handles_labels()[0], *shaded]
         legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
         return ax
+
+
+def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: float | None) -> Any:
+    """Friction force of each contact."""
+    start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
+    curves = _by_part([run], [""], [sampled(run, start, end, "friction_force")], "contact")
+    time, seconds = prefix(end - start)
+    factor, unit = prefix(*(R for *_, R in curves))
+    with publication():
+        ax = axes(ax)
+        ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+        for i, (name, _, t, R) in enumerate(curves):
+            ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
+        _time_axis(ax, run, (start, end), time, seconds)
+        ax.set_ylabel(f"friction force $R$ ({unit}N)")
+        return _finish(ax, curves)
 
 
 def limits(run: Any, t: Any) -> tuple[Any, ...]:

@@ -98,7 +98,9 @@ def _facts(run: Any) -> list[tuple[str, str]]:
     shares = ", ".join(f"{name} {100 * getattr(m, f'{name}_fraction'):.1f} %" for name in ("forward", "backward", "stick"))
     return [
         ("mean velocity", f"{1e3 * mean_velocity(run):.6g} mm/s".replace("-", "−")),
-        ("motion type", f"{m.type} (pattern {m.pattern}, margin {m.margin:.3g})"),
+        ("motion type", f"{m.type} (pattern {m.pattern}, margin {m.margin:.3g})")
+        if machine_of(run.model).drive is not None
+        else ("motion", f"pattern {m.pattern}"),
         ("repeats after [drive periods]", period),
         ("parts of a period", shares),
         ("velocity", f"{slowest:.6g} to {fastest:.6g} mm/s".replace("-", "−")),

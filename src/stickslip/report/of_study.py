@@ -10,6 +10,7 @@ from stickslip.report.html import page
 from stickslip.report.of_run import UNITLESS, moments, numbers, sources
 from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
+from stickslip.sweeps.columns import column_of
 
 __all__ = ["study_page"]
 
@@ -38,6 +39,7 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
     >>> "<h1>Eleven robots</h1>" in study_page(grid, "Eleven robots")
     True
     """
+    types = column_of("report", grid, "motion_type")
     fastest = run_again(grid)
     return page(
         "study.html",
@@ -45,7 +47,7 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
         axes=_axes(grid),
         numbers=_numbers(grid),
         toml=grid.attrs.get("robot", ""),
-        shares=_counted(grid["motion_type"].values),
+        shares=_counted(types.values),
         ends=_ends(grid),
         figures=figures(grid),
         library=chart_library(),

@@ -101,9 +101,12 @@ def solve(
 def _solver(todo: Request) -> Callable[[Request], Any]:
     """The function that does what was asked."""
     name, machine = todo.method, machine_of(todo.model)
-    laws = " + ".join(dict.fromkeys(law.name for law in machine.laws))
+    laws = machine.law_names
     if not all(law.compiles for law in machine.laws) and name in ("rk4", "rodas4", "rodas5p"):
         raise InputError("solve", [f'method = {name!r} is compiled, and {laws} is written for plain numbers only; type method="auto"'])
+    if name == "rk4" and not machine.is_single:
+        kind = type(todo.model).__name__
+        raise InputError("solve", [f'method = "rk4" takes one body on one contact, and {kind} lists several; type method="auto"'])
     why = refused(todo.model)
     if name == "auto":
         name = "dop853" if why else "rosenbrock" if machine.has_inner_states else "exact"

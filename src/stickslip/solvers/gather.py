@@ -90,7 +90,11 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
         **(of_body if machine_of(todo.model).is_single else {}),
         "period": np.where(good, raw.period, 0),
         "displacement": raw.displacement,
-        **({} if raw.friction_power is None else {"friction_power": np.where(good, raw.friction_power, np.nan)}),
+        **(
+            {}
+            if raw.friction_power is None or not machine_of(todo.model).is_single
+            else {"friction_power": np.where(good, raw.friction_power, np.nan)}
+        ),
         "steadiness": steadiness.astype(np.int8),
         "settling_error": np.where(np.isfinite(approached), abs(velocity - approached), np.nan),
         "periods_run": raw.periods_run,

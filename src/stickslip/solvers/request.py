@@ -255,7 +255,6 @@ def provenance(todo: Request, method: str, tolerance: float | None) -> dict[str,
     settings = {"method": method, "rtol": tolerance, "periods": todo.periods, "settle": "auto" if todo.auto else todo.settle}
     settings |= {"slip_ratio": todo.slip_ratio, "dwell": todo.dwell}
     settings |= {} if todo.duration is None else {"duration": todo.duration}
-    laws = dict.fromkeys(law.name for law in machine_of(todo.model).laws)
-    kinds = {"law": " + ".join(laws), "model": type(todo.model).__name__}
+    kinds = {"law": machine_of(todo.model).law_names, "model": type(todo.model).__name__}
     parameters = {} if todo.labels.shape else {name: float(value) for name, value in leaves(todo.model)}
     return {"versions": versions, "settings": settings, "kinds": kinds, "parameters": parameters}

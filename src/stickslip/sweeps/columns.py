@@ -7,13 +7,32 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.steadiness import STEADINESS, UNKNOWN
 from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
 __all__ = [
-    "BAD", "BETWEEN", "COLUMNS", "END", "FAILED", "STATUSES", "TYPES", "UNDONE", "all_failed", "characters", "coded", "described", "empty",
-    "filled", "flags", "from_characters", "joined", "vacant", "words",
+    "BAD",
+    "BETWEEN",
+    "COLUMNS",
+    "END",
+    "FAILED",
+    "STATUSES",
+    "TYPES",
+    "UNDONE",
+    "all_failed",
+    "characters",
+    "coded",
+    "column_of",
+    "described",
+    "empty",
+    "filled",
+    "flags",
+    "from_characters",
+    "joined",
+    "vacant",
+    "words",
 ]  # fmt: skip
 
 Array = Any
@@ -42,6 +61,22 @@ COLUMNS: dict[str, str] = {
 def all_failed(status: Array) -> bool:
     """Whether there are cases and every one of them failed with an error: then the law or the maker is wrong, and not some numbers."""
     return len(status) > 0 and bool((status == FAILED).all())
+
+
+def column_of(what: str, grid: Any, name: str) -> Any:
+    """A column of a dataset; `InputError` of `what` where it is not there, as motion types are not of machines of several bodies.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> column_of("plot", xr.Dataset({"mean_velocity": ("case", [0.1])}), "mean_velocity").values.tolist()
+    [0.1]
+    """
+    if name in grid.variables:
+        return grid[name]
+    has = ", ".join(str(n) for n in grid.data_vars)
+    why = f"the dataset has no {name}; it has {has}. Motion types and all that goes with them are those of one body on one contact"
+    raise InputError(what, [f"{why}; of machines of several bodies type ss.plot.velocity_map(grid), or ss.motion(run) of one run"])
 
 
 def empty(count: int) -> dict[str, Array]:

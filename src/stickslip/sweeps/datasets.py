@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.jsontext import plain
+from stickslip.machine import machine_of
 from stickslip.presets import DIMENSIONLESS
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import COLUMNS, described
@@ -36,7 +37,7 @@ def provenance_of(plan: Plan) -> dict[str, Any]:
     versions |= {name: _version(name) for name in ("numba", "scipy", "xarray")}
     settings = {**plan.options, **({"continue_along": plan.along} if plan.along else {})}
     sample = plan.sample
-    kinds = {} if sample is None else {"law": type(sample[0].friction).__name__, "model": type(sample[0]).__name__}
+    kinds = {} if sample is None else {"law": machine_of(sample[0]).law_names, "model": type(sample[0]).__name__}
     return {"versions": versions, "settings": settings, "kinds": kinds, **plan.space.attributes}
 
 

@@ -43,6 +43,9 @@ def solve_to_end(robot: Any, start: dict[str, Any], options: dict[str, Any], wor
 
 def unfollowed(robot: Any, method: str) -> str | None:
     """Why the end states of a robot are not known, as a sentence; None where they are."""
+    if not machine_of(robot).is_single:
+        what = f"a {type(robot).__name__} has several bodies, and a case is started from the state of one"
+        return f"continue_along needs the end states of one body, and {what}; leave it out"
     law = law_of(robot)
     known = ("auto", "rodas4", "rodas5p") if law.dynamic else ("auto", "exact")
     if method in known and law.compiles:

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.batch import Labels, spread
 from stickslip.errors import InputError, Problems
-from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.sweeps.axes import Space, space_of
 from stickslip.sweeps.columns import COLUMNS
 from stickslip.sweeps.robots import groups_of, refusals
@@ -138,7 +138,8 @@ def _tile(plan: Plan) -> int:
     if plan.along:
         return max(1, min(plan._units, 4096 // plan.space.sizes[plan.along] or 1, 256))
     slow = plan.sample is not None and (
-        plan.options["method"] in ("rk4", "radau", "lsoda", "bdf", "dop853") or not law_of(plan.sample[0]).compiles
+        plan.options["method"] in ("rk4", "radau", "lsoda", "bdf", "dop853")
+        or not all(law.compiles for law in machine_of(plan.sample[0]).laws)
     )
     return _SLOW if slow else min(_LARGEST, max(_SMALLEST, plan.cases // 64))
 

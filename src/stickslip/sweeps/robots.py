@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.batch import point_by_point
 from stickslip.errors import InputError
 from stickslip.fields import leaves
+from stickslip.machine import is_machine
 from stickslip.robot import Robot
 from stickslip.sweeps.axes import START, Space
 
@@ -84,7 +85,7 @@ def _batch(make: Any, fixed: dict[str, Any], numbers: dict[str, Array]) -> Robot
         return make.replace({**fixed, **numbers})
     try:
         robot = make(**fixed, **numbers)
-        if hasattr(robot, "friction"):
+        if is_machine(robot):
             return robot
     except InputError:
         raise

@@ -25,6 +25,11 @@ __all__ = ["Cancelled", "columns_of", "columns_of_group", "kept_columns", "solve
 
 Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
+#: Columns that are about the velocity of one body or the friction of one contact: a machine of several has none of them.
+OF_ONE = (
+    "motion_type", "pattern", "direction", "margin", "stick_fraction", "forward_fraction", "backward_fraction", "velocity_max",
+    "velocity_min", "drive_power", "cost_of_transport", *ALPHAS,
+)  # fmt: skip
 Tell = Callable[[int], None]  # cases begun
 Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
 
@@ -74,9 +79,9 @@ def solved_points(
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """Columns that say something about the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample[0]))
-    return tuple(
-        name for name in COLUMNS if (known or name not in ALPHAS) and name not in plan.space.columns and name not in plan.space.dims
-    )
+    several = plan.sample is not None and not machine_of(plan.sample[0]).is_single
+    left_out = (*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *(OF_ONE if several else ()))
+    return tuple(name for name in COLUMNS if name not in left_out)
 
 
 def _counted(sentences: Any) -> dict[str, int]:
@@ -143,7 +148,8 @@ def columns_of(
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     found = {name: many.columns[name] for name in COLUMNS if name in many.columns}
-    found |= _power(robot, many.columns, more) | _alphas(robot)
+    if machine_of(robot).is_single:
+        found |= _power(robot, many.columns, more) | _alphas(robot)
     ends = {name: values for name, values in more.items() if name.startswith(END)}
     return {name: np.ravel(values) for name, values in found.items()} | ends
 
@@ -187,6 +193,8 @@ def _along_the_ways(robot: Any, columns: dict[str, Array], more: dict[str, Array
 
 def _alphas(robot: Any) -> dict[str, Array]:
     """alpha_plus and alpha_minus of the robot, or of its twin with Coulomb friction at the kinetic coefficients, where it has them."""
+    if not machine_of(robot).is_single:
+        return {}
     twin = coulomb_twin(robot)
     if twin is None or handles(twin) is not None:
         return {}

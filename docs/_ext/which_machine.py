@@ -1,0 +1,82 @@
+"""The table of the page on which machine goes through which door: made from what tests/test_every_machine.py tries.
+
+``python docs/_ext/which_machine.py`` tries every machine at every door and writes docs/which-machine.md anew.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+YES = "yes"
+PAGE = Path(__file__).parent.parent / "which-machine.md"
+BEGIN, END = "<!-- the table begins -->", "<!-- the table ends -->"
+
+
+def cell(door, case):
+    """What becomes of a machine at a door: yes, or the first sentence of the reason, without the numbers given."""
+    from stickslip.errors import InputError
+
+    try:
+        door(case)
+    except InputError as error:
+        return short(error.problems[0])
+    return YES
+
+
+def short(problem):
+    """The reason, up to what is allowed, without the name of the machine."""
+    of_one = re.search(r"allowed is one body on one contact, as (.*?);", problem)
+    if of_one:
+        return f"it takes one body on one contact: {of_one[1]}"
+    said = re.split(r"; (?:allowed|type|give|in Python|take)", problem, maxsplit=1)[0].replace("|", "/")
+    return re.sub(r"^[A-Z]\w+ (has|is|lists)", r"it \1", said)
+
+
+def table(cells):
+    """The cells as a Markdown table: doors down, machines across; reasons as numbered remarks below."""
+    machines, doors = (list(dict.fromkeys(key[i] for key in cells)) for i in (0, 1))
+    reasons = list(dict.fromkeys(said for door in doors for name in machines if (said := cells[name, door]) != YES))
+    lines = ["| |" + "".join(f" {name} |" for name in machines), "|---|" + "---|" * len(machines)]
+    for door in doors:
+        row = [cells[name, door] for name in machines]
+        lines.append(f"| `{door}` |" + "".join(f" {YES if said == YES else f'no ({reasons.index(said) + 1})'} |" for said in row))
+    return "\n".join([*lines, "", *(f"{i}. {reason}." for i, reason in enumerate(reasons, start=1))])
+
+
+def kept_table(text):
+    """The cells back from the page."""
+    body = text.partition(BEGIN)[2].partition(END)[0].strip()
+    reasons = dict(re.findall(r"^(\d+)\. (.*)\.$", body, re.MULTILINE))
+    head, _, *rows = [[part.strip() for part in line.split("|")[1:-1]] for line in body.splitlines() if line.startswith("|")]
+    found = {}
+    for first, *row in rows:
+        for name, said in zip(head[1:], row, strict=True):
+            found[name, first.strip("`")] = YES if said == YES else reasons[re.fullmatch(r"no \((\d+)\)", said)[1]]
+    return found
+
+
+def main():
+    """Write the table into the page."""
+    sys.path.insert(0, str(PAGE.parent.parent / "tests"))
+    import matplotlib.pyplot as plt
+
+    from every import Case, every_door, every_machine
+
+    cells = {}
+    for name, made in every_machine.items():
+        with tempfile.TemporaryDirectory() as folder:
+            case = Case(name, *made, Path(folder))
+            for door, tried in every_door.items():
+                cells[name, door] = cell(tried, case)
+                plt.close("all")
+                print(f"{name}, {door}: {cells[name, door]}", flush=True)
+    text = PAGE.read_text(encoding="utf-8")
+    before, after = text.partition(BEGIN)[0], text.partition(END)[2]
+    PAGE.write_text(f"{before}{BEGIN}\n\n{table(cells)}\n\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

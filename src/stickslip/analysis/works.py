@@ -1,0 +1,74 @@
+"""The powers of a machine that lists its bodies, part by part: what comes in, what links store, what friction and dampers take."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+__all__ = ["kinetic", "lost_at_hits", "powers", "unbalanced"]
+
+Array = Any
+_INSTANTS = 7  # of a period, at which a prescribed distance is asked whether it moves
+
+
+def unbalanced(mechanics: Any) -> str:
+    """Why the energy of a machine cannot be balanced, as a sentence about it; "" where it can."""
+    T = 1.0 if mechanics.period is None else float(mechanics.period)
+    for (first, second), link in mechanics.told:
+        if any(link.velocity(T * k / _INSTANTS) != 0.0 for k in range(_INSTANTS)):
+            return f"prescribes the distance of {first} and {second}, and no part says which force does that and so what work comes in"
+    return ""
+
+
+def kinetic(mechanics: Any, v: Array) -> Array:
+    """Kinetic energy of all bodies from their velocities (..., bodies) [J]."""
+    return 0.5 * v**2 @ np.array([float(body.mass) for body in mechanics.parts.values()])
+
+
+def powers(mechanics: Any, t: Array, x: Array, v: Array, column: dict[str, Array]) -> dict[str, Array]:
+    """Powers [W] at instants, from positions and velocities (n, bodies) and the columns of the contacts.
+
+    Returns
+    -------
+    dict
+        drive: of applied forces and of what moves the ground; friction: R w of all contacts; potential: into links and elastic stops,
+        under the force that they have at rest; damping: what else they take.
+    """
+    none = np.zeros_like(t)
+    R, slip = column["friction_force"], column["slip"]
+    stored, damped = none, none
+    for ends, link in mechanics.elastic:
+        distance, rate = mechanics.distance(ends, x.T), mechanics.distance(ends, v.T)
+        still = link.force(distance, 0.0 * rate)
+        stored, damped = stored + still * rate, damped + (link.force(distance, rate) - still) * rate
+    drive = _applied(mechanics, t, x, v) + _of_the_ground(mechanics, v, R, slip)
+    return {"drive": drive + none, "friction": (R * slip).sum(axis=1), "potential": stored, "damping": damped}
+
+
+def _applied(mechanics: Any, t: Array, x: Array, v: Array) -> Array:
+    """Power of the applied forces [W]."""
+    at, moving = (dict(zip(mechanics.bodies, of.T, strict=True)) for of in (x, v))
+    own: Array = sum(body.applied(t, at[name], moving[name]) * moving[name] for name, body in mechanics.parts.items())
+    return own + sum(force * moving[name] for name, force in mechanics.model.forces(t, at, moving).items())
+
+
+def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:
+    """A contact takes R w; its bodies give R times their own relative velocity, and what moves the ground gives the rest [W]."""
+    moving = dict(zip(mechanics.bodies, v.T, strict=True))
+    total = np.zeros(len(v))
+    for i, contact in enumerate(mechanics.joints.values()):
+        other = moving[contact.on] if isinstance(contact.on, str) else 0.0
+        total = total + R[:, i] * (slip[:, i] - (moving[contact.body] - other))
+    return total
+
+
+def lost_at_hits(run: Any, mechanics: Any) -> list[tuple[float, float]]:
+    """Instants at which stops throw bodies back, and the kinetic energy that is lost there [J]."""
+    if not mechanics.stops or len(run.pieces.mode) < 2:
+        return []
+    nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
+    before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
+    thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, _ in run._impulses])
+    lost = kinetic(mechanics, before) - kinetic(mechanics, after)
+    return [(float(t), float(loss)) for t, loss in zip(nodes[thrown], lost[thrown], strict=True)]

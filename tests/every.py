@@ -1,0 +1,290 @@
+"""Every sort of machine, and every door it may be brought to: the table of the docs' page "Which machine" comes from here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import stickslip as ss
+from stickslip.maths import pi, sin
+
+SHAKEN = ss.Robot(
+    body_mass=0.06259, inner_mass=0.00948, drive=ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), friction=ss.Coulomb(0.15, 0.21)
+)  # fmt: skip
+DRY, STICTION = ss.Coulomb(mu_plus=0.2, mu_minus=0.3), ss.Coulomb(mu_plus=0.2, mu_minus=0.2, f_plus=0.3, f_minus=0.3)
+
+
+@dataclass(frozen=True, eq=False)
+class Capsule(ss.Machine):
+    """A hammer on a spring inside a capsule, with an elastic stop."""
+
+    stiffness: float
+    friction: Any
+    gap: float = 0.002
+    wall: float = 2e4
+    omega: float = 100.0
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        def push(sign):
+            return lambda t, x, v: sign * 0.8 * sin(self.omega * t)
+
+        return {"capsule": ss.Body(0.1, force=push(-1.0)), "hammer": ss.Body(0.05, force=push(1.0))}
+
+    def contacts(self):
+        return {"capsule": ss.Contact("capsule", self.friction, load=1.5)}
+
+    def links(self):
+        return {("hammer", "capsule"): ss.Spring(self.stiffness, damping=0.05)}
+
+    def stops(self):
+        return {("hammer", "capsule"): ss.Stop(gap=self.gap, stiffness=self.wall, damping=1.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Tow(ss.Machine):
+    """The machine of the page on machines of one's own: a shaken head that tows a sledge."""
+
+    head: float
+    sledge: float
+    push: float
+    omega: float
+    stiffness: float
+    damping: float
+    friction: Any
+    gravity: float = 9.81
+
+    @property
+    def period(self):
+        return 2 * pi / self.omega
+
+    def bodies(self):
+        shaken = ss.Body(self.head, force=lambda t, x, v: self.push * sin(self.omega * t))
+        return {"head": shaken, "sledge": ss.Body(self.sledge)}
+
+    def contacts(self):
+        return {name: ss.Contact(name, self.friction) for name in ("head", "sledge")}
+
+    def links(self):
+        return {("head", "sledge"): ss.Spring(self.stiffness, self.damping)}
+
+
+def _chain(module):
+    return ss.Chain((module, module), link=ss.Spring(stiffness=1200.0, damping=0.4), phases=(0.0, 1.57))
+
+
+#: What stands in the rows of the table: a machine, and the name of a number of it with two values.
+every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
+    "Robot": (SHAKEN, "drive.amplitude", (5e-4, 6e-4)),
+    "PulledMass": (ss.PulledMass(1.0, 2.0, 0.1, STICTION, load=1.0), "speed", (0.1, 0.15)),
+    "BlockOnBelt": (ss.BlockOnBelt(1.0, 2.0, 0.1, STICTION, load=1.0), "speed", (0.1, 0.15)),
+    "ForcedOscillator": (ss.ForcedOscillator(1.0, 1.0, 0.01, 1.0, 0.7, DRY), "omega", (0.6, 0.7)),
+    "Chain, set-valued laws": (_chain(SHAKEN), "phases.1", (0.5, 1.57)),
+    "Chain, LuGre": (_chain(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)), "link.stiffness", (500.0, 1200.0)),
+    "capsule with an elastic stop": (Capsule(300.0, DRY), "stiffness", (280.0, 300.0)),
+    "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
+}
+OWN = (Capsule, Tow)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One machine at the doors: what they are called with is made here once."""
+
+    name: str
+    machine: Any
+    number: str
+    values: tuple[float, float]
+    folder: Path
+
+    @property
+    def length(self):
+        return {"duration": 4.0} if self.machine.period is None else {"periods": 12}
+
+    @property
+    def several(self):
+        return hasattr(self.machine, "contacts")
+
+    @property
+    def axis(self):
+        return {self.number: list(self.values)}
+
+    def run(self):
+        return ss.solve(self.machine, **self.length)
+
+
+# ---- doors: each looks at what it got, so that a silent answer of the first body is none ----
+def _solve(c):
+    run = c.run()
+    assert run.status == "finished" and np.isfinite(ss.mean_velocity(run))
+    assert run.x.shape == ((len(run.t), 2) if c.several else (len(run.t),))
+
+
+def _batch(c):
+    many = ss.solve(c.machine.replace({c.number: np.array(c.values)}), keep="summary", **c.length)
+    alone = ss.solve(c.machine.replace({c.number: c.values[1]}), **c.length)
+    assert np.isclose(many.mean_velocity[1], ss.mean_velocity(alone), rtol=1e-6, atol=1e-9)
+
+
+def _sweep(c):
+    grid = ss.sweep(c.machine, **c.axis, **c.length)
+    assert grid.mean_velocity.dims == (c.number,) and np.isfinite(grid.mean_velocity.values).all()
+    assert ("motion_type" in grid) == (not c.several)
+
+
+def _map(c):
+    other = {"modules.0.inner_mass": [0.009, 0.0095]} if isinstance(c.machine, ss.Chain) else {"friction.mu_plus": [0.2, 0.25]}
+    grid = ss.map(c.machine, **c.axis, **other, **c.length)
+    assert grid.mean_velocity.shape == (2, 2) and ss.plot.velocity_map(grid).get_xlabel()
+
+
+def _study(c):
+    grid = ss.sweep(c.machine, **c.axis, **c.length, out=c.folder / "study")
+    again = ss.open_study(c.folder / "study")
+    assert np.array_equal(again.mean_velocity.values, grid.mean_velocity.values)
+
+
+def _motion(c):
+    m = ss.motion(c.run())
+    if c.several:
+        assert set(m.contacts) == set(c.machine.contacts()) and set(m.anchored) <= set(m.contacts)
+    else:
+        assert m.type in ("rest", "presliding", "I", "II", "III", "IV", "other")
+
+
+def _energy(c):
+    balance = ss.energy(ss.solve(c.machine, **c.length, rtol=1e-9))
+    assert balance.worst < 1e-6 and balance.friction[-1] > 0
+
+
+def _check(c):
+    assert ss.check(c.machine, periods=2, rk4_steps=()).digits >= 2
+
+
+def _periodic_mean_velocity(c):
+    assert np.isfinite(ss.periodic_mean_velocity(c.machine, periods=400))
+
+
+def _orbit(c):
+    orbit = ss.periodic_orbit(c.machine)
+    assert len(np.atleast_1d(orbit.multipliers)) > 0
+
+
+def _lyapunov(c):
+    assert ss.lyapunov(c.machine, periods=50).spectrum is not None
+
+
+def _continuation(c):
+    low, high = c.values
+    branch = ss.continuation(c.machine, parameter=c.number, start=low, stop=low + 0.05 * (high - low))
+    assert len(branch.orbits) > 1
+
+
+def _basins(c):
+    assert ss.basins(c.machine, v=[0.0, 0.05], settle=100).attractors
+
+
+def _bifurcation(c):
+    grid = ss.bifurcation(c.machine, parameter=c.number, values=list(c.values), settle=20, points=2, follow=False)
+    assert grid.sizes[c.number] == 2
+
+
+def _toml(c):
+    assert type(c.machine).from_toml(c.machine.to_toml()) == c.machine
+
+
+def _save(c):
+    run = c.run()
+    again = ss.load(run.save(c.folder / "run.nc"), machines=OWN)
+    assert again.model == c.machine and np.array_equal(again.v, run.v) and np.array_equal(again.friction_force, run.friction_force)
+
+
+def _xarray(c):
+    data = c.run().to_xarray()
+    assert ("body" in data.v.dims) == c.several and "friction_force" in data
+
+
+def _csv(c):
+    run = c.run()
+    head = Path(run.save(c.folder / "run.csv")).read_text(encoding="utf-8").partition("\n")[0]
+    assert head.count("v.") == (len(run.bodies) if c.several else 0)
+
+
+def _report(c):
+    from stickslip.report import run_page
+
+    assert "<h1>It moves</h1>" in run_page(c.run(), "It moves")
+
+
+def _velocity(c):
+    ax = ss.plot.velocity(c.run())
+    assert len([line for line in ax.lines if len(line.get_xdata()) > 2]) == (2 if c.several else 1)
+
+
+def _forces(c):
+    run = c.run()
+    labels = [line.get_label() for line in ss.plot.forces(run).lines]
+    assert all(name in labels for name in run.contacts) if c.several else any("friction force" in label for label in labels)
+
+
+def _phase(c):
+    assert ss.plot.phase(c.run()).get_ylabel().startswith("velocity")
+
+
+def _strobe(c):
+    assert len(ss.strobe(c.run()).v)
+
+
+def _spectrum(c):
+    assert ss.spectrum(c.run()) is not None
+
+
+def _latex(c):
+    assert r"\begin{aligned}" in ss.latex(c.machine)
+
+
+def _mirrored(c):
+    assert np.isclose(ss.mean_velocity(ss.solve(ss.mirrored(c.machine), **c.length)), -ss.mean_velocity(c.run()), rtol=1e-9)
+
+
+def _explorer(c):
+    from stickslip.explorer.opened import state_of
+
+    assert state_of(c.machine).track
+
+
+def _command(c):
+    """`stickslip run` of a study file; of a machine of one's own the file names a function."""
+    import contextlib
+    import io
+
+    from stickslip.cli import main
+
+    how = "\n".join(f"{name} = {value}" for name, value in c.length.items())
+    own = isinstance(c.machine, OWN)
+    (c.folder / "mine_of_every.py").write_text(f"from every import every_machine\n\ndef rig():\n    return every_machine[{c.name!r}][0]\n")
+    text = 'make = "mine_of_every.py:rig"\n' if own else c.machine.to_toml()
+    (c.folder / "study.toml").write_text(f"{text}\n[solve]\n{how}\n", encoding="utf-8")
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        assert main(["run", str(c.folder / "study.toml"), *(["--allow-code"] if own else [])]) == 0
+    assert "mean velocity" in out.getvalue() and (not c.several or all(name in out.getvalue() for name in c.machine.bodies()))
+
+
+#: Doors by what a user types.
+every_door = {
+    "ss.solve": _solve, "a batch": _batch, "ss.sweep": _sweep, "ss.map, plot.velocity_map": _map, "a study folder": _study,
+    "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
+    "ss.periodic_orbit": _orbit,
+    "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
+    "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
+    "CSV": _csv, "report": _report, "plot.velocity": _velocity,
+    "plot.forces": _forces, "plot.phase": _phase, "ss.strobe": _strobe, "ss.spectrum": _spectrum, "ss.latex": _latex,
+    "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
+}  # fmt: skip
