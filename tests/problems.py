@@ -268,3 +268,38 @@ class Clutches(ss.Machine):
     def contacts(self):
         law = ss.Coulomb(self.mu, self.mu)
         return {f"clutch {k}": ss.Contact(f"disc {k}", law, on=f"disc {k + 1}", load=lambda t, x, k=k: self.load(k, t)) for k in range(3)}
+
+
+# Reference numbers: machine, periods until they hold, mean velocity, tolerance [m/s], events of the last period (phase, modes after it).
+COUPLED = {  # machine, periods, V, tolerance [m/s], events of the last period: the phase, and the modes after it
+    "M2b": (chain(0.0, math.pi / 2), 150, 0.002938713863365, 3e-14, [
+        (0.1103776907, (1, 1)), (0.2661070734, (1, 0)), (0.2683576381, (1, -1)), (0.6133787840, (1, 0)), (0.6496800054, (-1, 0)),
+        (0.7169518165, (-1, 1)),
+    ]),
+    "M2c": (chain(0.0, math.pi), 150, 0.011119895989126, 1e-13, [
+        (0.0509880040, (1, 1)), (0.1343213373, (1, -1)), (0.5509880040, (1, 1)), (0.6343213373, (-1, 1)),
+    ]),
+    "M2g": (chain(0.0, 1.0, modules=(module(ss.Coulomb(0.18, 0.18)),) * 2), 150, 0.0, 1e-14, None),
+    "M2j": (chain(0.0, -1.0, modules=(module(), module(HIGH, 5e-4, 0.08))), 150, 0.001331177341432,
+            2e-14, None),
+    "M2l": (chain(0.0, math.pi / 2, modules=(
+        module(ss.Coulomb(0.18, 0.18), track=ss.Incline(tilt=math.radians(1.7))),) * 2), 150, 0.002903686864292, 3e-14, None),
+    "M3a": (chain(0.0, math.pi / 2, math.pi), 150, 0.002622117520593, 3e-14, None),
+    "M3c": (chain(0.0, -2 * math.pi / 3, -4 * math.pi / 3), 140, 0.0, 1e-14, None),
+}  # fmt: skip
+
+MASSES = {  # machine, periods, V, tolerance [m/s], phases of events
+    "C1": (CAPSULE_1, 150, 0.165538436583, 1e-11, None),
+    "C3": (CAPSULE_3, 120, 0.039424641879106, 2e-12, None),
+    "C7": (Capsule(1.0, 0.6, GRAZING - 1e-4, 4.0, restitution=0.6), 150, 0.024995142088, 2e-12, None),
+    "K1": (Forced(0.5), 250, 0.020420489041022, 2e-13, [(0.1362966471, (-1,)), (0.6362966471, (1,))]),
+    "K3": (Forced(0.0, 1.25), 400, -0.009192935806, 1e-12, None),
+}
+
+WORMS = {  # machine, mean velocity, tolerance [m/s]
+    "P3a": (Worm(0.1, 0.3, frequency=2.0), 0.012, 1e-14),
+    "P3b": (Worm(0.15, 0.25, frequency=6.0), 0.016577138514499, 2e-13),
+    "P3d": (Worm(0.2, 0.2, frequency=6.0), 0.0, 1e-15),
+    "P3e": (Worm(0.2, 0.2, frequency=5.0, second=0.35), 0.011084435192200, 1e-13),
+    "P3e, reversed": (Worm(0.2, 0.2, frequency=5.0, second=0.35, lag=-2 * math.pi / 3), -0.011084435192200, 1e-13),
+}

@@ -150,28 +150,10 @@ def test_modules_on_a_rigid_link_are_one_robot_with_a_smaller_drive():
     assert np.diff(alone.strobe_x)[-1] / alone.period_time == pytest.approx(0.000217301001732, rel=1e-11)
 
 
-COUPLED = {  # machine, periods, V, tolerance [m/s], events of the last period: the phase, and the modes after it
-    "M2b": (problems.chain(0.0, math.pi / 2), 150, 0.002938713863365, 3e-14, [
-        (0.1103776907, (1, 1)), (0.2661070734, (1, 0)), (0.2683576381, (1, -1)), (0.6133787840, (1, 0)), (0.6496800054, (-1, 0)),
-        (0.7169518165, (-1, 1)),
-    ]),
-    "M2c": (problems.chain(0.0, math.pi), 150, 0.011119895989126, 1e-13, [
-        (0.0509880040, (1, 1)), (0.1343213373, (1, -1)), (0.5509880040, (1, 1)), (0.6343213373, (-1, 1)),
-    ]),
-    "M2g": (problems.chain(0.0, 1.0, modules=(problems.module(ss.Coulomb(0.18, 0.18)),) * 2), 150, 0.0, 1e-14, None),
-    "M2j": (problems.chain(0.0, -1.0, modules=(problems.module(), problems.module(problems.HIGH, 5e-4, 0.08))), 150, 0.001331177341432,
-            2e-14, None),
-    "M2l": (problems.chain(0.0, math.pi / 2, modules=(
-        problems.module(ss.Coulomb(0.18, 0.18), track=ss.Incline(tilt=math.radians(1.7))),) * 2), 150, 0.002903686864292, 3e-14, None),
-    "M3a": (problems.chain(0.0, math.pi / 2, math.pi), 150, 0.002622117520593, 3e-14, None),
-    "M3c": (problems.chain(0.0, -2 * math.pi / 3, -4 * math.pi / 3), 140, 0.0, 1e-14, None),
-}  # fmt: skip
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("row", COUPLED)
+@pytest.mark.parametrize("row", problems.COUPLED)
 def test_modules_in_a_row_have_the_reference_numbers(row):
-    machine, periods, velocity, tolerance, events = COUPLED[row]
+    machine, periods, velocity, tolerance, events = problems.COUPLED[row]
     run = plain(machine, periods)
     assert last_period(run) == pytest.approx([velocity] * len(run.bodies), abs=tolerance)
     if events:
@@ -207,16 +189,9 @@ def test_prescribed_distances_are_kept():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("machine", "velocity", "tolerance"),
-    [
-        (problems.Worm(0.15, 0.25, frequency=6.0), 0.016577138514499, 2e-13),  # P3b
-        (problems.Worm(0.2, 0.2, frequency=6.0), 0.0, 1e-15),  # P3d
-        (problems.Worm(0.2, 0.2, frequency=5.0, second=0.35), 0.011084435192200, 1e-13),  # P3e
-        (problems.Worm(0.2, 0.2, frequency=5.0, second=0.35, lag=-2 * math.pi / 3), -0.011084435192200, 1e-13),  # P3e, reversed
-    ],
-)
-def test_worms_have_the_reference_numbers(machine, velocity, tolerance):
+@pytest.mark.parametrize("row", problems.WORMS)
+def test_worms_have_the_reference_numbers(row):
+    machine, velocity, tolerance = problems.WORMS[row]
     assert last_period(plain(machine, 20)) == pytest.approx([velocity] * 3, abs=tolerance)
 
 
@@ -237,19 +212,10 @@ def test_a_capsule_whose_inner_mass_grazes_the_stop_is_hit_or_not():
             assert run.hits[0].velocity == pytest.approx(-omega * problems.GRAZING * math.sqrt(2e-9), rel=1e-4)
 
 
-MASSES = {  # machine, periods, V, tolerance [m/s], phases of events
-    "C1": (problems.CAPSULE_1, 150, 0.165538436583, 1e-11, None),
-    "C3": (problems.CAPSULE_3, 120, 0.039424641879106, 2e-12, None),
-    "C7": (problems.Capsule(1.0, 0.6, problems.GRAZING - 1e-4, 4.0, restitution=0.6), 150, 0.024995142088, 2e-12, None),
-    "K1": (problems.Forced(0.5), 250, 0.020420489041022, 2e-13, [(0.1362966471, (-1,)), (0.6362966471, (1,))]),
-    "K3": (problems.Forced(0.0, 1.25), 400, -0.009192935806, 1e-12, None),
-}
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("row", MASSES)
+@pytest.mark.parametrize("row", problems.MASSES)
 def test_capsules_and_forced_masses_have_the_reference_numbers(row):
-    machine, periods, velocity, tolerance, events = MASSES[row]
+    machine, periods, velocity, tolerance, events = problems.MASSES[row]
     run = plain(machine, periods)
     assert last_period(run) == pytest.approx([velocity] * 2, abs=tolerance)
     if events:

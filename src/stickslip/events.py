@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-__all__ = ["Event", "events_of", "nodes_at"]
+__all__ = ["Event", "events_of", "hits_of", "nodes_at"]
 
 Array = Any  # numpy.ndarray
 
@@ -20,13 +20,15 @@ class Event:
     ----------
     t : float
         When [s].
-    kind : {"stick", "slip", "reversal", "impulse", "switch", "contact lost"}
+    kind : {"stick", "slip", "reversal", "impulse", "switch", "hit", "contact lost"}
         It came to rest, it broke away, or its velocity changed sign without rest; a jump of the drive's velocity threw it;
-        a memory of its law changed; its load fell to zero.
+        a memory of its law changed; a stop was hit; its load fell to zero.
     before, after : int
-        The modes: +1 forwards, 0 stuck, -1 backwards.
+        The modes: +1 forwards, 0 stuck, -1 backwards. Of a hit both are 0.
     part : str
-        Name of the contact; "contact" where there is only one, as under a `Robot`.
+        Name of the contact, "contact" where there is only one, as under a `Robot`; of a hit the bodies that meet, "mass-capsule".
+    velocity : float, optional
+        Of a hit: rate of the gap before it, negative [m/s].
     """
 
     t: float
@@ -34,6 +36,7 @@ class Event:
     before: int
     after: int
     part: str = "contact"
+    velocity: float | None = field(default=None, repr=False)
 
 
 def events_of(pieces: Any, impulses: Any = (), lost: Any = ()) -> list[Event]:
@@ -70,6 +73,23 @@ def _kind(before: int, after: int, thrown: bool) -> str:
     if thrown:
         return "impulse"
     return "switch" if before == after else "stick" if after == 0 else "slip" if before == 0 else "reversal"
+
+
+def hits_of(pieces: Any, mechanics: Any, speed: float, time: float) -> list[tuple[int, Event]]:
+    """Hits on stops with restitution, each with the number of its node: there the gap is closed, and its rate jumps.
+
+    `speed` [m/s] and `time` [s] are typical ones of the machine.
+    """
+    inner = np.arange(1, len(pieces.t) - 1)
+    t = pieces.t[inner]
+    (x, before, _), (_, after, _) = (pieces.evaluate(t, index) for index in (inner - 1, inner))
+    q, u, new = (mechanics.coordinates_of(tuple(of.T)) for of in (x, before, after))
+    found = []
+    for stop in mechanics.stops:
+        gap, rate, left = (np.broadcast_to(of, t.shape) for of in (stop.gap(t, q), stop.rate(t, u), stop.rate(t, new)))
+        hit = (rate < 0.0) & (left - rate > 1e-9 * speed) & (abs(gap) <= 1e-6 * speed * time)
+        found += [(int(inner[i]), Event(float(t[i]), "hit", 0, 0, stop.name, float(rate[i]))) for i in np.flatnonzero(hit)]
+    return found
 
 
 def nodes_at(pieces: Any, times: Any) -> Array:

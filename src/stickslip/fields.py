@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.maths import is_symbol
 
 if TYPE_CHECKING:
     import inspect
@@ -237,7 +238,9 @@ class Frozen:
         problems.check()
 
     def _check_together(self, problems: Problems) -> None:
-        """Check what needs more than one field, as far as the fields are right."""
+        """Check what needs more than one field, as far as the fields are right; of symbols nothing can be said."""
+        if any(is_symbol(value) for _, value in leaves(self)):
+            return
         try:
             self._check(problems)
         except (TypeError, ValueError, ArithmeticError, Warning):
@@ -262,7 +265,9 @@ class Frozen:
         object.__setattr__(self, field.name, taken)
 
     def _checked(self, field: dataclasses.Field[Any], name: str, value: Any, problems: Problems) -> Any:
-        """A number by its field's rule; what is wrong with it is noted and the value comes back as it was."""
+        """A number by its field's rule; what is wrong with it is noted and the value comes back as it was. A symbol is what it is."""
+        if is_symbol(value):
+            return value
         rule, allowed = self._rules.get(field.name, (None, "a finite number"))
         return checked_number(name, value, problems, rule, allowed, f"{field.name}={example_of(type(self), field)}")
 

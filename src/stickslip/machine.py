@@ -55,12 +55,12 @@ class MachineAdapter:
     @property
     def drive(self) -> Drive | None:
         """What shakes its inner mass; None where it has none."""
-        return getattr(self.model, "drive", None)
+        return getattr(self.model, "drive", None) if self.is_single else None
 
     @property
     def track(self) -> Track | None:
         """What it moves on; None where gravity plays no part."""
-        return getattr(self.model, "track", None)
+        return getattr(self.model, "track", None) if self.is_single else None
 
     @property
     def breaks(self) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
-from stickslip.events import Event, events_of, nodes_at
+from stickslip.events import Event, events_of, hits_of, nodes_at
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
@@ -151,11 +151,20 @@ class Trajectory:
 
     @cached_property
     def events(self) -> list[Event]:
-        """Every change of mode, impulse and switch of a memory, in order. Under a dynamic law changes of mode are reversals of v.
+        """Every change of mode, impulse, switch of a memory and hit on a stop, in order; under a dynamic law modes change where v reverses.
 
-        At one instant there is one for each contact that changed, in the order of `contacts`.
+        At one instant there is one for each contact that changed, in the order of `contacts`, after the hits.
         """
-        return events_of(self.pieces, self._impulses, self._lost)
+        hits = [hit for _, hit in self._hits]
+        return sorted([*hits, *events_of(self.pieces, self._impulses, self._lost)], key=lambda event: event.t)
+
+    @cached_property
+    def _hits(self) -> list[tuple[int, Event]]:
+        """Hits on stops, each with the number of its node."""
+        machine = machine_of(self.model)
+        if machine.is_single or not machine.mechanics.stops:
+            return []
+        return hits_of(self.pieces, machine.mechanics, float(machine.velocity_scale), float(machine.time_scale or 1.0))
 
     @property
     def _lost(self) -> list[str]:
@@ -178,6 +187,7 @@ class Trajectory:
         grid[-1] = nodes[-1]
         changes = np.flatnonzero(np.any(np.diff(self.pieces.mode, axis=0) != 0, axis=1)) + 1
         changes = np.union1d(changes, nodes_at(self.pieces, [t for t, _ in self._impulses])).astype(int)
+        changes = np.union1d(changes, [node for node, _ in self._hits]).astype(int)
         events = nodes[changes]
         if len(events):
             after = np.minimum(np.searchsorted(events, grid), len(events) - 1)

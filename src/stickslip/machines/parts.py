@@ -7,20 +7,13 @@ from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, at_least, between, positive
-from stickslip.maths import is_symbol, maximum, where
+from stickslip.maths import maximum, where
 
 __all__ = ["LINKS", "Body", "Contact", "Rigid", "Spring", "Stop"]
 
 
-class _Part(Frozen):
-    """A record of numbers that may be symbols too, because a machine makes its parts while its equations are traced."""
-
-    def _checked(self, field: Any, name: str, value: Any, problems: Problems) -> Any:
-        return value if is_symbol(value) else super()._checked(field, name, value, problems)
-
-
 @dataclass(frozen=True, eq=False)
-class Body(_Part):
+class Body(Frozen):
     """One body of a machine, which moves along the track (or about the axis: then read rad, kg m^2 and N m).
 
     Parameters
@@ -58,7 +51,7 @@ class Body(_Part):
 
 
 @dataclass(frozen=True, eq=False)
-class Contact(_Part):
+class Contact(Frozen):
     """Where a body rubs: on the track, on another body, or on something that moves as it is told.
 
     Parameters
@@ -93,7 +86,7 @@ class Contact(_Part):
 
 
 @dataclass(frozen=True, eq=False)
-class Spring(_Part):
+class Spring(Frozen):
     """A spring with a damper beside it, between two bodies or a body and the ground.
 
     Parameters
@@ -126,7 +119,7 @@ class Spring(_Part):
 
 
 @dataclass(frozen=True, eq=False)
-class Rigid(_Part):
+class Rigid(Frozen):
     """A link that keeps the distance: the two bodies move as one, and have a contact each.
 
     Examples
@@ -149,7 +142,7 @@ class Rigid(_Part):
 
 
 @dataclass(frozen=True, eq=False)
-class Stop(_Part):
+class Stop(Frozen):
     """What ends the way of one body towards another, or towards the ground: a hit that is over at once, or a stiff spring.
 
     Parameters
