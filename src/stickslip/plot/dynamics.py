@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, Basin, Exponents, Grid, Ways, explains_arguments
 from stickslip.errors import InputError, is_whole
-from stickslip.friction.adapter import law_of
+from stickslip.machine import machine_of
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 
 __all__ = ["basins", "bifurcation", "continuation", "convergence", "spectrum"]
@@ -185,7 +185,7 @@ def _marks(ax: Any, branches: list[Any], observable: str, right: float, up: floa
     used: set[str] = set()
     for b in branches:
         for s in b.special:
-            if s.kind == "type-border" and law_of(s.orbit.model).dynamic:
+            if s.kind == "type-border" and machine_of(s.orbit.model).has_inner_states:
                 continue  # words with thresholds: no points of the dynamics
             marker, name = _MARKERS[s.kind]
             values = _at(s.orbit, observable)
