@@ -260,4 +260,4 @@ def test_a_mechanism_that_nothing_drives_has_a_page_and_a_figure(tmp_path, capsy
 def test_a_forced_oscillator_has_a_page():
     law = ss.Coulomb(0.2, 0.2)
     run = ss.solve(ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=law), periods=20)
-    assert "motion type" in run_page(run, "to and fro")
+    assert "pattern " in run_page(run, "to and fro")

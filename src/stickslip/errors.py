@@ -61,7 +61,7 @@ class OneContactNeeded(InputError, AttributeError):
     ...     ss.latex(ss.Chain.example())
     ... except ss.InputError as error:
     ...     print(str(error)[:87])
-    latex: Chain has no law of its own, because it lists its bodies and contacts; allowed are
+    latex: Chain has no law of its own, because it lists its bodies and contacts; allowed a
     """
 
     @classmethod

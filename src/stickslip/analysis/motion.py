@@ -106,7 +106,7 @@ class Motions:
     >>> import stickslip as ss
     >>> found = ss.motion(ss.solve(ss.Chain.example(), periods=60))
     >>> {name: each.pattern for name, each in found.contacts.items()}, found.anchored, found.period
-    ({'module 1': '+0-0', 'module 2': '+0-0'}, (), 1)
+    ({'module 1': '+-', 'module 2': '+0-0'}, (), 1)
     """
 
     contacts: dict[str, Motion]

@@ -185,7 +185,7 @@ def _told(grid: Any, study: Any, written: str | None) -> str:
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]
-    head = [_headed(grid, name).replace("motion_type", "type") for name in names]
+    head = [{"motion_type": "type", "period": "period [drive periods]"}.get(name) or _headed(grid, name) for name in names]
     rows = [[_cell(name, column[i]) for name, column in zip(names, columns, strict=True)] for i in range(min(cases, _SHOWN))]
     lines = [show.table(head, rows)]
     if cases > _SHOWN:
