@@ -94,11 +94,12 @@ class Wave:
     amplitude: float
     omega: float
     phase: float
-    second: float = 0.0  # 0: sine; else cos + second cos(2 . + .6)
+    shape: str = "sine"  # or "cosines"
+    second: float = 0.35  # cos + second cos(2 . + .6)
 
     def _wave(self, t, derivative):
         angle = self.omega * t - self.phase
-        if self.second == 0.0:
+        if self.shape == "sine":
             return (sin(angle), cos(angle), -sin(angle))[derivative]
         twice = 2 * angle + 0.6
         shapes = (
@@ -127,7 +128,7 @@ class Worm(ss.Machine):
     frequency: float
     amplitude: float = 2e-3
     lag: float = 2 * math.pi / 3
-    second: float = 0.0
+    shape: str = "sine"
 
     @property
     def period(self):
@@ -141,7 +142,7 @@ class Worm(ss.Machine):
 
     def links(self):
         omega = 2 * math.pi * self.frequency
-        first, last = (Wave(self.amplitude, omega, phase, self.second) for phase in (0.0, self.lag))
+        first, last = (Wave(self.amplitude, omega, phase, self.shape) for phase in (0.0, self.lag))
         return {("head", "middle"): first, ("middle", "tail"): last}
 
 
@@ -193,11 +194,12 @@ class Forced(ss.Machine):
 
     damping: float
     pulse: float = 0.0
+    waves: float = 1.0
 
     period = 0.06
 
     def bodies(self):
-        return {"body": ss.Body(0.193, breaks=(0.35 * self.period,) if self.pulse else ()), "inner": ss.Body(0.074)}
+        return {"body": ss.Body(0.193, breaks=(0.35 * self.period,)), "inner": ss.Body(0.074)}
 
     def contacts(self):
         return {"body": ss.Contact("body", ss.Coulomb(0.29, 0.29), load=(0.193 + 0.074) * 9.81)}
@@ -207,9 +209,8 @@ class Forced(ss.Machine):
 
     def forces(self, t, x, v):
         omega = 2 * math.pi / self.period
-        push = 1.5 * sin(omega * t) + 0.75 * cos(2 * omega * t)
-        if self.pulse:
-            push = where(within(t, self.period) < 0.35 * self.period, self.pulse, 0.0)
+        push = self.waves * (1.5 * sin(omega * t) + 0.75 * cos(2 * omega * t))
+        push = push + where(within(t, self.period) < 0.35 * self.period, self.pulse, 0.0)
         return {"body": -push, "inner": push}
 
 
@@ -293,13 +294,13 @@ MASSES = {  # machine, periods, V, tolerance [m/s], phases of events
     "C3": (CAPSULE_3, 120, 0.039424641879106, 2e-12, None),
     "C7": (Capsule(1.0, 0.6, GRAZING - 1e-4, 4.0, restitution=0.6), 150, 0.024995142088, 2e-12, None),
     "K1": (Forced(0.5), 250, 0.020420489041022, 2e-13, [(0.1362966471, (-1,)), (0.6362966471, (1,))]),
-    "K3": (Forced(0.0, 1.25), 400, -0.009192935806, 1e-12, None),
+    "K3": (Forced(0.0, 1.25, waves=0.0), 400, -0.009192935806, 1e-12, None),
 }
 
 WORMS = {  # machine, mean velocity, tolerance [m/s]
     "P3a": (Worm(0.1, 0.3, frequency=2.0), 0.012, 1e-14),
     "P3b": (Worm(0.15, 0.25, frequency=6.0), 0.016577138514499, 2e-13),
     "P3d": (Worm(0.2, 0.2, frequency=6.0), 0.0, 1e-15),
-    "P3e": (Worm(0.2, 0.2, frequency=5.0, second=0.35), 0.011084435192200, 1e-13),
-    "P3e, reversed": (Worm(0.2, 0.2, frequency=5.0, second=0.35, lag=-2 * math.pi / 3), -0.011084435192200, 1e-13),
+    "P3e": (Worm(0.2, 0.2, frequency=5.0, shape="cosines"), 0.011084435192200, 1e-13),
+    "P3e, reversed": (Worm(0.2, 0.2, frequency=5.0, shape="cosines", lag=-2 * math.pi / 3), -0.011084435192200, 1e-13),
 }

@@ -23,7 +23,7 @@ __all__ = ["check_numbers", "check_signatures", "explained", "finite"]
 def explained(work: Any, model: Any) -> Any:
     """Do some work on a user's law; what goes wrong in it is said as what to write."""
     laws = machine_of(model).mechanics.laws
-    law_name = " + ".join(dict.fromkeys(law.name for law in laws)) or type(model).__name__
+    law_name = laws[0].name if machine_of(model).is_single else type(model).__name__
     for law in laws:
         check_signatures(law.law)
     try:
