@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
+from stickslip.machine import machine_of
 from stickslip.maths import pi, sin
 
 SHAKEN = ss.Robot(
@@ -187,7 +188,8 @@ def _continuation(c):
 
 
 def _basins(c):
-    assert ss.basins(c.machine, v=[0.0, 0.05], settle=100).attractors
+    of = "v" if machine_of(c.machine).is_single else f"v.{machine_of(c.machine).mechanics.bodies[0]}"
+    assert ss.basins(c.machine, **{of: [0.0, 0.05]}, settle=100).attractors
 
 
 def _bifurcation(c):
