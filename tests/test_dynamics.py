@@ -393,10 +393,6 @@ def test_starts_in_any_of_three_periods_of_a_motion_are_attracted_by_one():
 @pytest.mark.parametrize("track", TRACKS)
 def test_a_robot_at_another_phase_has_its_equations_of_that_time(drive, track):
     robot = kinds.robot("coulomb", drive, track)
-    if robot.drive.breaks or robot.drive.jumps:
-        with pytest.raises(ss.InputError, match=r"phase is for smooth drives; \w+ has breaks or jumps"):
-            shifted("basins", robot, 0.3)
-        return
     later, t = shifted("basins", robot, 0.3), np.linspace(0, 1, 7) * robot.period
     for of in (lambda r, t: r.acceleration(t, 0.0, 0.1, 0.2), lambda r, t: r.load(t, 0.0)):
         np.testing.assert_allclose(of(later, t), of(robot, t + 0.3 * robot.period), rtol=1e-12)
@@ -431,10 +427,20 @@ class Sawtooth:
         return where(within(t, self.period) < 0.5 * self.period, 1.0, -2.0) * self.amplitude / self.period**2
 
 
-def test_a_phase_where_there_is_no_smooth_drive_is_refused():
-    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4).replace(drive=Sawtooth(1e-3, 0.03))
-    with pytest.raises(ss.InputError, match="Sawtooth begins anew with every period; leave phase out"):
-        ss.basins(robot, phase=[0.2])
+@pytest.mark.parametrize("drive", [Sawtooth(1e-3, 0.03), ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2)], ids=lambda d: type(d).__name__)
+def test_a_drive_in_pieces_may_start_at_any_phase(drive):
+    """The starts all lead to one motion, and a shifted run is the run itself from there."""
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb").replace(drive=drive)
+    found = ss.basins(robot, phase=[0.0, 0.3, 0.8], settle=60)
+    V = ss.mean_velocity(ss.solve(robot, periods=60))
+    np.testing.assert_allclose(found.map.mean_velocity, V, rtol=1e-6)
+    later = shifted("basins", robot, 0.3)
+    ours, judge = ss.solve(later, periods=4), ss.solve(later, periods=4, method="dop853", rtol=1e-12)
+    assert ours.method == "exact" and len(ours.events) == len(judge.events)
+    assert ours.v[-1] == pytest.approx(judge.v[-1], abs=1e-11)
+
+
+def test_a_phase_where_there_is_no_drive_is_refused():
     with pytest.raises(ss.InputError, match="ForcedOscillator has none; leave phase out"):
         ss.basins(ss.ForcedOscillator(1.0, 1.0, 0.0, 1.0, 0.7, ss.Coulomb(0.3, 0.3)), phase=[0.2])
 

@@ -2,46 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
-from stickslip.maths import pi, wrapped
+from stickslip.fields import between
+from stickslip.maths import wrapped
 
 __all__ = ["Shifted"]
 
 
 @dataclass(frozen=True, eq=False)
 class Shifted(Around):
-    r"""A drive ahead of itself: :math:`\xi(t + \varphi T/2\pi)`.
+    r"""A drive that is a part of its period ahead: what starts at another phase is a start at t = 0 of this one.
 
     Parameters
     ----------
     drive : any drive
         What is shifted.
     phase : float
-        How far it is ahead [rad], from -2 pi to 2 pi.
+        How far it is ahead, in drive periods, from -1 to 1.
 
     Examples
     --------
-    >>> import math
-    >>> drive = Shifted(Harmonic(amplitude=1.0, omega=2.0), phase=math.pi / 2)
-    >>> round(drive.position(0.0), 12)
-    1.0
+    >>> ahead = Shifted(Harmonic(amplitude=1e-3, omega=200.0), phase=0.25)
+    >>> round(ahead.position(0.0), 9), round(ahead.period, 9)
+    (0.001, 0.031415927)
     """
 
     drive: Any
-    phase: Any = 0.0
+    phase: float = field(metadata={"example": "0.25"})
+
+    _rules: ClassVar[dict[str, Any]] = {"phase": (between(-1.0, 1.0), "from -1 to 1 [drive periods]")}
 
     def _time(self, t: Any) -> Any:
-        return t + self.phase * self.drive.period / (2 * pi)
+        return t + self.phase * self.drive.period
 
     def _begun(self, instant: Any) -> Any:
         """When an instant of the drive comes, in [0, period)."""
         period = self.drive.period
-        return wrapped(instant - self.phase * period / (2 * pi), period)
+        return wrapped(instant - self.phase * period, period)
 
     @property
     def breaks(self) -> Any:
@@ -75,4 +77,4 @@ class Shifted(Around):
     @classmethod
     def example(cls) -> Shifted:
         """A sine that is a quarter of a period ahead."""
-        return cls(Harmonic.example(), phase=0.5 * pi)
+        return cls(Harmonic.example(), phase=0.25)

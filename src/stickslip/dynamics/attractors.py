@@ -123,7 +123,7 @@ def basins(
         belong to no attractor, and are in no share.
     **starts
         ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
-        (of a smooth drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):
+        (of the drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):
         single values or arrays. If none is given: v, and z where it is one number, over twice their scales. Of a machine of several
         bodies the names are those of ``ss.periodic_orbit(machine).names``: ``**{"v.head": [...], "v.tail": [...]}``; if none is given,
         the velocities of all bodies. Bodies that came to rest where they happened to stop are one attractor.

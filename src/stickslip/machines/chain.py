@@ -112,7 +112,7 @@ class Chain(Machine):
     def module(self, i: int) -> Any:
         """One module, its drive ahead by its phase."""
         own = self.modules[i]
-        return own if self.phases is None else replace_leaf(own, {"drive": Shifted(own.drive, self.phases[i])})
+        return own if self.phases is None else replace_leaf(own, {"drive": Shifted(own.drive, self.phases[i] / (2 * pi))})
 
     def bodies(self) -> Mapping[str, Any]:
         """The modules."""
