@@ -17,7 +17,7 @@ from stickslip.events import Event, events_of, hits_of, nodes_at
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
-from stickslip.parts import BodyRun, ContactRun
+from stickslip.part_runs import BodyRun, ContactRun
 from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, drifting_apart, of_run

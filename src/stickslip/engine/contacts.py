@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet
-from stickslip.engine.parts import Parts
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
@@ -14,7 +14,7 @@ from stickslip.engine.system import Branches, Contact
 __all__ = ["add_contacts", "add_stop"]
 
 
-def _add_dynamic(parts: Parts, i: int, speed: Sym | None) -> None:
+def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     """A law with inner states: rate and force; its memory of whole numbers, if it has one, changes by switches."""
     m = parts.m
     law, graph, slip, load = m.laws[i], m.graph, m.slips[i], m.loads[i]
@@ -50,7 +50,7 @@ def _applied(m: Symbolic, i: int) -> Sym:
     return m.lift(m.equations.masses[j]) * (m.accelerations({})[j] + m.graph.derivative(m.slips[i], m.t))
 
 
-def _add_switches(parts: Parts, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
+def _add_switches(parts: Assembly, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
     """The law's switches; those at the instant when v passes zero belong to the guard that is there already."""
     m, passing = parts.m, abs(parts.m.slips[i])
     for guard, new_modes, new_z in m.laws[i].switches(m.slips[i], z, m.loads[i], tuple(mode for _, mode in own)):
@@ -62,7 +62,7 @@ def _add_switches(parts: Parts, i: int, z: tuple[Sym, ...], own: list[tuple[int,
             parts.events.append((m.lift(guard), modes, states, 0))
 
 
-def _add_set_valued(parts: Parts, i: int, speed: Sym | None) -> None:
+def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     """A law that may hold the body: mode +1 slides forwards, -1 backwards, 0 is stuck until the forces reach break-away."""
     m = parts.m
     graph, law, slip, load = m.graph, m.laws[i], m.slips[i], m.loads[i]
@@ -99,7 +99,7 @@ def _add_set_valued(parts: Parts, i: int, speed: Sym | None) -> None:
     )
 
 
-def add_contacts(parts: Parts, speeds: list[Sym | None]) -> None:
+def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
     """All contacts of a machine; those under laws that rest exactly in groups of which each decides for itself, a mode for each contact."""
     m = parts.m
     for law in m.laws:
@@ -118,7 +118,7 @@ def add_contacts(parts: Parts, speeds: list[Sym | None]) -> None:
     parts.contacts.sort(key=lambda contact: m.equations.contacts.index(contact.name))
 
 
-def add_stop(parts: Parts, stop: Any) -> None:
+def add_stop(parts: Assembly, stop: Any) -> None:
     """A stop with restitution: where its gap closes, velocities jump, and contacts whose slip jumps are free."""
     m = parts.m
     graph = m.graph

@@ -9,7 +9,7 @@ import itertools
 from functools import reduce
 from typing import Any
 
-from stickslip.engine.parts import Parts
+from stickslip.engine.assembly import Assembly
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 
@@ -18,7 +18,7 @@ __all__ = ["add_box", "add_feet"]
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
 
 
-def add_feet(parts: Parts, feet: list[int], speeds: list[Sym | None]) -> None:
+def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None:
     """Several contacts of one coordinate under laws that may hold it: one unknown acceleration, and a weighted median decides who rests."""
     m = parts.m
     graph, zero = m.graph, m.graph.constant(0.0)
@@ -80,7 +80,7 @@ def add_feet(parts: Parts, feet: list[int], speeds: list[Sym | None]) -> None:
         parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
 
 
-def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
+def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None:
     """Bodies on bodies: what rests together has forces that follow from one another, and every combination is looked at."""
     box = _Box(parts, group)
     m, graph = parts.m, parts.m.graph
@@ -113,7 +113,7 @@ def add_box(parts: Parts, group: list[int], speeds: list[Sym | None]) -> None:
 class _Box:
     """The contact problem of a group: rates of slips w' = beta - G R, with R told by mode or found where contacts rest."""
 
-    def __init__(self, parts: Parts, group: list[int]):
+    def __init__(self, parts: Assembly, group: list[int]):
         self.parts, self.m, self.group = parts, parts.m, group
         m, graph = parts.m, parts.m.graph
         self.modes = {i: parts.modes[i] for i in group}
@@ -205,7 +205,7 @@ class _Box:
         return conditions
 
 
-def sliding_both_ways(parts: Parts, i: int) -> tuple[Sym, Sym]:
+def sliding_both_ways(parts: Assembly, i: int) -> tuple[Sym, Sym]:
     """Friction force of a contact that slides forwards, and backwards."""
     m, found = parts.m, []
     for side in (1.0, -1.0):
@@ -215,7 +215,7 @@ def sliding_both_ways(parts: Parts, i: int) -> tuple[Sym, Sym]:
     return found[0], found[1]
 
 
-def limits_of(parts: Parts, i: int) -> tuple[Sym, Sym]:
+def limits_of(parts: Assembly, i: int) -> tuple[Sym, Sym]:
     """Friction forces (backward, forward) that a contact can bear at rest."""
     backward, forward = parts.m.laws[i].breakaway(parts.m.loads[i])
     return parts.m.lift(backward), parts.m.lift(forward)

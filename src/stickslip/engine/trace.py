@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.engine.checks import explained
-from stickslip.engine.contacts import Parts, add_contacts, add_stop
+from stickslip.engine.contacts import Assembly, add_contacts, add_stop
 from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
@@ -89,7 +89,7 @@ def _traced(model: Any, cyclic: bool) -> System:
     scale = _velocity_scale(m, m.machine.velocity_scale, speed)
     for y in m.y:
         graph.units[y.name] = graph.select(scale, scale, graph.constant(1.0))
-    parts = Parts(m)
+    parts = Assembly(m)
     add_contacts(parts, [None if each is None else m.lift(each) for each in speeds])
     for stop in m.equations.stops:
         add_stop(parts, stop)

@@ -292,7 +292,7 @@ def _tabbed(line: str) -> int:
 
 
 def _grouped_by_blanks(dialect: Dialect, lines: list[str], parts: int) -> bool:
-    """Whether rows of blanks are `parts` numbers with blanks between thousands."""
+    """Whether rows of blanks are `part_runs` numbers with blanks between thousands."""
     if not 0 < parts < dialect.width or dialect.width % parts:
         return False
     size = dialect.width // parts

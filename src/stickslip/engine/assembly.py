@@ -8,10 +8,10 @@ from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Contact
 
-__all__ = ["Parts"]
+__all__ = ["Assembly"]
 
 
-class Parts:
+class Assembly:
     """Collects what contact by contact makes of the equations."""
 
     def __init__(self, m: Symbolic):
