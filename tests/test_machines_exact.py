@@ -100,3 +100,40 @@ def test_a_batch_of_chains_has_the_velocities_of_single_runs():
     many = ss.solve(problems.chain(0.0, 0.0).replace({"phases.1": phases}), periods=300)
     one = [ss.mean_velocity(ss.solve(problems.chain(0.0, phase), periods=300)) for phase in phases]
     assert many.mean_velocity == pytest.approx(one, abs=1e-14)
+
+
+def test_relabelled_modules_move_alike_and_are_fastest_in_antiphase():
+    """M2f: V(phi) = V(-phi)."""
+    phases = np.linspace(0.2, math.pi, 12)
+    pair = problems.chain(0.0, 0.0)
+    ahead, behind = (ss.solve(pair.replace({"phases.1": sign * phases}), periods=400).mean_velocity for sign in (1.0, -1.0))
+    assert ahead == pytest.approx(behind, abs=1e-13)
+    assert np.argmax(ahead) == len(phases) - 1
+
+
+@pytest.mark.parametrize(("part", "velocity"), [(0.1, 0.013499221218459), (0.03, 0.013777958842997)])
+def test_of_little_friction_the_mean_velocity_tends_to_that_of_averaging(part, velocity):
+    """M2m: the sum of N_i asin(V / a_i) is that of both coefficients' difference, over small friction; .013879347947520 in the limit."""
+    module = problems.module(ss.Coulomb(0.15 * part, 0.21 * part))
+    run = ss.solve(problems.chain(0.0, math.pi / 2, modules=(module, module)), periods=round(400 / part))
+    assert last_period(run) == pytest.approx([velocity] * 2, rel=1e-9)
+
+
+def test_the_power_of_two_modules_in_antiphase():
+    """M2u: joules in a period, of each contact, of the damper and of the drives."""
+    run = ss.solve(problems.chain(0.0, math.pi), periods=200)
+    balance = ss.energy(run)
+    assert balance.friction[-1] == pytest.approx(2 * 1.0293e-4, rel=1e-4)
+    assert balance.damping[-1] == pytest.approx(4.5525075e-5, rel=1e-7)
+    assert balance.drive[-1] == pytest.approx(2.51393012e-4, rel=1e-8)
+    assert balance.drive[-1] / run.period_time == pytest.approx(8.220551e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, math.pi])
+def test_a_pair_starts_where_either_module_alone_would(phase):
+    """M2w: at rest with a relaxed spring the border is that of one module, mu+ P g / (m omega^2), at any phase."""
+    border = 0.15 * (problems.BODY + problems.INNER) * 9.81 / (problems.INNER * (65.4 * math.pi) ** 2)
+    assert border == pytest.approx(0.26500326e-3, abs=5e-12)  # its last printed digit is 1e-11
+    for amplitude, moves in ((border * (1 - 1e-9), False), (border * (1 + 1e-6), True)):
+        run = ss.solve(problems.chain(0.0, phase, modules=(problems.module(amplitude=amplitude),) * 2), periods=3)
+        assert bool(np.any(run.mode != 0)) == moves
