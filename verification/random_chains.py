@@ -117,7 +117,8 @@ def main() -> int:
         seeds = range(given.seed, given.seed + given.cases)
         for seed, end, verdict in pool.map(case, seeds, [i < given.judged for i in range(given.cases)]):
             ends[end] += 1
-            verdicts[verdict.partition(" by")[0]] += bool(verdict)
+            if verdict:
+                verdicts[verdict.partition(" by")[0]] += 1
             if "SILENT" in verdict or end != "finished":
                 print(f"seed {seed}: {end} {verdict}", flush=True)
     print(f"{dict(ends)}; {dict(verdicts)}; {time.time() - began:.0f} s")
