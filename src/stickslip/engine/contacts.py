@@ -81,17 +81,14 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     pull = -(m.accelerations({i: backward}, {j: still})[j] - held)
     graph.assumed.clear()
 
-    def by_mode(forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
-        return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
-
     rest = graph.select(push, one, graph.select(pull, -one, zero))
     parts.events += [
-        (by_mode(slip, -slip, one), {place: rest}, {j: still}, 0),
-        (by_mode(one, one, -push), {place: one}, {}, 0),
-        (by_mode(one, one, -pull), {place: -one}, {}, 0),
+        (graph.by_side(mode, slip, -slip, one), {place: rest}, {j: still}, 0),
+        (graph.by_side(mode, one, one, -push), {place: one}, {}, 0),
+        (graph.by_side(mode, one, one, -pull), {place: -one}, {}, 0),
     ]
-    parts.first_modes[place] = graph.select(slip, one, graph.select(-slip, -one, rest))
-    parts.f[j] = by_mode(sliding[0], sliding[1], held)
+    parts.first_modes[place] = graph.by_side(slip, one, -one, rest)
+    parts.f[j] = graph.by_side(mode, sliding[0], sliding[1], held)
     branches = Branches(*sliding, push, pull)
     guard = 0 if m.single else None
     parts.contacts.append(
@@ -133,5 +130,5 @@ def add_stop(parts: Assembly, stop: Any) -> None:
         if contact.branches is not None and thrown is not graph.constant(0.0):
             after, (number,) = contact.slip + thrown, contact.modes
             one = graph.constant(1.0)
-            modes[number] = graph.select(after, one, graph.select(-after, -one, parts.modes[number]))
+            modes[number] = graph.by_side(after, one, -one, parts.modes[number])
     parts.events.append((m.lift(stop.gap(m.t, m.places)), modes, states, 0))

@@ -31,17 +31,14 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
     slide = {i: _sums([sliding_both_ways(parts, k) for k in alike[i]]) for i in feet}
     limits = {i: _sums([limits_of(parts, k) for k in alike[i]]) for i in feet}  # backward, forward
 
-    def by_mode(mode: Sym, forwards: Sym, backwards: Sym, stuck: Sym) -> Sym:
-        return graph.select(mode, forwards, graph.select(-mode, backwards, stuck))
-
     def acceleration(now: dict[int, Sym], at_rest: dict[int, Sym]) -> Sym:
         """With friction forces at rest as given."""
-        return m.accelerations({i: by_mode(now[i], *slide[i], at_rest[i]) for i in feet})[j]
+        return m.accelerations({i: graph.by_side(now[i], *slide[i], at_rest[i]) for i in feet})[j]
 
     def beside(i: int, k: int, same: int) -> Sym:
         """Force of a foot k that rests now, if foot i were to rest: it would slip to the side to which its rest moves away."""
         apart = held[i] - held[k]
-        return graph.select(apart, limits[k][1], graph.select(-apart, limits[k][0], limits[k][same]))
+        return graph.by_side(apart, limits[k][1], limits[k][0], limits[k][same])
 
     def decided(now: dict[int, Sym]) -> dict[int, Sym]:
         """Modes of all feet: those at rest may stay or slip."""
@@ -49,7 +46,7 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
         for i in feet:
             push = acceleration(now, {k: beside(i, k, 1) for k in feet}) - held[i]
             pull = held[i] - acceleration(now, {k: beside(i, k, 0) for k in feet})
-            found[i] = by_mode(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
+            found[i] = graph.by_side(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
         return all_alike(found)
 
     def all_alike(new: dict[int, Sym]) -> dict[int, Sym]:
@@ -58,17 +55,17 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
     sliding = acceleration(modes, dict.fromkeys(feet, zero))
     motion = sliding
     for i in reversed(feet):
-        motion = by_mode(modes[i], motion, motion, held[i])
+        motion = graph.by_side(modes[i], motion, motion, held[i])
     forwards = acceleration(modes, {k: limits[k][1] for k in feet})
     backwards = acceleration(modes, {k: limits[k][0] for k in feet})
     for i in feet:
         mode, arrives = modes[i], {**modes, i: zero}
         parts.events += [
-            (by_mode(mode, m.slips[i], -m.slips[i], one), decided(arrives), {j: m.y[j] - m.slips[i]}, 0),
-            (by_mode(mode, one, one, held[i] - forwards), all_alike({i: one}), {}, 0),
-            (by_mode(mode, one, one, backwards - held[i]), all_alike({i: -one}), {}, 0),
+            (graph.by_side(mode, m.slips[i], -m.slips[i], one), decided(arrives), {j: m.y[j] - m.slips[i]}, 0),
+            (graph.by_side(mode, one, one, held[i] - forwards), all_alike({i: one}), {}, 0),
+            (graph.by_side(mode, one, one, backwards - held[i]), all_alike({i: -one}), {}, 0),
         ]
-    first = decided({i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in feet})
+    first = decided({i: graph.by_side(m.slips[i], one, -one, zero) for i in feet})
     for number, new in first.items():
         parts.first_modes[number] = new
     parts.f[j] = motion
@@ -92,9 +89,9 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
         arrives = {**box.modes, i: zero}
 
         def resting(left: Sym, mode: Sym = mode) -> Sym:
-            return graph.select(mode, one, graph.select(-mode, one, left))
+            return graph.by_side(mode, one, one, left)
 
-        slip = graph.select(mode, m.slips[i], graph.select(-mode, -m.slips[i], one))
+        slip = graph.by_side(mode, m.slips[i], -m.slips[i], one)
         exactly = {j: m.y[j] - m.slips[i] for j, g in enumerate(m.directions[i]) if g == 1.0}  # zero slip, to the last digit
         parts.events += [
             (slip, box.decided(arrives), exactly, 0),
@@ -105,7 +102,7 @@ def add_box(parts: Assembly, group: list[int], speeds: list[Sym | None]) -> None
         branches = Branches(zero, zero, forces[i] - high, low - forces[i])
         name = m.equations.contacts[i]
         parts.contacts.append(Contact(name, m.slips[i], m.directions[i], state, None, (), (i,), branches, speeds[i], False))
-    sides = {i: graph.select(m.slips[i], one, graph.select(-m.slips[i], -one, zero)) for i in group}
+    sides = {i: graph.by_side(m.slips[i], one, -one, zero) for i in group}
     for number, new in box.decided(sides).items():
         parts.first_modes[number] = new
 
@@ -155,7 +152,7 @@ class _Box:
     def forces(self, modes: dict[int, Sym]) -> dict[int, Sym]:
         """The friction forces in any mode: those of what slides, and what holds the rest."""
         graph, zero = self.m.graph, self.m.graph.constant(0.0)
-        sliding = {i: graph.select(modes[i], self.slide[i][0], graph.select(-modes[i], self.slide[i][1], zero)) for i in self.group}
+        sliding = {i: graph.by_side(modes[i], self.slide[i][0], self.slide[i][1], zero) for i in self.group}
         beta = self.beta(sliding)
 
         def by_rest(left: list[int], pattern: tuple[int, ...], i: int) -> Sym:
@@ -164,12 +161,12 @@ class _Box:
                 return self.held(pattern, beta)[i]
             k, *others = left
             moving, resting = by_rest(others, pattern, i), by_rest(others, tuple(sorted((*pattern, k))), i)
-            return graph.select(modes[k], moving, graph.select(-modes[k], moving, resting))
+            return graph.by_side(modes[k], moving, moving, resting)
 
         found = {}
         for i in self.group:
             at_rest = by_rest([k for k in self.group if k != i], (i,), i)
-            found[i] = graph.select(modes[i], self.slide[i][0], graph.select(-modes[i], self.slide[i][1], at_rest))
+            found[i] = graph.by_side(modes[i], self.slide[i][0], self.slide[i][1], at_rest)
         return found
 
     def decided(self, now: dict[int, Sym]) -> dict[int, Sym]:
@@ -188,7 +185,7 @@ class _Box:
         """What must be positive for a combination: forces inside their limits, slips that begin to the right side, what slides slides."""
         graph, one = self.m.graph, self.m.graph.constant(1.0)
         at_limit = {i: self.limits[i][1 if side > 0 else 0] for i, side in given.items() if side}
-        sliding = {i: graph.select(now[i], self.slide[i][0], graph.select(-now[i], self.slide[i][1], at_limit[i])) for i in at_limit}
+        sliding = {i: graph.by_side(now[i], self.slide[i][0], self.slide[i][1], at_limit[i]) for i in at_limit}
         beta = self.beta(sliding)
         held = self.held(tuple(i for i, side in given.items() if not side), beta)
         rates = self.beta(sliding | held)
@@ -196,7 +193,7 @@ class _Box:
         for i, side in given.items():
             low, high = self.limits[i]
             slack = _TIE * (high - low)
-            moves = graph.select(now[i], one, graph.select(-now[i], one, -one))  # whether it slides already
+            moves = graph.by_side(now[i], one, one, -one)  # whether it slides already
             if side == 0:
                 conditions += [-moves, high - held[i] + slack, held[i] - low + slack]
             else:

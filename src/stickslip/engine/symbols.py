@@ -341,6 +341,10 @@ class Graph:
             return yes if held.value > 0 else no
         return yes if yes is no else self._node("select", (held, yes, no))
 
+    def by_side(self, a: Sym, forwards: Sym, backwards: Sym, neither: Sym) -> Sym:
+        """`forwards` where a > 0, `backwards` where a < 0, else `neither`: what a mode of +1, -1 or 0 chooses, or a velocity."""
+        return self.select(a, forwards, self.select(-a, backwards, neither))
+
     def sign(self, a: Sym) -> Sym:
         """The held sign of an expression of the state: a flag, or a product of flags for a product."""
         if a.number in self.assumed:
