@@ -8,7 +8,8 @@ from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
 from stickslip.friction.adapter import LawAdapter
-from stickslip.mechanics import Mechanics, declares_parts, mechanics_of
+from stickslip.mechanics import Mechanics, OneBody, declares_parts
+from stickslip.several_bodies import SeveralBodies
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
 
@@ -30,7 +31,7 @@ class MachineAdapter:
     @cached_property
     def mechanics(self) -> Mechanics:
         """Its equations of motion, as functions of plain numbers."""
-        return mechanics_of(self.model)
+        return OneBody(self.model) if self.is_single else SeveralBodies(self.model)
 
     @property
     def is_single(self) -> bool:

@@ -9,7 +9,7 @@ from stickslip.batch import check_shape, shape_of
 from stickslip.errors import InputError, OneContactNeeded, Problems
 from stickslip.fields import Frozen
 from stickslip.machines.checks import check_parts
-from stickslip.mechanics import SeveralBodies
+from stickslip.several_bodies import SeveralBodies
 from stickslip.tables import from_toml, record_html, to_toml
 
 __all__ = ["Machine"]
