@@ -18,8 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 import stickslip as ss
 from explorers import PATIENCE, Explorer, answer, axis, curves, plane
 from stickslip.explorer import kernels as kernels_module
-from stickslip.explorer.around import PATIENCE as MOST_SECONDS
-from stickslip.explorer.around import Stopped, watch
+from stickslip.explorer.around import PATIENCE as MOST_SECONDS, Stopped, watch
 from stickslip.explorer.asked import DEFAULT, State, message, state
 from stickslip.explorer.code import python
 from stickslip.explorer.dropped import drive_of, velocity_of

@@ -133,12 +133,12 @@ class DimensionlessRobot(Frozen):
     notes: ClassVar[tuple[str, ...]] = ()
 
     @property
-    def inner_mass(self) -> Any:
+    def inner_mass(self) -> float:
         """The inner mass in units of the whole mass [-]."""
         return self.mu
 
     @property
-    def free_velocity(self) -> Any:
+    def free_velocity(self) -> float:
         """mu, the velocity amplitude without friction [-]."""
         return self.mu
 

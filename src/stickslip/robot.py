@@ -13,8 +13,7 @@ from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, leaves, positive
 from stickslip.forces import check_law
-from stickslip.friction.adapter import law_of
-from stickslip.friction.adapter import mirrored as mirrored_law
+from stickslip.friction.adapter import law_of, mirrored as mirrored_law
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level, grip_of
 
@@ -82,27 +81,27 @@ class Robot(Frozen):
         return shape_of(self)
 
     @property
-    def total_mass(self) -> Any:
+    def total_mass(self) -> float:
         """M + m [kg]."""
         return self.body_mass + self.inner_mass
 
     @property
-    def mass_ratio(self) -> Any:
+    def mass_ratio(self) -> float:
         """mu = m / (M + m), not a friction coefficient [-]."""
         return self.inner_mass / self.total_mass
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """Period of the drive [s]."""
         return self.drive.period
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
         return drive_of(self.drive).velocity_scale
 
     @property
-    def free_velocity(self) -> Any:
+    def free_velocity(self) -> float:
         """What the drive would do to the body without friction, A mu omega: how close is close for strobe points [m/s]."""
         return self.velocity_scale * self.mass_ratio
 

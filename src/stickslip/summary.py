@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from stickslip.mechanics import declares_parts
 from stickslip.sealing import sealed
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
 from stickslip.variables import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["LOST", "STATUS", "Summary"]
 
@@ -100,7 +103,7 @@ class Summary:
         """A sentence on the cases whose mean velocity is not that of a steady motion, and what to type; none where all are."""
         return unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", []))
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""
         from stickslip.datasets import summary_dataset
 

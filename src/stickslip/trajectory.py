@@ -6,7 +6,7 @@ import html
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,10 @@ from stickslip.sealing import sealed
 from stickslip.steadiness import Steadiness, drifting_apart, of_run
 from stickslip.summary import STATUS, Summary
 from stickslip.variables import VARIABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
 
 #: Samples of a run that has no period: this many times `samples` in all.
 APERIODIC = 10
@@ -44,7 +48,15 @@ def _at_distances(mechanics: Any, t: Any, x: Any, v: Any) -> tuple[Any, Any]:
     return x, v
 
 
-def _force_column(name: str) -> property:
+class _Column(property):
+    """A property, of which type checkers know that it is an array."""
+
+    if TYPE_CHECKING:
+
+        def __get__(self, run: Any, of: type | None = None) -> NDArray[np.float64]: ...  # type: ignore[override]
+
+
+def _force_column(name: str) -> _Column:
     variable = VARIABLES[name]
 
     def column(self: Any) -> Any:
@@ -53,7 +65,7 @@ def _force_column(name: str) -> property:
             raise AttributeError(f"this run has no {name}: {why}")
         return self._forces[name]
 
-    return property(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
+    return _Column(column, doc=f"{variable.long_name[0].upper()}{variable.long_name[1:]} [{variable.unit}].")
 
 
 @sealed
@@ -241,7 +253,7 @@ class Trajectory:
 
     # ---- columns ----
     @property
-    def t(self) -> Any:
+    def t(self) -> NDArray[np.float64]:
         """Times of the columns [s]."""
         return self._instants[0]
 
@@ -250,22 +262,22 @@ class Trajectory:
         return self._states_at(*self._instants)
 
     @property
-    def x(self) -> Any:
+    def x(self) -> NDArray[np.float64]:
         """Position of the body [m]; (time, body) of a machine of several."""
         return self._states[0]
 
     @property
-    def v(self) -> Any:
+    def v(self) -> NDArray[np.float64]:
         """Velocity of the body [m/s]; (time, body) of a machine of several."""
         return self._states[1]
 
     @property
-    def z(self) -> Any:
+    def z(self) -> NDArray[np.float64] | None:
         """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
         return _as_column(self._states[2])
 
     @cached_property
-    def mode(self) -> Any:
+    def mode(self) -> NDArray[np.int8]:
         """+1 forwards, 0 stuck, -1 backwards (dynamic laws: the sign of v at the contact); (time, contact) of several."""
         return self._modes[self._instants[1]]
 
@@ -326,7 +338,7 @@ class Trajectory:
 
     # ---- strobe ----
     @cached_property
-    def strobe_times(self) -> Any:
+    def strobe_times(self) -> NDArray[np.float64]:
         """The starts of the drive periods, k T [s], and the end of the last whole one."""
         count = int(float(self.pieces.t[-1] - self.pieces.t[0]) / self.period_time + 1e-9)
         return np.minimum(self.pieces.t[0] + np.arange(count + 1) * self.period_time, self.pieces.t[-1])
@@ -355,22 +367,22 @@ class Trajectory:
         return law_of(self.model).passed_zero(tuple(map(float, np.ravel(z))), load, tuple(map(int, memory)))
 
     @property
-    def strobe_x(self) -> Any:
+    def strobe_x(self) -> NDArray[np.float64]:
         """Position at the strobe times [m], shaped like `x`."""
         return self._strobe[0]
 
     @property
-    def strobe_v(self) -> Any:
+    def strobe_v(self) -> NDArray[np.float64]:
         """Velocity at the strobe times [m/s], after an impulse at that instant, shaped like `v`."""
         return self._strobe[1]
 
     @property
-    def strobe_z(self) -> Any:
+    def strobe_z(self) -> NDArray[np.float64] | None:
         """Inner state at the strobe times, shaped like `z`."""
         return _as_column(self._strobe[2])
 
     @property
-    def strobe_memory(self) -> Any:
+    def strobe_memory(self) -> NDArray[np.float64] | None:
         """Whole numbers that laws remember, at the strobe times: (time,), or (time, memory) if there are several; None if none."""
         return _as_column(self._strobe[3])
 
@@ -392,7 +404,7 @@ class Trajectory:
             return f"whether a motion of {layout.says} has settled is not judged"
         return self.steadiness.note
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` over time, with units, names and provenance."""
         from stickslip.datasets import trajectory_dataset
 

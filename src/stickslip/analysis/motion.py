@@ -122,7 +122,7 @@ class Motions:
 
 
 @explains_arguments
-def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Any:
+def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions:
     """The motion that a run ends in.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the

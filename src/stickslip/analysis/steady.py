@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -11,6 +11,12 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError, is_whole
 from stickslip.layout import of_one_contact
 from stickslip.summary import Summary
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from stickslip.records import Record
+    from stickslip.trajectory import Trajectory
 
 __all__ = [
     "LONGEST_PERIOD", "closed_mean_velocity", "mean_velocity", "period_number", "periodic_mean_velocity", "strobe_tolerance",
@@ -21,6 +27,10 @@ __all__ = [
 LONGEST_PERIOD = recurrence.LONGEST
 
 
+@overload
+def mean_velocity(run: Trajectory | Record, body: int | str | None = None) -> float: ...
+@overload
+def mean_velocity(run: Summary, body: None = None) -> NDArray[np.float64]: ...
 @explains_arguments
 def mean_velocity(run: Any, body: int | str | None = None) -> Any:
     r"""Mean steady velocity of a run, as the paper defines it.
@@ -173,7 +183,7 @@ def period_number(run: Any) -> int | None:
 
 
 @explains_arguments
-def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-12) -> Any:
+def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-12) -> float | NDArray[np.float64]:
     """Mean velocity of the periodic motion itself, free of what a transient leaves in a window.
 
     Where the motion is made of closed arcs (Coulomb friction and a harmonic drive) it comes from the closed formulas, to rounding.

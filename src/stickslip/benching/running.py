@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, overload
 
 from stickslip.arguments import explains_arguments
 from stickslip.benching.drift import drift
@@ -35,6 +35,10 @@ EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
 }
 
 
+@overload
+def bench(law: list[Any] | tuple[Any, ...], *arguments: Any, **more: Any) -> Benches: ...
+@overload
+def bench(law: Any, *arguments: Any, **more: Any) -> Bench: ...
 @explains_arguments
 def bench(
     law: Any,

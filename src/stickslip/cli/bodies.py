@@ -51,7 +51,7 @@ def _motion(run: Any) -> dict[str, Any]:
 
     from stickslip.analysis.motion import motion
 
-    m = motion(run)
+    m: Any = motion(run)
     contacts = {name: {k: v for k, v in asdict(each).items() if k != "_twin"} for name, each in m.contacts.items()}
     return {"contacts": contacts, "anchored": list(m.anchored), "period": m.period, "direction": m.direction}
 

@@ -46,7 +46,7 @@ class DriveAdapter:
         return getattr(self.drive, "vertical_acceleration", None)
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """A relative velocity of the size of the largest one [m/s]: what the drive says itself, or the largest of a few instants.
 
         Errors are measured against it. Of a sum of harmonics it is the root of 2 times the r.m.s., which is not the largest velocity.

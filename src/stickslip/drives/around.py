@@ -25,12 +25,12 @@ class Around(Drive):
             )
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """Period of the drive [s]."""
         return self.drive.period
 
     @property
-    def omega(self) -> Any:
+    def omega(self) -> float:
         """Angular frequency 2 pi / T [rad/s]."""
         return 2 * pi / self.drive.period
 
@@ -45,7 +45,7 @@ class Around(Drive):
         return drive_of(self.drive).jumps
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """A typical relative velocity along the track [m/s]."""
         return drive_of(self.drive).velocity_scale
 
@@ -55,7 +55,7 @@ class Around(Drive):
         return drive_of(self.drive).specific_energy
 
     @property
-    def stroke(self) -> Any:
+    def stroke(self) -> float:
         """Stroke along the track [m]."""
         return self.drive.stroke
 

@@ -78,22 +78,22 @@ class BangBang(PeriodicDrive):
         self.__post_init__()
 
     @property
-    def t1(self) -> Any:
+    def t1(self) -> float:
         """How long the phase of +a1 lasts, T a2/(a1 + a2) [s]."""
         return self.period * self.a2 / (self.a1 + self.a2)
 
     @property
-    def t2(self) -> Any:
+    def t2(self) -> float:
         """How long the phase of -a2 lasts [s]."""
         return self.period * self.a1 / (self.a1 + self.a2)
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """V, the largest relative velocity [m/s]."""
         return 0.5 * self.a1 * self.t1
 
     @property
-    def stroke(self) -> Any:
+    def stroke(self) -> float:
         """From end to end [m]."""
         return 0.5 * self.velocity_scale**2 * (1 / self.a1 + 1 / self.a2)
 

@@ -7,17 +7,21 @@ the tip mass ratio R, and a frequency is b with ``omega = b**2 sqrt(EI/(rho A L*
 from __future__ import annotations
 
 import functools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere, number
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 __all__ = ["cantilever_eigenvalues", "modal_mass", "mode_shape"]
 
 
 @explains_arguments
-def cantilever_eigenvalues(tip_mass_ratio: Numbers, n: int) -> Any:
+def cantilever_eigenvalues(tip_mass_ratio: Numbers, n: int) -> NDArray[np.float64]:
     r"""Eigenvalues :math:`\beta_i L` of a clamped beam with a mass at its tip: the first `n` roots of Eq. 3.5.
 
     .. math:: 1 + \cos b\cosh b + R\,b\,(\cos b\sinh b - \sin b\cosh b) = 0, \qquad R = \frac{m}{\rho A L}

@@ -70,12 +70,12 @@ class FourierDrive(Drive):
         return self.omega**2 * series(self.omega * t, *_derivative(*_derivative(*self.coefficients)))
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """Root of 2 times the r.m.s. of the relative velocity: A omega if there is one harmonic [m/s]."""
         return self.omega * sqrt(sum(k**2 * (a**2 + b**2) for k, (a, b) in enumerate(zip(*self.coefficients, strict=True), 1)))
 
     @property
-    def stroke(self) -> Any:
+    def stroke(self) -> float:
         """From end to end [m]."""
         low, high = extremes(*self.coefficients)
         return high - low

@@ -54,22 +54,22 @@ class Harmonic(Drive):
         return super().replace({"notes": None, **(changes or {}), **fields})
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """Period T = 2 pi / omega [s]."""
         return 2 * pi / self.omega
 
     @property
-    def frequency(self) -> Any:
+    def frequency(self) -> float:
         """Frequency [Hz]."""
         return self.omega / (2 * pi)
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """A omega, the largest relative velocity [m/s]."""
         return self.amplitude * self.omega
 
     @property
-    def stroke(self) -> Any:
+    def stroke(self) -> float:
         """2 A, from end to end [m]."""
         return 2 * self.amplitude
 

@@ -64,12 +64,12 @@ class MultiHarmonic(FourierDrive):
             problems.add(f"{len(phases)} phases for {len(amplitudes)} amplitudes; allowed is one for each; {_EXAMPLE}")
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """Period of the first harmonic [s]."""
         return 2 * pi / self.omega
 
     @property
-    def frequency(self) -> Any:
+    def frequency(self) -> float:
         """Frequency of the first harmonic [Hz]."""
         return self.omega / (2 * pi)
 

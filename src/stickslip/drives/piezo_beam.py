@@ -106,27 +106,27 @@ class PiezoBeam(Frozen):
             pass
 
     @property
-    def bending_stiffness(self) -> Any:
+    def bending_stiffness(self) -> float:
         """EI of the bare beam [N m^2]."""
         return self.modulus * self.width * self.thickness**3 / 12
 
     @property
-    def mass(self) -> Any:
+    def mass(self) -> float:
         """Mass of the beam, rho A L [kg]."""
         return self.density * self.width * self.thickness * self.length
 
     @property
-    def tip_mass_ratio(self) -> Any:
+    def tip_mass_ratio(self) -> float:
         """R = m/(rho A L) [-]."""
         return self.tip_mass / self.mass
 
     @property
-    def angular_unit(self) -> Any:
+    def angular_unit(self) -> float:
         """What (beta_i L)^2 is multiplied with for the angular frequency of mode i, sqrt(EI/(rho A L^4)) [rad/s]."""
         return sqrt(self.bending_stiffness / (self.mass * self.length**3))
 
     @property
-    def moment_per_volt(self) -> Any:
+    def moment_per_volt(self) -> float:
         """Bending moment T of both patches for one volt, d31 (h1 + h2) b E2 [N m/V] (Eq. 3.2, E2 being Young's modulus)."""
         return self.d31 * (self.thickness + self.patch_thickness) * self.width * self.patch_modulus
 

@@ -64,12 +64,12 @@ class Recorded(FourierDrive):
         return super().replace({"notes": None, **(changes or {}), **fields})
 
     @property
-    def omega(self) -> Any:
+    def omega(self) -> float:
         """Angular frequency 2 pi / T [rad/s]."""
         return 2 * pi / self.period
 
     @property
-    def frequency(self) -> Any:
+    def frequency(self) -> float:
         """Frequency 1/T [Hz]."""
         return 1 / self.period
 

@@ -76,7 +76,7 @@ class ThreePhase(PeriodicDrive):
             problems.add(f"w2 = {describe(self.w2)} makes a return too short for the digits of a number; allowed is less; type w2=1e12")
 
     @property
-    def u3(self) -> Any:
+    def u3(self) -> float:
         """Largest relative speed backwards [m/s]."""
         return self.u1 * sqrt((1 / self.w1 + 1 / self.w2) / (1 / self.w2 + 1 / self.w3))
 
@@ -96,7 +96,7 @@ class ThreePhase(PeriodicDrive):
         return (self.u1 + self.u3) / (self._turned - self._pushed)
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """u1/w1 + (u1 + u3)/w2 + u3/w3 [s]."""
         return self._turned + self.u3 / self.w3
 
@@ -106,12 +106,12 @@ class ThreePhase(PeriodicDrive):
         return (self._pushed, self._turned)
 
     @property
-    def stroke(self) -> Any:
+    def stroke(self) -> float:
         """From end to end [m]."""
         return 0.5 * self.u1**2 * (1 / self.w1 + 1 / self.w2)
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """The larger of u1 and u3 [m/s]."""
         return maximum(self.u1, self.u3)
 

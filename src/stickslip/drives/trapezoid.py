@@ -88,7 +88,7 @@ class Trapezoid(PeriodicDrive):
         return (turned - self.ramp, turned, self.period - self.ramp)
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """The larger of the two speeds [m/s]."""
         return maximum(self.u1, self.u2)
 
@@ -100,7 +100,7 @@ class Trapezoid(PeriodicDrive):
         return self.u1 * sigma - total * _risen(sigma)
 
     @property
-    def stroke(self) -> Any:
+    def stroke(self) -> float:
         """From end to end [m]."""
         return self.u1 * self.breaks[0] + 2 * self.ramp * self._half_turn
 

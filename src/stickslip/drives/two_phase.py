@@ -66,17 +66,17 @@ class TwoPhase(PeriodicDrive):
         self.__post_init__()
 
     @property
-    def t1(self) -> Any:
+    def t1(self) -> float:
         """How long the phase of +u1 lasts [s]."""
         return self.stroke / self.u1
 
     @property
-    def t2(self) -> Any:
+    def t2(self) -> float:
         """How long the phase of -u2 lasts [s]."""
         return self.stroke / self.u2
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """L/u1 + L/u2 [s]."""
         return self.t1 + self.t2
 
@@ -87,7 +87,7 @@ class TwoPhase(PeriodicDrive):
         return ((0.0, both), (self.t1, -both))
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """The larger of the two speeds [m/s]."""
         return maximum(self.u1, self.u2)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from stickslip.errors import InputError, Problems, SolveError
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Branch", "Special", "continuation"]
 
@@ -63,7 +66,7 @@ class Branch:
 
     family: Family
     period: int
-    orbits: tuple[Any, ...]
+    orbits: tuple[PeriodicOrbit | LimitCycle, ...]
     values: Array
     special: list[Special]
     ended: str
@@ -74,11 +77,12 @@ class Branch:
         return self.family.parameters[0]
 
     @cached_property
-    def points(self) -> Any:
+    def points(self) -> xr.Dataset:
         """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
         import xarray as xr
 
         single = machine_of(self.orbits[0].model).is_single
+        coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         columns: dict[str, Any] = {
             name: ("point", [o.state[i] for o in self.orbits], {} if single else strobe_attrs(name))
             for i, name in enumerate(self.orbits[0].names)
@@ -88,15 +92,16 @@ class Branch:
         if single:
             columns["motion_type"] = ("point", [o.type for o in self.orbits])
         else:
-            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in self.orbits])
+            driven: Any = self.orbits  # nothing of several contacts goes without a drive
+            coords["contact"] = list(driven[0].patterns)
+            columns["patterns"] = (("point", "contact"), [list(o.patterns.values()) for o in driven])
         columns["largest_multiplier"] = ("point", [float(abs(o.multipliers).max()) for o in self.orbits], {"units": "1"})
         multipliers = np.array([np.asarray(o.multipliers, complex) for o in self.orbits])
         columns["multiplier_real"] = (("point", "multiplier"), multipliers.real, {"units": "1"})
         columns["multiplier_imag"] = (("point", "multiplier"), multipliers.imag, {"units": "1"})
         told = [{"kind": s.kind, "value": s.value, "accuracy": s.accuracy, "notes": list(s.orbit.notes)} for s in self.special]
         attrs = {"parameter": self.parameter, "period": self.period, "ended": self.ended, "special": json.dumps(told)}
-        coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
-        return xr.Dataset(columns, coords if single else coords | {"contact": list(self.orbits[0].patterns)}, attrs)
+        return xr.Dataset(columns, coords, attrs)
 
     @explains_arguments
     def at(self, value: float) -> PeriodicOrbit:

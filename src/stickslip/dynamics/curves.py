@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, mi
 from stickslip.errors import InputError, SolveError
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Curve", "Meeting", "special_curve"]
 
@@ -72,7 +75,7 @@ class Curve:
     ended: str
 
     @property
-    def points(self) -> Any:
+    def points(self) -> xr.Dataset:
         """The curve as an `xarray.Dataset` over ``point``."""
         import xarray as xr
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from stickslip.dynamics.orbits import states_of
 from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
 from stickslip.sweeps.progress import Watch
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "periods_of", "seen", "steady_velocity", "strobe_attrs", "whole_motions"]
 
@@ -40,7 +43,7 @@ def bifurcation(
     workers: int = 1,
     progress: Report | None = None,
     **fixed: Any,
-) -> Any:
+) -> xr.Dataset:
     """A bifurcation diagram by brute force: the strobe points after settling, for every value of a parameter.
 
     Parameters

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["chaos_map"]
 
@@ -44,7 +47,7 @@ def chaos_map(
     workers: int = 1,
     progress: Report | None = None,
     **arguments: Any,
-) -> Any:
+) -> xr.Dataset:
     """A map over one or two parameters of period number, largest Lyapunov exponent and mean velocity.
 
     Where the strobe point comes back the exponent is that of the motion's multipliers, by differences of the strobe map; elsewhere it

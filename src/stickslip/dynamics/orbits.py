@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from stickslip.analysis.motion import Motion, motion
+from stickslip.analysis.motion import Motion, Motions, motion
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.closed import ClosedMotion, largest_first
 from stickslip.dynamics.cycles import limit_cycle
@@ -34,6 +34,12 @@ from stickslip.layout import of_one_contact
 from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.cycles import LimitCycle
+    from stickslip.machines import Chain
+    from stickslip.mechanisms import BlockOnBelt, ForcedOscillator, PulledMass
+    from stickslip.robot import Robot
 
 __all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
 
@@ -123,7 +129,7 @@ class PeriodicOrbit(ClosedMotion):
         return float((way[-1] - way[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> Motion | Motions:
         """What `ss.motion` says of it."""
         return motion(self.run)
 
@@ -172,8 +178,16 @@ class PeriodicOrbit(ClosedMotion):
         )
 
 
+@overload
+def periodic_orbit(model: BlockOnBelt | PulledMass, *arguments: Any, **more: Any) -> LimitCycle: ...
+@overload
+def periodic_orbit(model: Robot | ForcedOscillator | Chain, *arguments: Any, **more: Any) -> PeriodicOrbit: ...
+@overload
+def periodic_orbit(model: Any, *arguments: Any, **more: Any) -> PeriodicOrbit | LimitCycle: ...
 @explains_arguments
-def periodic_orbit(model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12) -> Any:
+def periodic_orbit(
+    model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
+) -> PeriodicOrbit | LimitCycle:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
     Where nothing drives (a block on a belt) it is a limit cycle, and how long it takes is found too.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from numbers import Real
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.steadiness import centre_of_mass
 from stickslip.variables import VARIABLES
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 __all__ = ["halved", "poincare", "spectrum", "strobe"]
 
 Array = Any
@@ -21,7 +24,7 @@ _OF_BODIES, _OF_CONTACTS = ("x", "v", "acceleration"), ("mode", "slip", "load", 
 
 
 @explains_arguments
-def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> Any:
+def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> xr.Dataset:
     """The states of a run at one phase of every drive period.
 
     Parameters
@@ -57,7 +60,7 @@ def strobe(run: Run, phase: float = 0.0, settle: int | None = None) -> Any:
 
 
 @explains_arguments
-def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> Any:
+def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, settle: int | None = None) -> xr.Dataset:
     """The states of a run at which a column passes a value, such as v = 0.
 
     Parameters
@@ -180,7 +183,7 @@ def _dataset_of_parts(run: Any, t: Array) -> Any:
 
 
 @explains_arguments
-def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | None = None) -> Any:
+def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | None = None) -> xr.Dataset:
     """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and between where it repeats later.
 
     The window holds whole motion periods and no taper, so a periodic motion gives exact lines and no leakage. Where no period is

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from stickslip.dynamics.mapping import Coordinates, coordinates, spread_over
 from stickslip.dynamics.needs import needs_model
 from stickslip.errors import InputError
 from stickslip.sweeps.progress import Watch
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["attractors"]
 
@@ -42,7 +45,7 @@ def attractors(
     workers: int = 1,
     progress: Report | None = None,
     **fixed: Any,
-) -> Any:
+) -> xr.Dataset:
     """Attractors along a parameter: at each value those that a grid of starts finds, and what becomes of those of the value before.
 
     An attractor goes on as the motion that attracts its last strobe state. Where that is the continuation of another one too, or

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.information import Information
 from stickslip.sealing import sealed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
 
 __all__ = ["Fit", "Quality"]
 
@@ -99,11 +103,11 @@ class Fit:
 
     values: dict[str, float]
     errors: dict[str, float]
-    covariance: Any
+    covariance: NDArray[np.float64]
     problem: Any
-    place: Any
-    jacobian: Any
-    residuals: Any
+    place: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    residuals: NDArray[np.float64]
     scale: float
     starts: int
     agree: int
@@ -150,12 +154,12 @@ class Fit:
         return tuple(name for name, error in self.errors.items() if not np.isfinite(error))
 
     @property
-    def slopes(self) -> Any:
+    def slopes(self) -> NDArray[np.float64]:
         """Change of each free parameter for a change of its place in the search: array (parameters,)."""
         return np.array([f.slope(p) for f, p in zip(self.problem.parameters.free, self.place, strict=False)])
 
     @property
-    def correlations(self) -> Any:
+    def correlations(self) -> NDArray[np.float64]:
         """Correlations of the free parameters, in the order of `values`; NaN beside one that the data do not determine."""
         size = np.sqrt(np.diag(self.covariance))
         known = np.isfinite(size)
@@ -249,8 +253,12 @@ class Fit:
         return [*remarks(self), *self.correlated, *self.notes]
 
     # ---- show ----
+    @overload
+    def report(self, path: None = None) -> str: ...
+    @overload
+    def report(self, path: str | Path) -> Path: ...
     @explains_arguments
-    def report(self, path: str | Path | None = None) -> Any:
+    def report(self, path: str | Path | None = None) -> str | Path:
         """The fit as text; with a path as one HTML file with data, fit, residuals, uncertainties and provenance (its path is returned)."""
         if path is None:
             from stickslip.identifying.words import told
@@ -261,7 +269,7 @@ class Fit:
         return write_report(path, [self])
 
     @explains_arguments
-    def plot(self, record: int = 0, ax: Ax = None) -> Any:
+    def plot(self, record: int = 0, ax: Ax = None) -> Axes:
         """Record and fit over one drive period; returns the axes."""
         from stickslip.identifying.doors import plot_fit
 

@@ -90,17 +90,17 @@ class Chain(Machine):
         super()._check(problems)
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """The common period of the drives [s]."""
         return self.modules[0].period
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """The largest of the modules' velocity scales [m/s]."""
         return _largest(module.velocity_scale for module in self.modules)
 
     @property
-    def free_velocity(self) -> Any:
+    def free_velocity(self) -> float:
         """The largest velocity that a drive would give its module without friction [m/s]."""
         return _largest(machine_of(module).free_velocity for module in self.modules)
 

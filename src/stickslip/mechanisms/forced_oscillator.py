@@ -69,12 +69,12 @@ class ForcedOscillator(Mechanism):
     }
 
     @property
-    def period(self) -> Any:
+    def period(self) -> float:
         """Period of the force [s]."""
         return 2 * pi / self.omega
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """What the force, and a friction force of the size of the load, do in 1/omega [m/s]."""
         return (abs(self.force) + self.load) / (self.mass * self.omega)
 

@@ -44,7 +44,7 @@ class Mechanism(Frozen):
         return shape_of(self)
 
     @property
-    def total_mass(self) -> Any:
+    def total_mass(self) -> float:
         """The mass that moves [kg]."""
         return self.mass
 
@@ -84,7 +84,7 @@ class SpringMass(Mechanism):
     _rules: ClassVar[dict[str, Any]] = RULES
 
     @property
-    def velocity_scale(self) -> Any:
+    def velocity_scale(self) -> float:
         """Speed of what moves steadily, against which errors are measured [m/s]."""
         return abs(self.speed)
 

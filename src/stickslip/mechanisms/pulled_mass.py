@@ -49,7 +49,7 @@ class PulledMass(SpringMass):
     kind: ClassVar[str] = "pulled_mass"
 
     @property
-    def far_end_velocity(self) -> Any:
+    def far_end_velocity(self) -> float:
         """Velocity of the spring's far end [m/s], from which nothing depends on time."""
         return self.speed
 

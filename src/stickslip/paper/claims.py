@@ -110,13 +110,15 @@ def claims(study: Study) -> tuple[Claim, ...]:
 
 
 def _judges() -> tuple[Callable[[Study], Claim], ...]:
-    from stickslip.paper import claims_beam as beam
-    from stickslip.paper import claims_comparison as comparison
-    from stickslip.paper import claims_excitation as excitation
-    from stickslip.paper import claims_friction as friction
-    from stickslip.paper import claims_irregular as irregular
-    from stickslip.paper import claims_laws as laws
-    from stickslip.paper import claims_static as static
+    from stickslip.paper import (
+        claims_beam as beam,
+        claims_comparison as comparison,
+        claims_excitation as excitation,
+        claims_friction as friction,
+        claims_irregular as irregular,
+        claims_laws as laws,
+        claims_static as static,
+    )
 
     return (
         laws.bristle_is_slow,

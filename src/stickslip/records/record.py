@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,14 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.units import quantity_of
 from stickslip.sealing import sealed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from stickslip.records.modes import Mode
+    from stickslip.records.motions import MeasuredMotion
+    from stickslip.records.overview import Overview
+    from stickslip.records.tones import Frequency
 
 __all__ = ["Record"]
 
@@ -184,14 +192,14 @@ class Record:
 
     # ---- measures ----
     @property
-    def summary(self) -> Any:
+    def summary(self) -> Overview:
         """Rate, gaps, noise, clipping and drive frequency of every channel, as numbers and as text."""
         from stickslip.records.overview import overview
 
         return overview(self)
 
     @explains_arguments
-    def drive_frequency(self, about: float | None = None) -> Any:
+    def drive_frequency(self, about: float | None = None) -> Frequency:
         """Frequency of the drive with its standard error [Hz], refined from the data; `about` helps where it is not the strongest."""
         from stickslip.records.tones import drive_frequency
 
@@ -205,7 +213,7 @@ class Record:
         return mean_velocity(self, frequency).value
 
     @explains_arguments
-    def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
+    def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> MeasuredMotion:
         """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.motions.motion`."""
         from stickslip.records.motions import motion
 
@@ -217,7 +225,9 @@ class Record:
         return str(self.motion().type)
 
     @explains_arguments
-    def stick_intervals(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> Any:
+    def stick_intervals(
+        self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03
+    ) -> tuple[tuple[float, float], ...]:
         """Intervals at rest, as (start, length) in drive periods."""
         m = self.motion(frequency, threshold, dwell)
         return tuple((start, length) for start, length, sign in m.intervals if sign == 0)
@@ -230,14 +240,14 @@ class Record:
         return period_number(self, frequency)
 
     @explains_arguments
-    def spectrum(self, channel: str = "velocity") -> Any:
+    def spectrum(self, channel: str = "velocity") -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Amplitude spectrum of a channel: frequencies [Hz] and amplitudes [SI]."""
         from stickslip.records.tones import spectrum
 
         return spectrum(self[channel])
 
     @explains_arguments
-    def modes(self, channel: str | None = None, count: int = 1) -> Any:
+    def modes(self, channel: str | None = None, count: int = 1) -> tuple[Mode, ...]:
         """Modes of a measured frequency response: natural frequency [in the unit of its axis] and damping ratio."""
         from stickslip.records.modes import modes
 

@@ -24,7 +24,9 @@ def solve(model: Any, periods: int | None = ..., *, keep: Literal["trajectory"],
 @overload
 def solve(model: Any, periods: int | None = ..., *, keep: Literal["summary"], **arguments: Any) -> Summary: ...
 @overload
-def solve(model: Any, periods: int | None = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any) -> Any: ...
+def solve(
+    model: Any, periods: int | None = ..., settle: int | str | None = ..., rtol: float = ..., **arguments: Any
+) -> Trajectory | Summary: ...
 @explains_arguments
 def solve(
     model: Model,
@@ -41,7 +43,7 @@ def solve(
     progress: Callable[[int, int], None] | bool | None = None,
     duration: float | None = None,
     **options: Any,
-) -> Any:
+) -> Trajectory | Summary:
     r"""Simulate a robot or a mechanism, or every one of a batch, from its start.
 
     Parameters

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.running import carried_out
 from stickslip.sweeps.solving import Cancelled, solved_points
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 __all__ = ["map"]
 
 Array = Any
@@ -23,7 +26,7 @@ _CHUNK = 16384
 
 
 @explains_arguments
-def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -> Any:
+def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -> xr.Dataset:
     """Solve a robot over a plane: two axes of numbers.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
@@ -14,11 +14,14 @@ from stickslip.sweeps.manifest import differences
 from stickslip.sweeps.opening import open_study
 from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 __all__ = ["merge"]
 
 
 @explains_arguments
-def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> Any:
+def merge(folders: Sequence[str | Path], out: str | Path, partial: bool = False) -> xr.Dataset:
     """Put the folders of the shards of one study together in one folder, as if it had been one run.
 
     Parameters

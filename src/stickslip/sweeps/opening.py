@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from xarray.backends import BackendArray
@@ -22,6 +22,9 @@ from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.tiles import notes_of, read_tile
 from stickslip.unpacking import Allowance
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 __all__ = ["open_study"]
 
 Array = Any
@@ -29,7 +32,7 @@ _OLD = "kept by an earlier stickslip, without checksums: damage to the file may 
 
 
 @explains_arguments
-def open_study(folder: str | Path) -> Any:
+def open_study(folder: str | Path) -> xr.Dataset:
     """The results in a study folder as a dataset; of a study that is not finished, what is there.
 
     Nothing is read but the axes: numbers come from the tiles when they are looked at, so the study may be larger than the memory.

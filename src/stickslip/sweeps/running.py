@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.designs import Design
@@ -17,6 +17,9 @@ from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
 from stickslip.sweeps.solving import Cancelled, solved
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["carried_out", "run_plan", "sweep", "tiles_of"]
 
@@ -46,7 +49,7 @@ def sweep(
     retries: int = 3,
     progress: Callable[[Progress], Any] | bool | None = None,
     **axes: Any,
-) -> Any:
+) -> xr.Dataset:
     """Solve a robot over a grid of its numbers, or over any other design.
 
     Every keyword that holds several values becomes a dimension of that name, in the order in which they are written; single values

@@ -1,0 +1,168 @@
+"""The public names: read by type checkers, and by `__init__.py`, which loads each when it is first used."""
+
+from . import (
+    designs as designs,
+    drives as drives,
+    friction as friction,
+    machines as machines,
+    maths as maths,
+    mechanisms as mechanisms,
+    paper as paper,
+    plot as plot,
+    presets as presets,
+    testing as testing,
+    tracks as tracks,
+    variables as variables,
+)
+from .analysis.coulomb_borders import coulomb_borders as coulomb_borders
+from .analysis.energy import energy as energy
+from .analysis.motion import (
+    Motion as Motion,
+    motion as motion,
+)
+from .analysis.steady import (
+    mean_velocity as mean_velocity,
+    periodic_mean_velocity as periodic_mean_velocity,
+)
+from .benching import (
+    Bench as Bench,
+    Benches as Benches,
+    bench as bench,
+)
+from .checking import check as check
+from .drives import (
+    DRIVES as DRIVES,
+    BangBang as BangBang,
+    Harmonic as Harmonic,
+    MultiHarmonic as MultiHarmonic,
+    PiezoBeam as PiezoBeam,
+    Recorded as Recorded,
+    Reversed as Reversed,
+    ThreePhase as ThreePhase,
+    Trapezoid as Trapezoid,
+    TwoPhase as TwoPhase,
+    VerticalVibration as VerticalVibration,
+    cantilever_eigenvalues as cantilever_eigenvalues,
+)
+from .dynamics.attractors import (
+    Basins as Basins,
+    basins as basins,
+)
+from .dynamics.branches import (
+    Branch as Branch,
+    continuation as continuation,
+)
+from .dynamics.curves import (
+    Curve as Curve,
+    special_curve as special_curve,
+)
+from .dynamics.diagrams import bifurcation as bifurcation
+from .dynamics.exponents import (
+    Verdict as Verdict,
+    largest_exponents as largest_exponents,
+    lyapunov as lyapunov,
+    verdict as verdict,
+)
+from .dynamics.flow_orbits import (
+    FlowOrbit as FlowOrbit,
+    flow_orbit as flow_orbit,
+    switching_flow as switching_flow,
+)
+from .dynamics.generic import (
+    Lyapunov as Lyapunov,
+    lyapunov_of_flow as lyapunov_of_flow,
+    lyapunov_of_map as lyapunov_of_map,
+)
+from .dynamics.maps import chaos_map as chaos_map
+from .dynamics.orbits import (
+    PeriodicOrbit as PeriodicOrbit,
+    periodic_orbit as periodic_orbit,
+)
+from .dynamics.sections import (
+    poincare as poincare,
+    spectrum as spectrum,
+    strobe as strobe,
+)
+from .dynamics.switched import (
+    Switch as Switch,
+    SwitchingFlow as SwitchingFlow,
+    passage as passage,
+)
+from .dynamics.tracked import attractors as attractors
+from .engine.latex import latex as latex
+from .errors import (
+    InputError as InputError,
+    SolveError as SolveError,
+    StickslipError as StickslipError,
+)
+from .friction import (
+    GMS as GMS,
+    LAWS as LAWS,
+    Bristle as Bristle,
+    Coulomb as Coulomb,
+    CoulombViscous as CoulombViscous,
+    Dahl as Dahl,
+    DeadBand as DeadBand,
+    ElastoPlastic as ElastoPlastic,
+    Karnopp as Karnopp,
+    LuGre as LuGre,
+    ResetIntegrator as ResetIntegrator,
+    Stribeck as Stribeck,
+    Sum as Sum,
+    Tabulated as Tabulated,
+    TanhCoulomb as TanhCoulomb,
+    Viscous as Viscous,
+)
+from .identifying import (
+    Fit as Fit,
+    compare as compare,
+    design as design,
+    identify as identify,
+    prediction_errors as prediction_errors,
+    rank as rank,
+    virtual_rig as virtual_rig,
+)
+from .io import load as load
+from .machines import (
+    Body as Body,
+    Chain as Chain,
+    Contact as Contact,
+    Machine as Machine,
+    Rigid as Rigid,
+    Spring as Spring,
+    Stop as Stop,
+)
+from .mechanisms import (
+    BlockOnBelt as BlockOnBelt,
+    ForcedOscillator as ForcedOscillator,
+    PulledMass as PulledMass,
+)
+from .nondimensional import (
+    DimensionlessRobot as DimensionlessRobot,
+    dimensionless as dimensionless,
+)
+from .records import (
+    Record as Record,
+    read as read,
+)
+from .robot import (
+    Robot as Robot,
+    mirrored as mirrored,
+)
+from .solvers import solve as solve
+from .sweeps import (
+    Progress as Progress,
+    export as export,
+    map as map,
+    merge as merge,
+    open_study as open_study,
+    sweep as sweep,
+)
+from .tracks import (
+    Incline as Incline,
+    Level as Level,
+    VaryingFriction as VaryingFriction,
+)
+from .trajectory import Trajectory as Trajectory
+
+__version__: str
