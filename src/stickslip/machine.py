@@ -9,7 +9,6 @@ from typing import Any
 from stickslip.contracts import Drive, Machine, Track
 from stickslip.friction.adapter import LawAdapter
 from stickslip.mechanics import Mechanics, OneBody, declares_parts
-from stickslip.several_bodies import SeveralBodies
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
 
@@ -31,7 +30,11 @@ class MachineAdapter:
     @cached_property
     def mechanics(self) -> Mechanics:
         """Its equations of motion, as functions of plain numbers."""
-        return OneBody(self.model) if self.is_single else SeveralBodies(self.model)
+        if self.is_single:
+            return OneBody(self.model)
+        from stickslip.several_bodies import SeveralBodies
+
+        return SeveralBodies(self.model)
 
     @property
     def is_single(self) -> bool:

@@ -131,24 +131,26 @@ class PolynomialPieces(_Arrays):
 
     def evaluate(self, t: Array, index: Array) -> tuple[Array, Array, Array]:
         """x, v (time, body) and z (time, contact, state), NaN where a law has fewer, at times on the given pieces."""
-        start = self.t[index]
-        h = self.t[index + 1] - start
-        theta = (t - start) / h
-        c = self.coefficients[index]
-        y = _horner(np.moveaxis(c, 1, 0), theta)
-        powers = np.arange(1, c.shape[2] + 1)
-        ways = [self.x0[index, k] + h * theta * _horner(c[:, state] / powers, theta) for k, state in enumerate(self.layout.ways)]
+        theta, h = self._within(t, index)
+        c = self.coefficients
+        y = _horner(np.moveaxis(c, 0, 1), index, theta)
+        powers, along = np.arange(1, c.shape[2] + 1), h * theta
+        ways = [self.x0[index, k] + along * _horner(c[:, state] / powers, index, theta) for k, state in enumerate(self.layout.ways)]
         x = [_position(body, ways, y) for body in self.layout.bodies]
         v = [y[body.velocity] for body in self.layout.bodies]
         return _rows(x, len(theta)), _rows(v, len(theta)), self._of_contacts(y)
 
     def inner_rates(self, t: Array, index: Array) -> Array:
         """Rates of the inner states (time, contact, state), as slopes of the polynomials."""
+        theta, h = self._within(t, index)
+        slopes = self.coefficients[..., 1:] * np.arange(1, self.coefficients.shape[2])
+        return self._of_contacts(_horner(np.moveaxis(slopes, 0, 1), index, theta) / h)
+
+    def _within(self, t: Array, index: Array) -> tuple[Array, Array]:
+        """Where in its piece, from 0 to 1, each time lies, and the length of the piece."""
         start = self.t[index]
         h = self.t[index + 1] - start
-        c = self.coefficients[index]
-        slopes = np.moveaxis(c[..., 1:] * np.arange(1, c.shape[2]), 1, 0)
-        return self._of_contacts(_horner(slopes, (t - start) / h) / h)
+        return (t - start) / h, h
 
     def _of_contacts(self, y: Array) -> Array:
         """The inner states (time, contact, state) among all states (state, time); NaN where a law has fewer than another."""
@@ -193,11 +195,13 @@ def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
     return pieces.inner_rates(t, index) if inner else np.empty((len(t), len(pieces.layout.contacts), 0))
 
 
-def _horner(c: Array, theta: Array) -> Array:
-    """Sum of c[..., k] theta^k."""
-    value = c[..., -1].copy()
-    for k in range(c.shape[-1] - 2, -1, -1):
-        value = value * theta + c[..., k]
+def _horner(c: Array, index: Array, theta: Array) -> Array:
+    """Sum of c[..., index, k] theta^k."""
+    by_power = np.ascontiguousarray(np.moveaxis(c, -1, 0))
+    value = by_power[-1].take(index, axis=-1)
+    for of_power in by_power[-2::-1]:
+        value *= theta
+        value += of_power.take(index, axis=-1)
     return value
 
 

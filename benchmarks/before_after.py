@@ -1,0 +1,132 @@
+"""Whether a change made anything slower: two versions of the sources, in turn, in one run on one machine.
+
+    python benchmarks/before_after.py 2282772 HEAD [--runs 10] [--only import]
+
+Each measurement is a process of its own, A B A B ..., and prints the seconds of its work, without import and compilation unless these
+are what is measured. A row is the median of the ratios pair by pair, new over old, with the second smallest and the second largest.
+Needs git and the packages that both versions import.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+RIG = "import numpy as np, stickslip as ss\nfrom time import process_time\nrig = ss.presets.piezo_rig\n"
+LAWS = """A = np.linspace(4e-4, 8e-4, 512)
+friction = rig(tilt_deg=1.7, amplitude=6e-4).friction
+same = dict(mu_plus=friction.mu_plus, mu_minus=friction.mu_minus, f_plus=friction.f_plus, f_minus=friction.f_minus)
+bristle = dict(sigma0=friction.sigma0, sigma1=friction.sigma1, sigma2=friction.sigma2, v_s=friction.v_s)
+"""
+
+
+EMPTY = 'import os, tempfile\nos.environ["STICKSLIP_CACHE_DIR"] = tempfile.mkdtemp()\n'
+
+
+def timed(setup: str, work: str, repeat: int = 3) -> str:
+    """A program that does the work once to warm up, and prints the least of some measurements."""
+    body = "\n".join("    " + line for line in work.splitlines())
+    return (
+        f"{RIG}{setup}def work():\n{body}\nwork()\nspent = []\n"
+        f"for _ in range({repeat}):\n    begin = process_time(); work(); spent.append(process_time() - begin)\nprint(min(spent))"
+    )
+
+
+def batch(law: str, periods: int, rtol: float = 1e-4) -> str:
+    """512 robots of one law."""
+    return timed(
+        LAWS + f"robot = rig(tilt_deg=1.7, amplitude=A).replace(friction={law})\n",
+        f'ss.solve(robot, periods={periods}, keep="summary", rtol={rtol})',
+    )
+
+
+def compiled(law: str) -> str:
+    """The kernels of one law, in an empty cache folder."""
+    asked = f'robot = rig(tilt_deg=1.7, amplitude=A).replace(friction={law})\nss.solve(robot, periods=1, keep="summary")\n'
+    return f"{EMPTY}{RIG}{LAWS}begin = process_time()\n{asked}print(process_time() - begin)"
+
+
+def clocked(work: str) -> str:
+    """A program that prints the time of its work, done once."""
+    return f"import time\nbegin = time.process_time()\n{work}\nprint(time.process_time() - begin)"
+
+
+BRANCH = 'ss.continuation(rig, parameter="amplitude", start=5e-4, stop=6e-4, tilt_deg=1.7, law="coulomb")'
+WORK = {
+    "LuGre, 512 robots": batch("friction", 60),
+    "LuGre, 512 robots, 1e-7": batch("friction", 30, 1e-7),
+    "elasto-plastic, 512 robots": batch("ss.ElastoPlastic(**same, **bristle, z_ba=0.7 * friction.mu_plus * 0.7 / friction.sigma0)", 40),
+    "GMS, 512 robots": batch("ss.GMS(**same, sigma0=friction.sigma0, v_s=friction.v_s, attraction=100.0, sigma2=friction.sigma2)", 30),
+    "Coulomb, 512 robots, closed arcs": batch("ss.Coulomb(**same)", 1000),
+    "Stribeck, 512 robots, Taylor arcs": batch("ss.Stribeck(**same, v_s=friction.v_s)", 30),
+    "one LuGre run": timed("robot = rig(tilt_deg=1.7, amplitude=6e-4)\n", "for _ in range(20): ss.solve(robot, periods=60).v"),
+    "one Coulomb run": timed(
+        'robot = rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")\n', "for _ in range(20): ss.solve(robot, periods=60).v"
+    ),
+    "one run on a belt": timed(
+        "belt = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))\n",
+        "for _ in range(10): ss.solve(belt, duration=100.0).v",
+    ),
+    "a map, 96 x 96": timed("", "ss.map(rig, amplitude=np.linspace(4e-4, 8e-4, 96), omega=np.linspace(150.0, 250.0, 96), tilt_deg=1.7)", 2),
+    "orbit and multipliers": timed("", "for A in (5e-4, 6e-4, 7e-4): ss.periodic_orbit(rig(tilt_deg=1.7, amplitude=A)).multipliers"),
+    "continuation": timed("", BRANCH),
+    "exponents": timed("", "ss.lyapunov(rig(tilt_deg=1.7, amplitude=4e-4, mu0=0.05), periods=60)", 2),
+    "basins": timed(
+        "", "ss.basins(rig(tilt_deg=1.7, amplitude=8e-4, mu0=0.05), v=np.linspace(-0.1, 0.1, 24), z=np.linspace(-1e-6, 1e-6, 2))", 1
+    ),
+    "compile, LuGre": compiled("friction"),
+    "compile, Stribeck": compiled("ss.Stribeck(**same, v_s=friction.v_s)"),
+    "import": clocked("import stickslip"),
+    "import and solve's module": clocked("import stickslip as ss; ss.solve; ss.Robot"),
+    "stickslip --help": clocked(
+        "import contextlib, io\nfrom stickslip.cli import main\n"
+        'with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):\n    main(["--help"])'
+    ),
+}
+
+
+def measure(tree: Path, cache: Path, program: str) -> float:
+    """Seconds that a program prints, with the sources of one version."""
+    env = {**os.environ, "PYTHONPATH": str(tree / "src"), "STICKSLIP_CACHE_DIR": str(cache), "NUMBA_NUM_THREADS": "1"}
+    done = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, cwd=tree)
+    if done.returncode:
+        sys.exit(f"{tree}: {done.stderr[-2000:]}")
+    return float(done.stdout.split()[-1])
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("old")
+    asked.add_argument("new")
+    asked.add_argument("--runs", type=int, default=10)
+    asked.add_argument("--only", default="", help="measurements whose name contains this")
+    given = asked.parse_args()
+    with tempfile.TemporaryDirectory() as work:
+        trees = [Path(work) / name for name in ("old", "new")]
+        for tree, version in zip(trees, (given.old, given.new), strict=True):
+            subprocess.run(["git", "-C", ROOT, "worktree", "add", "--quiet", "--detach", tree, version], check=True)
+        try:
+            for name, program in WORK.items():
+                if given.only in name:
+                    report(name, [tuple(measure(t, Path(work) / f"cache-{t.name}", program) for t in trees) for _ in range(given.runs)])
+        finally:
+            for tree in trees:
+                subprocess.run(["git", "-C", ROOT, "worktree", "remove", "--force", tree], check=True)
+
+
+def report(name: str, pairs: list[tuple[float, ...]]) -> None:
+    """One row."""
+    ratios = sorted(new / old for old, new in pairs)
+    low, high = ratios[min(1, len(ratios) - 1)], ratios[max(len(ratios) - 2, 0)]
+    old, new = (statistics.median(side) for side in zip(*pairs, strict=True))
+    print(f"{name:36} {statistics.median(ratios):6.3f}  ({low:.3f} to {high:.3f})   {old:.4f} s -> {new:.4f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()
