@@ -32,6 +32,7 @@ __all__ = [
     "example_of",
     "is_array",
     "is_number_field",
+    "is_record",
     "is_tuple_field",
     "leaves",
     "masked_in",
@@ -399,13 +400,14 @@ def _plan(cls: type) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _is_record(value: Any) -> bool:
+def is_record(value: Any) -> bool:
+    """Whether a value is a dataclass with fields of its own."""
     return hasattr(value, "__dataclass_fields__") and not isinstance(value, type)
 
 
 def _are_records(value: Any) -> bool:
     """Whether a value is several parts of one machine."""
-    return isinstance(value, tuple) and bool(value) and all(map(_is_record, value))
+    return isinstance(value, tuple) and bool(value) and all(map(is_record, value))
 
 
 def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple[str, Any]]:
@@ -419,7 +421,7 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
         value = getattr(record, name)
         if type(value) is float and holds == "number":  # nearly all: the other questions need not be asked
             yield prefix + name, value
-        elif _is_record(value):
+        elif is_record(value):
             yield from leaves(value, f"{prefix}{name}.", kinds)
         elif _are_records(value):
             for i, part in enumerate(value):
@@ -437,7 +439,7 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
         object.__setattr__(copy, name, value)
     for field, _ in _plan(type(record)):  # type: ignore[arg-type]
         value, name = getattr(record, field), prefix + field
-        if _is_record(value):
+        if is_record(value):
             value = replace_leaf(value, values, name + ".")
         elif _are_records(value):
             value = tuple(replace_leaf(part, values, f"{name}.{i}.") for i, part in enumerate(value))

@@ -118,14 +118,19 @@ class SeveralBodies(Mechanics):
             c = self.coordinate[name]
             part = 1.0 if len(self.groups[c]) == 1 else body.mass / self.masses[c]
             found += [(instant, tuple(part * jump if j == c else 0.0 for j in range(n))) for instant, jump in body.jumps]
-        return tuple(found)
+        told = [instant for motion in self._motions for instant, _ in getattr(motion, "jumps", None) or ()]
+        return (*found, *((instant, (0.0,) * n) for instant in told))  # there slips jump, and no coordinate does
 
     @property
     def breaks(self) -> tuple[Any, ...]:
         """Instants in (0, period) at which applied forces, prescribed distances or motions are not smooth [s]."""
-        motions = [link for _, link in self.told] + [c.on for c in self.joints.values() if c.on is not None]
-        own = [s for part in (*self.parts.values(), *motions) for s in getattr(part, "breaks", None) or ()]
+        own = [s for part in (*self.parts.values(), *self._motions) for s in getattr(part, "breaks", None) or ()]
         return (*own, *(getattr(self.model, "breaks", None) or ()))
+
+    @property
+    def _motions(self) -> list[Any]:
+        """Prescribed distances, and what contacts rub on that is neither the track nor a body."""
+        return [link for _, link in self.told] + [c.on for c in self.joints.values() if c.on is not None]
 
     @property
     def time_scale(self) -> Any:

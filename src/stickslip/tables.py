@@ -9,13 +9,15 @@ from typing import Any
 
 from stickslip.drives import DRIVES
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, other_words
-from stickslip.fields import arguments_of, describe, example_of, is_array, is_number_field, is_tuple_field
+from stickslip.fields import arguments_of, describe, example_of, is_array, is_number_field, is_record, is_tuple_field
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
 __all__ = ["document_of", "from_table", "from_toml", "record_html", "to_table", "to_toml"]
 
 PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
+#: What a field of any other name may hold, such as the motion of a stage.
+EVERY: dict[str, Any] = {name: cls for kinds in PARTS.values() for name, cls in kinds.items()}
 
 
 def _kinds_of(cls: type) -> dict[str, dict[str, Any]]:
@@ -58,6 +60,8 @@ def to_table(record: Any) -> dict[str, Any]:
             import numpy as np
 
             table[field.name] = np.asarray(value).tolist()
+        elif is_record(value):
+            table[field.name] = _table_of_part(field.name, value, EVERY)
         elif value is not None:
             table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
     return table
@@ -124,6 +128,9 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
         elif part in arguments or part != "track":
             problems.add(_missing(part, name, kinds))
             arguments.pop(part, None)
+    for field in dataclasses.fields(cls):
+        if isinstance(arguments.get(field.name), dict):
+            arguments[field.name] = _part(field.name, dict(arguments[field.name]), problems, f"{name}.{field.name}", EVERY)
     made = _build(cls, arguments, name, problems)
     problems.check()
     return made

@@ -43,7 +43,7 @@ class Symbolic:
             graph.sign(self.y[0])  # of one body, flag 0 is always the side of v
         rates = tuple(map(self.lift, self.equations.offsets(self.t)))
         zero = graph.constant(0.0)
-        self.owner = _owners(graph, self.directions, rates, n)  # of each coordinate, the contact whose slip its state is
+        self.owner = _owners(self.directions, rates, n)  # of each coordinate, the contact whose slip its state is
         self.offsets = tuple(zero if i is None else -rates[i] for i in self.owner)
         self.v = tuple(y + offset for y, offset in zip(self.y, self.offsets, strict=True))
         self.slips = tuple(self.y[self.owner.index(i)] if i in self.owner else self._slip(i) for i in range(len(self.laws)))
@@ -82,11 +82,11 @@ class Symbolic:
         return self.graph.case(SPAN) if given.period is None else self.lift(self.model.period)
 
 
-def _owners(graph: Graph, directions: Any, offsets: tuple[Sym, ...], coordinates: int) -> tuple[int | None, ...]:
-    """For each coordinate the first contact whose slip is its velocity plus what does not vary in time."""
+def _owners(directions: Any, offsets: tuple[Sym, ...], coordinates: int) -> tuple[int | None, ...]:
+    """For each coordinate the first contact whose slip is its velocity plus a number of the case, which neither varies nor jumps."""
     found = []
     for j in range(coordinates):
-        alone = [i for i, row in enumerate(directions) if row[j] == 1.0 and sum(map(abs, row)) == 1.0 and not graph.varies(offsets[i])]
+        alone = [i for i, row in enumerate(directions) if row[j] == 1.0 and sum(map(abs, row)) == 1.0 and offsets[i].level < STATE]
         found.append(alone[0] if alone else None)
     return tuple(found)
 

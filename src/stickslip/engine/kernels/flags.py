@@ -41,26 +41,32 @@ def set_flags(lane, S, row, first, D):
     S[D[F_TEND] + lane] = end
 
 
+@njit(boolean(int64, int64, f1, i1), **OPTIONS)
+def is_now(lane, k, S, D):
+    """Whether an impulse comes at the present instant; the end of a period is the instant 0 of the next."""
+    L = D[LANES]
+    t, period = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * L + lane]
+    away = abs(t - S[D[F_C] + (D[BREAK_AT] + D[BREAKS] - D[IMPULSES] + k) * L + lane])
+    return min(away, abs(period - away)) <= 1e-12 * period
+
+
 @njit(float64(int64, int64, f1, i1), **OPTIONS)
 def jump_of(lane, j, S, D):
-    """Jump of the velocity of coordinate j at the present instant; the end of a period is the instant 0 of the next."""
+    """Jump of the velocity of coordinate j at the present instant."""
     L, J = D[LANES], D[COORDINATES]
-    t, period = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * L + lane]
     jump = 0.0
     for k in range(D[IMPULSES]):
-        instant = S[D[F_C] + (D[BREAK_AT] + D[BREAKS] - D[IMPULSES] + k) * L + lane]
-        away = abs(t - instant)
-        if min(away, abs(period - away)) <= 1e-12 * period:
+        if is_now(lane, k, S, D):
             jump += S[D[F_C] + (D[BREAK_AT] + D[BREAKS] + k * J + j) * L + lane]
     return jump
 
 
 @njit(boolean(int64, f1, i1), **OPTIONS)
 def is_thrown(lane, S, D):
-    """Whether a velocity jumps at the present instant."""
+    """Whether a velocity jumps at the present instant: that of a coordinate, or of what a contact rubs on."""
     thrown = False
-    for j in range(D[COORDINATES]):
-        thrown = thrown or jump_of(lane, j, S, D) != 0.0
+    for k in range(D[IMPULSES]):
+        thrown = thrown or is_now(lane, k, S, D)
     return thrown
 
 
