@@ -549,3 +549,32 @@ def test_a_file_takes_nothing_that_the_constructor_does_not_take():
         ss.Robot.from_toml(f"{BODY}[robot.drive]\nkind = 'twophase'\nstroke = 1e-3\nu1 = 0.05\nu2 = 0.2\nfrequency = 30.0\n")
     with pytest.raises(ss.InputError, match=r"robot\.drive: give exactly one of omega .* got both"):
         ss.Robot.from_toml(f"{BODY}[robot.drive]\nkind = 'harmonic'\namplitude = 1e-3\nfrequency = 30.0\nomega = 3.0\n")
+
+
+@pytest.mark.parametrize(("W", "V"), [(60.0, 0.043993752547554), (200.0, None)])
+def test_the_verge_gait_is_as_fast_as_its_formula_and_faster_than_three_phases(W, V):
+    drive = ss.Pieces.verge(acceleration=W, stroke=0.01, mass_ratio=MU, mu_plus=PLUS, mu_minus=MINUS)
+    p = MINUS / (PLUS + MINUS)
+    told = p**2 * drive.period * (MU**2 * W**2 - (PLUS * G) ** 2) / (4 * MU * W)
+    if V is not None:
+        assert (told, drive.period) == (pytest.approx(V, abs=1e-14), pytest.approx(0.05915466243, abs=1e-11))
+    found = ss.mean_velocity(ss.solve(rig(drive), periods=20, settle=10))
+    assert found == pytest.approx(told, abs=1e-12)
+    assert drive.stroke == pytest.approx(0.01, rel=1e-12)
+
+
+def test_pieces_that_do_not_close_say_what_would():
+    with pytest.raises(ss.InputError, match=r"changes by 0.1 m/s.*type accelerations\[1\] = -10"):
+        ss.Pieces(durations=(0.02, 0.01), accelerations=(5.0, 0.0))
+    with pytest.raises(ss.InputError, match="2 durations and 3 accelerations"):
+        ss.Pieces(durations=(0.02, 0.01), accelerations=(5.0, -5.0, 0.0))
+    with pytest.raises(ss.InputError, match=r"durations\[1\] = -0.01"):
+        ss.Pieces(durations=(0.02, -0.01), accelerations=(5.0, -5.0))
+
+
+def test_a_sawtooth_is_two_phases_by_their_durations():
+    saw, two = ss.Sawtooth(stroke=0.01, rise=0.2, fall=0.025), ss.TwoPhase(stroke=0.01, t1=0.2, t2=0.025)
+    t = np.linspace(0.0, 0.5, 101)
+    assert np.array_equal(saw.velocity(t), two.velocity(t)) and saw.jumps == two.jumps
+    V = ss.mean_velocity(ss.solve(rig(saw), periods=20))
+    assert V == ss.mean_velocity(ss.solve(rig(two), periods=20)) == pytest.approx(0.003305, abs=1e-11)

@@ -5,8 +5,10 @@ from stickslip.drives.bang_bang import BangBang
 from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.harmonic import Harmonic
 from stickslip.drives.multi_harmonic import MultiHarmonic
+from stickslip.drives.pieces import Pieces
 from stickslip.drives.piezo_beam import PiezoBeam
 from stickslip.drives.recorded import Recorded
+from stickslip.drives.sawtooth import Sawtooth
 from stickslip.drives.three_phase import ThreePhase
 from stickslip.drives.trapezoid import Trapezoid
 from stickslip.drives.turned import Reversed
@@ -18,9 +20,11 @@ __all__ = [
     "BangBang",
     "Harmonic",
     "MultiHarmonic",
+    "Pieces",
     "PiezoBeam",
     "Recorded",
     "Reversed",
+    "Sawtooth",
     "ThreePhase",
     "Trapezoid",
     "TwoPhase",
@@ -28,7 +32,7 @@ __all__ = [
     "cantilever_eigenvalues",
 ]
 
-_ALL = (Harmonic, MultiHarmonic, TwoPhase, ThreePhase, BangBang, Trapezoid, Recorded, VerticalVibration, Reversed)
+_ALL = (Harmonic, MultiHarmonic, TwoPhase, ThreePhase, BangBang, Trapezoid, Pieces, Sawtooth, Recorded, VerticalVibration, Reversed)
 _KEEPING_THE_CONTRACT: tuple[type[Drive], ...] = _ALL  # mypy compares their methods
 DRIVES = {drive.__name__.lower(): drive for drive in _ALL}
 """Every drive by its name in lower case. A `PiezoBeam` is not among them: it makes a `Harmonic` from volts and hertz."""

@@ -3,20 +3,59 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.drives.drive import PeriodicDrive, agree, given_numbers, shown
 from stickslip.errors import Problems
 from stickslip.fields import positive
 from stickslip.maths import maximum, where, within
 
-__all__ = ["TwoPhase"]
+__all__ = ["TwoPhase", "Wedge"]
 
 _EXAMPLE = "type for example TwoPhase(stroke=0.01, u1=0.05, u2=0.4)"
 
 
+class Wedge(PeriodicDrive):
+    """Base of the motions of two speeds: they say their stroke, the speeds u1 and u2 and how long each lasts, t1 and t2."""
+
+    if TYPE_CHECKING:
+        u1: Any
+        u2: Any
+        t1: Any
+        t2: Any
+
+    @property
+    def period(self) -> float:
+        """Both phases together [s]."""
+        return self.t1 + self.t2
+
+    @property
+    def jumps(self) -> tuple[tuple[Any, Any], ...]:
+        """The two jumps of the relative velocity: (instant [s], jump [m/s])."""
+        both = self.u1 + self.u2
+        return ((0.0, both), (self.t1, -both))
+
+    @property
+    def velocity_scale(self) -> float:
+        """The larger of the two speeds [m/s]."""
+        return maximum(self.u1, self.u2)
+
+    def position(self, t: Any) -> Any:
+        """Relative position, from 0 to the stroke and back [m]."""
+        s = within(t, self.period)
+        return where(s < self.t1, self.u1 * s, self.u2 * (self.period - s))
+
+    def velocity(self, t: Any) -> Any:
+        """Relative velocity [m/s]; at a jump it is the velocity after it."""
+        return where(within(t, self.period) < self.t1, self.u1, -self.u2)
+
+    def acceleration(self, t: Any) -> Any:
+        """Relative acceleration between the jumps: zero [m/s^2]."""
+        return 0.0 * t
+
+
 @dataclass(frozen=True, eq=False, init=False)
-class TwoPhase(PeriodicDrive):
+class TwoPhase(Wedge):
     r"""Relative velocity :math:`+u_1` for :math:`L/u_1`, then :math:`-u_2` for :math:`L/u_2`; it begins with the phase of +u1.
 
     The relative velocity jumps, so the velocity of the body jumps too, by :math:`-\mu(u_1+u_2)` where a period begins and by
@@ -74,35 +113,6 @@ class TwoPhase(PeriodicDrive):
     def t2(self) -> float:
         """How long the phase of -u2 lasts [s]."""
         return self.stroke / self.u2
-
-    @property
-    def period(self) -> float:
-        """L/u1 + L/u2 [s]."""
-        return self.t1 + self.t2
-
-    @property
-    def jumps(self) -> tuple[tuple[Any, Any], ...]:
-        """The two jumps of the relative velocity: (instant [s], jump [m/s])."""
-        both = self.u1 + self.u2
-        return ((0.0, both), (self.t1, -both))
-
-    @property
-    def velocity_scale(self) -> float:
-        """The larger of the two speeds [m/s]."""
-        return maximum(self.u1, self.u2)
-
-    def position(self, t: Any) -> Any:
-        """Relative position, from 0 to the stroke and back [m]."""
-        s = within(t, self.period)
-        return where(s < self.t1, self.u1 * s, self.u2 * (self.period - s))
-
-    def velocity(self, t: Any) -> Any:
-        """Relative velocity [m/s]; at a jump it is the velocity after it."""
-        return where(within(t, self.period) < self.t1, self.u1, -self.u2)
-
-    def acceleration(self, t: Any) -> Any:
-        """Relative acceleration between the jumps: zero [m/s^2]."""
-        return 0.0 * t
 
     @classmethod
     def example(cls) -> TwoPhase:

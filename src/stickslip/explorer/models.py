@@ -13,9 +13,11 @@ from stickslip.drives import (
     BangBang,
     Harmonic,
     MultiHarmonic,
+    Pieces,
     PiezoBeam,
     Recorded,
     Reversed,
+    Sawtooth,
     ThreePhase,
     Trapezoid,
     TwoPhase,
@@ -70,6 +72,12 @@ def _recorded(p: Values) -> Any:
     return Recorded(period=2 * math.pi / p["omega"], cosines=cosines, sines=sines)
 
 
+def _pieces(p: Values) -> Any:
+    """Three pieces, of which the last closes the motion."""
+    d = (p["piece_d1"], p["piece_d2"], p["piece_d3"])
+    return Pieces(durations=d, accelerations=(p["piece_a1"], p["piece_a2"], -(p["piece_a1"] * d[0] + p["piece_a2"] * d[1]) / d[2]))
+
+
 def _beam(p: Values) -> Any:
     beam = PiezoBeam().replace(length=p["length"], thickness=p["thickness"], tip_mass=p["inner_mass"])
     return beam.drive(p["voltage"], p["frequency"])
@@ -95,6 +103,8 @@ DRIVES: dict[str, Part] = {
         ("ramp_u1", "ramp_u2", "ramp", "ramp_period"),
         lambda p: Trapezoid(u1=p["ramp_u1"], u2=p["ramp_u2"], ramp=p["ramp"], period=p["ramp_period"]),
     ),
+    "pieces": Part("three pieces", ("piece_d1", "piece_d2", "piece_d3", "piece_a1", "piece_a2"), _pieces),
+    "sawtooth": Part("sawtooth", ("stroke", "rise", "fall"), lambda p: Sawtooth(stroke=p["stroke"], rise=p["rise"], fall=p["fall"])),
     "recorded": Part("recorded (a saw, or your record)", ("amplitude", "omega"), _recorded),
     "verticalvibration": Part(
         "harmonic, with vertical vibration",

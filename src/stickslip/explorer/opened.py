@@ -7,7 +7,19 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 from urllib.parse import urlencode
 
-from stickslip.drives import BangBang, Harmonic, MultiHarmonic, Recorded, Reversed, ThreePhase, Trapezoid, TwoPhase, VerticalVibration
+from stickslip.drives import (
+    BangBang,
+    Harmonic,
+    MultiHarmonic,
+    Pieces,
+    Recorded,
+    Reversed,
+    Sawtooth,
+    ThreePhase,
+    Trapezoid,
+    TwoPhase,
+    VerticalVibration,
+)
 from stickslip.errors import Problems, StickslipError
 from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State
 from stickslip.explorer.models import FRICTION, Shape, fields_of
@@ -26,6 +38,7 @@ _NAMES: dict[type, tuple[str, dict[str, str]]] = {
     TwoPhase: ("twophase", {"stroke": "stroke", "u1": "u1", "u2": "u2"}),
     ThreePhase: ("threephase", {"u1": "three_u1", "w1": "w1", "w2": "w2", "w3": "w3"}),
     BangBang: ("bangbang", {"a1": "a1", "a2": "a2", "period": "bang_period"}),
+    Sawtooth: ("sawtooth", {"stroke": "stroke", "rise": "rise", "fall": "fall"}),
     Trapezoid: ("trapezoid", {"u1": "ramp_u1", "u2": "ramp_u2", "ramp": "ramp", "period": "ramp_period"}),
 }
 
@@ -92,6 +105,10 @@ def _drive(drive: Any, problems: Problems) -> tuple[str, Values, Shape]:
         (first, second), phase = drive.amplitudes, drive.phases[1]
         values = {"omega": drive.omega, "amplitude": first, "second_amplitude": second, "second_phase": phase}
         return "multiharmonic", {name: float(v) for name, v in values.items()}, DEFAULT.shape
+    if isinstance(drive, Pieces) and len(drive.durations) == 3:
+        values = {f"piece_d{k + 1}": d for k, d in enumerate(drive.durations)}
+        values |= {f"piece_a{k + 1}": a for k, a in enumerate(drive.accelerations[:2])}
+        return "pieces", {name: float(v) for name, v in values.items()}, DEFAULT.shape
     if isinstance(drive, Recorded) and len(drive.sines) <= MOST_HARMONICS:
         sides = tuple(tuple(map(float, side)) for side in (drive.cosines, drive.sines))
         size = max(abs(c) for side in sides for c in side) or 1.0

@@ -1,0 +1,69 @@
+"""A sawtooth: slowly one way, fast back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.two_phase import Wedge
+from stickslip.fields import positive
+
+__all__ = ["Sawtooth"]
+
+
+@dataclass(frozen=True, eq=False)
+class Sawtooth(Wedge):
+    r"""Forwards by the stroke at one speed, back at another: the voltage of a stick-slip stage.
+
+    .. math:: \dot\xi = L/t_r \text{ for the time } t_r, \quad -L/t_f \text{ for the time } t_f
+
+    It begins with the rise. The velocity jumps where it turns, and these jumps are taken as such: they are `TwoPhase` by durations.
+
+    Parameters
+    ----------
+    stroke : float
+        From end to end [m].
+    rise, fall : float
+        How long it takes forwards, and back [s].
+
+    Examples
+    --------
+    >>> saw = Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
+    >>> round(1 / saw.period), round(saw.velocity(0.5e-3), 9), [round(jump, 9) for _, jump in saw.jumps]
+    (1000, 0.005263158, [0.105263158, -0.105263158])
+    """
+
+    stroke: float = field(metadata={"example": "5e-6"})
+    rise: float = field(metadata={"example": "0.95e-3"})
+    fall: float = field(metadata={"example": "0.05e-3"})
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "stroke": (positive, "a positive length [m]"),
+        "rise": (positive, "a positive time [s]"),
+        "fall": (positive, "a positive time [s]"),
+    }
+
+    @property
+    def u1(self) -> float:
+        """Speed forwards [m/s]."""
+        return self.stroke / self.rise
+
+    @property
+    def u2(self) -> float:
+        """Speed back [m/s]."""
+        return self.stroke / self.fall
+
+    @property
+    def t1(self) -> float:
+        """How long it rises [s]."""
+        return self.rise
+
+    @property
+    def t2(self) -> float:
+        """How long it falls [s]."""
+        return self.fall
+
+    @classmethod
+    def example(cls) -> Sawtooth:
+        """One of a piezo stage: 5 micrometres, a thousand times a second."""
+        return cls(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
