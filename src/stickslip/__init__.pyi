@@ -126,9 +126,11 @@ from .identifying import (
 )
 from .io import load as load
 from .machines import (
+    Bodies as Bodies,
     Body as Body,
     Chain as Chain,
     Contact as Contact,
+    Gait as Gait,
     Machine as Machine,
     Rigid as Rigid,
     Spring as Spring,

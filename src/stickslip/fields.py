@@ -54,7 +54,7 @@ def is_number_field(field: dataclasses.Field[Any]) -> bool:
 
 
 def is_tuple_field(field: dataclasses.Field[Any]) -> bool:
-    """Whether a dataclass field holds a tuple of numbers."""
+    """Whether a dataclass field holds a tuple of numbers; of one that begins with ``float |`` also one number for all."""
     return "tuple[float" in str(field.type)
 
 
@@ -258,6 +258,13 @@ class Frozen:
         values = getattr(self, field.name)
         if values is None and "None" in str(field.type):
             return
+        if str(field.type).startswith("float |") and not isinstance(values, tuple):
+            if isinstance(values, list):
+                told = f"{field.name} = {values!r} is a list; a tuple means one for each part, an array means cases"
+                problems.add(f"{told}; type {field.name}={tuple(values)!r}")
+            else:
+                self._take(field, problems)
+            return
         if isinstance(values, (str, bytes, int, float)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
             example = field.metadata.get("example", "(0.5, 0.5)")
             problems.add(f"{field.name} = {values!r}; allowed is a tuple of numbers; type for example {field.name}={example}")
@@ -428,7 +435,7 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
                 yield from leaves(part, f"{prefix}{name}.{i}.", kinds)
         elif holds == "numbers" and isinstance(value, tuple):
             yield from ((f"{prefix}{name}.{i}", v) for i, v in enumerate(value))
-        elif (holds == "number" and value is not None) or kinds:
+        elif (holds != "kind" and value is not None) or kinds:
             yield prefix + name, value
 
 

@@ -123,7 +123,8 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
         if isinstance(given, dict):
             arguments[part] = _part(part, dict(given), problems, f"{name}.{part}", kinds)
         elif isinstance(given, list) and given and all(isinstance(each, dict) for each in given):  # an array of tables: several parts
-            made = [_part(part, dict(each), problems, f"{name}.{part}.{i}", kinds) for i, each in enumerate(given)]
+            first = next(iter(kinds))  # of several parts the kind may be left out
+            made = [_part(part, {"kind": first, **each}, problems, f"{name}.{part}.{i}", kinds) for i, each in enumerate(given)]
             arguments[part] = None if None in made else tuple(made)
         elif part in arguments or part != "track":
             problems.add(_missing(part, name, kinds))

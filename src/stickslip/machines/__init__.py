@@ -1,7 +1,8 @@
 """Machines: bodies with contacts, links and stops, declared in plain Python."""
 
+from stickslip.machines.bodies import Bodies
 from stickslip.machines.chain import Chain
 from stickslip.machines.machine import Machine
-from stickslip.machines.parts import Body, Contact, Rigid, Spring, Stop
+from stickslip.machines.parts import Body, Contact, Gait, Rigid, Spring, Stop
 
-__all__ = ["Body", "Chain", "Contact", "Machine", "Rigid", "Spring", "Stop"]
+__all__ = ["Bodies", "Body", "Chain", "Contact", "Gait", "Machine", "Rigid", "Spring", "Stop"]

@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from stickslip.drives.adapter import drive_of
 from stickslip.drives.shifted import Shifted
 from stickslip.errors import Problems
 from stickslip.fields import everywhere, replace_leaf
 from stickslip.machine import machine_of
+from stickslip.machines.bodies import Bodies
 from stickslip.machines.machine import Machine
-from stickslip.machines.parts import LINKS, Body, Contact, Spring
+from stickslip.machines.parts import LINKS, Body, Contact, Gait, Spring
 from stickslip.maths import maximum, pi
 from stickslip.mechanics import normal_load
 from stickslip.robot import Robot
@@ -22,7 +24,7 @@ __all__ = ["Chain"]
 
 @dataclass(frozen=True, eq=False)
 class Chain(Machine):
-    r"""Vibration-driven modules in a row, neighbours joined by a link.
+    r"""Bodies in a row, neighbours joined by a link: vibration-driven modules, or plain masses that a gait moves against each other.
 
     .. math:: P_i\ddot x_i = -m_i\ddot\xi_i(t + \varphi_i T/2\pi) + P_i\,g\sin\theta - R_i - \sum_j F_{ij}
 
@@ -30,9 +32,9 @@ class Chain(Machine):
 
     Parameters
     ----------
-    modules : tuple of Robot
+    modules : tuple of Robot, or Bodies
         The modules from head to tail, with one common period. One robot with arrays of numbers is a batch and no chain.
-    link : Spring or any link
+    link : Spring, Rigid, Gait or any link
         What joins neighbours; a tuple of links, one for each pair, where they differ.
     phases : tuple of float, optional
         How far the drive of each module is ahead [rad], from -2 pi to 2 pi; none where it is left out.
@@ -44,6 +46,13 @@ class Chain(Machine):
     >>> pair = ss.Chain((module, module), link=ss.Spring(stiffness=1200.0, damping=0.4), phases=(0.0, 1.57))
     >>> pair.mechanics.bodies, pair.mechanics.masses[0] == module.total_mass
     (('module 1', 'module 2'), True)
+
+    A worm of three masses, of which one always holds: it goes three amplitudes in a period.
+
+    >>> wave = ss.Gait(ss.Harmonic(amplitude=2e-3, frequency=2.0), lag=2 * pi / 3)
+    >>> worm = ss.Chain(ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.3)), link=wave)
+    >>> round(ss.mean_velocity(ss.solve(worm, periods=20)), 12)
+    0.012
     """
 
     modules: Any
@@ -52,28 +61,19 @@ class Chain(Machine):
 
     kind: ClassVar[str] = "chain"  # its name in a study file
     _table: ClassVar[str] = "mechanism"
-    part_kinds: ClassVar[dict[str, dict[str, Any]]] = {"modules": {"robot": Robot}, "link": LINKS}
+    part_kinds: ClassVar[dict[str, dict[str, Any]]] = {"modules": {"robot": Robot, "bodies": Bodies}, "link": LINKS}
 
     def _check(self, problems: Problems) -> None:
-        modules = self.modules
-        if not isinstance(modules, tuple) or len(modules) < 2:
-            listed = "a list is no tuple, and a tuple means several parts; " if isinstance(modules, list) else ""
-            problems.add(
-                f"modules = {modules!r}; {listed}allowed is a tuple of two robots or more (an array of numbers in one robot means cases); "
-                "type modules=(head, tail)"
-            )
+        _check_modules(self.modules, problems)
+        if problems.found:
             return
-        problems.found += [
-            f"modules[{i}] = {each!r}; allowed is a Robot"
-            for i, each in enumerate(modules)
-            if not hasattr(each, "drive") or isinstance(each, type)
-        ]
-        if self.phases is not None and len(self.phases) != len(modules):
-            problems.add(f"phases has {len(self.phases)} numbers for {len(modules)} modules; type phases={(0.0,) * len(modules)}")
-        if isinstance(self.link, tuple) and len(self.link) != len(modules) - 1:
-            problems.add(
-                f"link has {len(self.link)} links for {len(modules)} modules; allowed is one link, or one for each pair of neighbours"
-            )
+        count = len(self.names)
+        if self.phases is not None and not self._robots:
+            problems.add("phases are those of modules with a drive, and plain bodies have none; a Gait has a lag; leave phases out")
+        elif self.phases is not None and len(self.phases) != count:
+            problems.add(f"phases has {len(self.phases)} numbers for {count} modules; type phases={(0.0,) * count}")
+        if isinstance(self.link, tuple) and len(self.link) != count - 1:
+            problems.add(f"link has {len(self.link)} links for {count} bodies; allowed is one link, or one for each pair of neighbours")
         if isinstance(self.link, (list, type)) or self.link is None:
             listed = "a list is no tuple, and a tuple means several links; " if isinstance(self.link, list) else ""
             problems.add(f"link = {self.link!r}; {listed}allowed is a link; type link=ss.Spring(stiffness=1200.0, damping=0.4)")
@@ -82,32 +82,42 @@ class Chain(Machine):
                 problems.add(f"phases[{i}] = {phase!r}; allowed is from -2 pi to 2 pi [rad]")
         if problems.found:
             return
-        for i, each in enumerate(modules[1:], start=1):
-            if not everywhere(abs(each.period - modules[0].period) <= 1e-12 * modules[0].period):
-                problems.add(
-                    f"modules[{i}] has the period {each.period!r} s and modules[0] {modules[0].period!r} s; allowed is one common period"
-                )
+        _check_periods(self._driven, problems)
         super()._check(problems)
 
     @property
-    def period(self) -> float:
-        """The common period of the drives [s]."""
-        return self.modules[0].period
+    def _robots(self) -> tuple[Any, ...]:
+        """The modules that are robots; none of plain bodies."""
+        return self.modules if isinstance(self.modules, tuple) else ()
 
     @property
-    def velocity_scale(self) -> float:
-        """The largest of the modules' velocity scales [m/s]."""
-        return _largest(module.velocity_scale for module in self.modules)
+    def _driven(self) -> dict[str, Any]:
+        """What has a drive, by its name in messages."""
+        robots = {f"modules[{i}]": each.drive for i, each in enumerate(self._robots)}
+        links = self.link if isinstance(self.link, tuple) else (self.link,)
+        named = ["link"] if not isinstance(self.link, tuple) else [f"link[{i}]" for i in range(len(links))]
+        return robots | {name: link.drive for name, link in zip(named, links, strict=True) if isinstance(link, Gait)}
 
     @property
-    def free_velocity(self) -> float:
-        """The largest velocity that a drive would give its module without friction [m/s]."""
-        return _largest(machine_of(module).free_velocity for module in self.modules)
+    def period(self) -> Any:
+        """The common period of the drives [s]; None where nothing drives."""
+        return next((drive.period for drive in self._driven.values()), None)
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The largest velocity scale of the drives [m/s]; of a chain without one what its parts say."""
+        return _largest(drive_of(drive).velocity_scale for drive in self._driven.values()) if self._driven else None
+
+    @property
+    def free_velocity(self) -> Any:
+        """The largest velocity that a drive would give a body without friction [m/s]."""
+        gaits = [drive_of(drive).velocity_scale for name, drive in self._driven.items() if name.startswith("link")]
+        return _largest([machine_of(module).free_velocity for module in self._robots] + gaits)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the modules, from head to tail."""
-        return tuple(f"module {i + 1}" for i in range(len(self.modules)))
+        """Names of the bodies, from head to tail."""
+        return tuple(f"module {i + 1}" for i in range(len(self._robots))) or self.modules.names
 
     def module(self, i: int) -> Any:
         """One module, its drive ahead by its phase."""
@@ -115,24 +125,27 @@ class Chain(Machine):
         return own if self.phases is None else replace_leaf(own, {"drive": Shifted(own.drive, self.phases[i] / (2 * pi))})
 
     def bodies(self) -> Mapping[str, Any]:
-        """The modules."""
-        links = [*self._links(), None]
-        found, place = {}, 0.0
-        for i, name in enumerate(self.names):
-            found[name] = _body(self.module(i), place)
-            place = place - getattr(links[i], "length", 0.0)
+        """The modules, or the plain bodies."""
+        found: dict[str, Any] = {}
+        place: Any = 0.0
+        for i, (name, link) in enumerate(zip(self.names, [*self._links(), None], strict=True)):
+            found[name] = _body(self.module(i), place) if self._robots else Body(self.modules.masses[i], position=place)
+            place = place - getattr(link, "length", 0.0)
         return found
 
     def contacts(self) -> Mapping[str, Any]:
-        """One contact for each module, of the same name."""
-        return {name: _contact(name, self.module(i)) for i, name in enumerate(self.names)}
+        """One contact for each body, of the same name."""
+        if self._robots:
+            return {name: _contact(name, self.module(i)) for i, name in enumerate(self.names)}
+        return {name: Contact(name, self.modules.friction) for name in self.names}
 
     def links(self) -> Mapping[tuple[str, str | None], Any]:
         """Neighbours are joined."""
-        return dict(zip(itertools.pairwise(self.names), self._links(), strict=True))
+        links = [link.of_pair(j) if isinstance(link, Gait) else link for j, link in enumerate(self._links())]
+        return dict(zip(itertools.pairwise(self.names), links, strict=True))
 
     def _links(self) -> tuple[Any, ...]:
-        return self.link if isinstance(self.link, tuple) else (self.link,) * (len(self.modules) - 1)
+        return self.link if isinstance(self.link, tuple) else (self.link,) * (len(self.names) - 1)
 
     @classmethod
     def example(cls) -> Chain:
@@ -142,6 +155,32 @@ class Chain(Machine):
 
         module = Robot(0.06259, 0.00948, Harmonic(amplitude=6e-4, omega=65.4 * pi), Coulomb(mu_plus=0.15, mu_minus=0.21))
         return cls((module, module), link=Spring(stiffness=1200.0, damping=0.4), phases=(0.0, 0.5 * pi))
+
+
+def _check_modules(modules: Any, problems: Problems) -> None:
+    """Note what is neither a row of robots nor plain bodies."""
+    if isinstance(modules, Bodies):
+        return
+    if not isinstance(modules, tuple) or len(modules) < 2:
+        listed = "a list is no tuple, and a tuple means several parts; " if isinstance(modules, list) else ""
+        problems.add(
+            f"modules = {modules!r}; {listed}allowed is a tuple of two robots or more (an array of numbers in one robot means cases), or "
+            "ss.Bodies; type modules=(head, tail)"
+        )
+        return
+    problems.found += [
+        f"modules[{i}] = {each!r}; allowed is a Robot"
+        for i, each in enumerate(modules)
+        if not hasattr(each, "drive") or isinstance(each, type)
+    ]
+
+
+def _check_periods(driven: dict[str, Any], problems: Problems) -> None:
+    """Note drives whose periods differ."""
+    for i, (name, drive) in enumerate(driven.items()):
+        first, other = next(iter(driven.items()))
+        if i and not everywhere(abs(drive.period - other.period) <= 1e-12 * other.period):
+            problems.add(f"{name} has the period {drive.period!r} s and {first} {other.period!r} s; allowed is one common period")
 
 
 def _body(module: Any, place: Any) -> Body:

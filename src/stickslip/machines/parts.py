@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+from stickslip.drives.adapter import lacking
+from stickslip.drives.shifted import Shifted
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, at_least, between, positive
-from stickslip.maths import maximum, where
+from stickslip.maths import maximum, pi, where
 
-__all__ = ["LINKS", "Body", "Contact", "Rigid", "Spring", "Stop"]
+__all__ = ["LINKS", "Body", "Contact", "Gait", "Rigid", "Spring", "Stop"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +144,51 @@ class Rigid(Frozen):
 
 
 @dataclass(frozen=True, eq=False)
+class Gait(Frozen):
+    r"""Links that prescribe the distances of a row of bodies: a wave that runs along it.
+
+    .. math:: x_j - x_{j+1} = l + \xi(\omega t - (j-1)\,\lambda), \qquad j = 1, 2, \dots
+
+    The distances follow their drive whatever that takes; what moves freely is the centre of mass.
+
+    Parameters
+    ----------
+    drive : any drive
+        How the first distance varies.
+    lag : float
+        How much later each next distance does the same, as a phase [rad]; negative runs the wave from tail to head.
+    length : float, optional
+        Distance about which it varies [m].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> wave = Gait(ss.Harmonic(amplitude=2e-3, frequency=2.0), lag=2.0944, length=0.02)
+    >>> round(wave.of_pair(0).position(0.125), 12), round(wave.of_pair(1).position(0.125 + 1 / 6), 6)
+    (0.002, 0.002)
+    """
+
+    drive: Any
+    lag: float = field(metadata={"example": "2.0944"})
+    length: float = 0.0
+
+    _rules: ClassVar[dict[str, Any]] = {"lag": (between(-2 * pi, 2 * pi), "from -2 pi to 2 pi [rad]")}
+
+    def _check(self, problems: Problems) -> None:
+        if lacking(self.drive):
+            problems.add(f"drive = {self.drive!r}; allowed is a drive; type drive=ss.Harmonic(amplitude=2e-3, frequency=2.0)")
+
+    def of_pair(self, j: int) -> Any:
+        """The motion of one distance, counted from 0 at the head."""
+        if j == 0:
+            return self.drive
+        ahead = -j * self.lag / (2 * pi)
+        for _ in range(j - 1):  # whole periods are none
+            ahead = where(ahead > 1.0, ahead - 1.0, where(ahead < -1.0, ahead + 1.0, ahead))
+        return Shifted(self.drive, ahead)
+
+
+@dataclass(frozen=True, eq=False)
 class Stop(Frozen):
     """What ends the way of one body towards another, or towards the ground: a hit that is over at once, or a stiff spring.
 
@@ -192,4 +239,4 @@ class Stop(Frozen):
 
 
 #: The links by their names in a study file.
-LINKS: dict[str, Any] = {"spring": Spring, "rigid": Rigid}
+LINKS: dict[str, Any] = {"spring": Spring, "rigid": Rigid, "gait": Gait}

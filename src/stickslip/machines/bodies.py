@@ -1,0 +1,63 @@
+"""Plain masses in a row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.errors import Problems
+from stickslip.fields import Frozen, positive
+from stickslip.forces import check_law
+
+__all__ = ["Bodies"]
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies(Frozen):
+    """Plain masses in a row, each with a contact: what a worm is made of.
+
+    Parameters
+    ----------
+    mass : float or tuple of float
+        Mass of each body [kg]; a tuple has one for each, from head to tail.
+    count : int
+        How many there are, two or more.
+    friction : Coulomb or LuGre or any law
+        How each of them rubs on the track.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> three = Bodies(mass=0.05, count=3, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.3))
+    >>> three.masses, Bodies(mass=(0.1, 0.05), count=2, friction=three.friction).masses
+    ((0.05, 0.05, 0.05), (0.1, 0.05))
+    """
+
+    mass: float | tuple[float, ...] = field(metadata={"example": "0.05"})
+    count: int
+    friction: Any
+
+    _rules: ClassVar[dict[str, Any]] = {"mass": (positive, "a positive mass [kg]")}
+
+    def _check(self, problems: Problems) -> None:
+        problems.whole("count", self.count, 2, example=3, what=" of bodies", most=64)
+        if isinstance(self.mass, tuple) and not problems.found and len(self.mass) != self.count:
+            problems.add(f"mass has {len(self.mass)} numbers for {self.count} bodies; allowed is one number, or one for each")
+        check_law(self.friction, problems)
+
+    @property
+    def masses(self) -> tuple[Any, ...]:
+        """That of each body [kg]."""
+        return self.mass if isinstance(self.mass, tuple) else (self.mass,) * self.count
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the bodies are called, from head to tail."""
+        return tuple(f"body {i + 1}" for i in range(self.count))
+
+    @classmethod
+    def example(cls) -> Bodies:
+        """Three masses that slide forwards more easily than back."""
+        from stickslip.friction import Coulomb
+
+        return cls(mass=0.05, count=3, friction=Coulomb(mu_plus=0.1, mu_minus=0.3))

@@ -1,0 +1,82 @@
+"""Chains by their names: plain masses, gaits, and what is refused."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+
+THIRD = 2 * pi / 3
+
+
+def worm(mu_plus, mu_minus, drive, lag=THIRD, mass=0.05):
+    bodies = ss.Bodies(mass=mass, count=3, friction=ss.Coulomb(mu_plus=mu_plus, mu_minus=mu_minus))
+    return ss.Chain(bodies, link=ss.Gait(drive, lag=lag, length=0.02))
+
+
+SLOW, FAST = ss.Harmonic(amplitude=2e-3, frequency=2.0), ss.Harmonic(amplitude=2e-3, frequency=6.0)
+LOPSIDED = ss.MultiHarmonic(frequency=5.0, amplitudes=(2e-3, 7e-4), phases=(pi / 2, pi / 2 + 0.6))  # a [cos + .35 cos(2 . + .6)]
+ROWS = {
+    "one mass always holds: 3 a f": (worm(0.1, 0.3, SLOW), 0.012),
+    "below mu_minus = 2 mu_plus": (worm(0.15, 0.25, FAST), 0.016577138514499),
+    "as much friction both ways": (worm(0.2, 0.2, LOPSIDED), 0.011084435192200),
+    "the wave reversed": (worm(0.2, 0.2, LOPSIDED, lag=-THIRD), -0.011084435192200),
+    "an antiperiodic wave and the same friction": (worm(0.2, 0.2, FAST), 0.0),
+}
+
+
+@pytest.mark.parametrize(("chain", "V"), ROWS.values(), ids=ROWS)
+def test_worms_move_as_they_should(chain, V):
+    assert ss.mean_velocity(ss.solve(chain, periods=60)) == pytest.approx(V, abs=1e-14)
+    assert ss.mean_velocity(ss.solve(chain, periods=60, keep="summary")) == pytest.approx(V, abs=1e-14)
+
+
+def test_the_judge_agrees_on_a_worm():
+    run = ss.solve(ROWS["the wave reversed"][0], periods=40, method="dop853", rtol=1e-12)
+    assert ss.mean_velocity(run) == pytest.approx(-0.0110844351922, abs=2e-12)
+
+
+def test_distances_are_those_of_the_gait_at_any_lag():
+    lag, drive = 5.0, LOPSIDED  # beyond a half period: of the fourth distance it is more than two periods
+    bodies = ss.Bodies(mass=0.05, count=5, friction=ss.Coulomb(0.1, 0.2))
+    run = ss.solve(ss.Chain(bodies, link=ss.Gait(drive, lag=lag, length=0.02)), periods=3)
+    for j in range(4):
+        told = 0.02 + drive.position(run.t + 10 * drive.period - j * lag / drive.omega)
+        assert run.x[:, j] - run.x[:, j + 1] == pytest.approx(told, abs=1e-15)
+
+
+def test_one_mass_for_all_is_one_number_and_a_tuple_is_one_for_each():
+    chain = ROWS["below mu_minus = 2 mu_plus"][0]
+    many = ss.sweep(chain, **{"modules.mass": [0.05, 0.5]}, periods=20)  # all masses together change nothing
+    assert many.mean_velocity.values == pytest.approx([0.016577138514499] * 2, abs=1e-13)
+    uneven = ss.sweep(worm(0.15, 0.25, FAST, mass=(0.05, 0.05, 0.05)), **{"modules.mass.0": [0.05, 0.5]}, periods=40)
+    assert uneven.mean_velocity.values[0] == pytest.approx(0.016577138514499, abs=1e-13)
+    assert abs(np.diff(uneven.mean_velocity.values)) > 1e-3
+
+
+def test_worms_stand_in_files_and_older_files_of_chains_are_read():
+    for chain in (ROWS["the wave reversed"][0], ss.Chain.example()):
+        text = chain.to_toml()
+        assert ss.Chain.from_toml(text) == chain
+        assert ss.Chain.from_toml(text.replace('kind = "robot"\n', "")) == chain
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: ss.Chain((), link=ss.Rigid()), r"modules = \(\); allowed is a tuple of two robots or more.*ss.Bodies"),
+        (lambda: ss.Bodies([0.1, 0.2], 2, ss.Coulomb(0.1, 0.2)), r"a list; a tuple means one for each part.*type mass=\(0.1, 0.2\)"),
+        (lambda: ss.Bodies((0.1, 0.2), 3, ss.Coulomb(0.1, 0.2)), "mass has 2 numbers for 3 bodies"),
+        (lambda: ss.Bodies(0.1, 1, ss.Coulomb(0.1, 0.2)), "count = 1; allowed is a whole number of bodies from 2"),
+        (lambda: ss.Chain(ss.Bodies.example(), link=ss.Rigid(), phases=(0.0,) * 3), "plain bodies have none; a Gait has a lag"),
+        (lambda: ss.Gait(3.0, lag=1.0), "drive = 3.0; allowed is a drive"),
+        (
+            lambda: ss.Chain(ss.Chain.example().modules, link=ss.Gait(SLOW, lag=1.0)),
+            r"link has the period 0.5 s and modules\[0\] 0.0305.*one common period",
+        ),
+    ],
+)
+def test_what_is_no_chain_says_what_to_type(make, words):
+    with pytest.raises(ss.InputError, match=words):
+        make()
