@@ -16,7 +16,7 @@ from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text
 from stickslip.engine.unforeseen import POINTS
 
-__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "load", "table"]
+__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "column", "load", "table"]
 
 #: What the driver calls by address, all but `land` in a law's kernel, and their types. `look` does what its first argument says (LOOKS).
 FUNCTIONS = {
@@ -29,7 +29,7 @@ FUNCTIONS = {
     "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
     "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
 }
-LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST")
+LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES")
 
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
 _COLUMNS = (
@@ -37,7 +37,7 @@ _COLUMNS = (
     "SET_VALUED", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
     "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
-    "SHARE_AT",
+    "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED",
 )  # fmt: skip
 
 #: The top of every kernel's file. Only `advance` is called from Python; the others need no wrappers for it.
@@ -98,6 +98,11 @@ def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...]) -> Any
         where["land"] = _address(_landing(layout["LANES"]).land)
     addresses = where.values()
     return np.array([*(layout[name] for name in _COLUMNS), *addresses, *scale_at], dtype=np.int64)
+
+
+def column(name: str) -> int:
+    """Where an entry of a table stands."""
+    return _COLUMNS.index(name)
 
 
 def _address(function: Any) -> int:

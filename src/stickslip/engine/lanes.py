@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Any
 
@@ -27,7 +27,7 @@ from stickslip.engine.write import Writer
 from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "plain_name", "prelude", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "prelude", "run"]
 
 SEGMENTS = 32
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
@@ -95,22 +95,29 @@ _kernels: dict[Any, Kernel] = {}
 _layouts: dict[Any, tuple[StateLayout, tuple[int, ...]]] = {}
 
 
-def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
+def kernel_of(model: Any, tableau: Tableau | None, record: bool, made: Callable[[System], System] | None = None) -> Kernel:
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
+
+    With `made` it is that of what this function makes of the model's system, such as its `stickslip.engine.tangent.tangent`.
 
     A kind that was seen before costs nothing.
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (kind_of(model), tableau and tableau.name, record)
+    key = (kind_of(model), tableau and tableau.name, record, made)
+
+    def system() -> System:
+        return trace(model) if made is None else made(trace(model))
+
+    name = label(model) if made is None else f"{made.__name__} of {label(model)}"
     try:
         known = _kernels.get(key)
     except TypeError:  # a part of the kind that cannot be compared, such as a list
         check_numbers(model)
-        return kernel(trace(model), tableau, label(model), record)
+        return kernel(system(), tableau, name, record)
     if known is None:
         check_numbers(model)
-        known = _kernels[key] = kernel(trace(model), tableau, label(model), record)
+        known = _kernels[key] = kernel(system(), tableau, name, record)
     return known
 
 
@@ -138,6 +145,13 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
         _states_of(eq),
     )
+
+
+def ordered(k: Kernel, order: int) -> Kernel:
+    """The kernel that goes through guards of one instant in their order (1), against it (-1), or as rounding has it (0)."""
+    table = k.table.copy()
+    table[driver.column("ORDERED")] = order
+    return replace(k, table=table)
 
 
 def layout_of(model: Any) -> StateLayout:
@@ -206,7 +220,8 @@ def _constants(eq: System, step: Step) -> list[Any]:
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
-    return [*step.case_nodes, *own, *scales, *eq.shares, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
+    kicks = [kick for kicks in eq.kicks for kick in kicks]
+    return [*step.case_nodes, *own, *scales, *eq.shares, *eq.delays, *kicks, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
 
 
 def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
@@ -217,7 +232,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
     for place, i in enumerate(i for i, s in enumerate(eq.scales) if s is not None):
         scale_at[i] = first + 4 + place
     constants = len(_constants(eq, step))
-    breaks = len(eq.instants) + len(eq.impulses)
+    breaks, share_at = len(eq.instants) + len(eq.impulses), first + 4 + sum(s is not None for s in eq.scales)
     named = {
         "LANES": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
@@ -225,7 +240,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
         "BREAK_AT": constants - len(eq.impulses) * eq.coordinates - breaks,
         "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
-        "SHARE_AT": first + 4 + sum(s is not None for s in eq.scales),
+        "SHARE_AT": share_at, "PASSIVE": eq.passive, "CARRIED": len(eq.carried), "DELAY_AT": share_at + len(eq.shares), "ORDERED": 0,
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
@@ -291,7 +306,7 @@ def _look(eq: System) -> str:
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
     bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
     sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
-    writers = [Writer(prefix=letter) for letter in "pqrs"]
+    writers = [Writer(prefix=letter) for letter in "pqrsuw"]
     for k, clock in enumerate(eq.clocks):
         writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
     for k in _flags_in(eq.first_modes):
@@ -307,7 +322,12 @@ def _look(eq: System) -> str:
         w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
         passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
         passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.states) if new is not None]
-    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed), strict=True)
+    for k in _flags_in(eq.carried):
+        writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+    for i, rate in enumerate(eq.carried):
+        writers[4].line(f"out[{i}]", f"1.0 * {writers[4].value(rate, bind | sides)}")
+    resting = [f"y[{i}] = {writers[5].value(new, bind)}" for i, new in eq.settled.items()]
+    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting), strict=True)
     takes, parts = "row, t, y, clock, mode, out", []
     calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
     for what, (name, before, after) in enumerate(bodies):

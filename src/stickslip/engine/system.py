@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
+from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
 
 __all__ = ["Branches", "Contact", "Switch", "System"]
@@ -51,6 +53,7 @@ class System:
     States are the velocity of each coordinate (less that of what its contact rubs on, where that does not vary), the laws' inner states
     contact by contact, and then the positions that the equations need: of all coordinates, or of all but the first as differences to
     it, whose own position is the integral of its velocity (none, for a single body). For one body y[0] = velocity at the contact.
+    Passive states come last.
     """
 
     graph: Graph
@@ -65,10 +68,7 @@ class System:
     contacts: tuple[Contact, ...]
     free: Sym  # acceleration of the first coordinate without friction
     inertia: Sym | None  # what the drive's mass does to the body [N], where there is one
-    jacobian: tuple[tuple[Sym, ...], ...]
-    by_time: tuple[Sym, ...]
     guards: tuple[Sym, ...]
-    guard_rates: tuple[Sym, ...]  # total derivative of each guard along the flow
     signs: int  # the first guards have flags that flip; the others are positive until their switch
     switches: dict[int, Switch]  # by number of the guard
     modes: tuple[Sym, ...]
@@ -84,6 +84,11 @@ class System:
     mass: Sym  # all that moves with the first contact [kg]
     shares: tuple[Sym, ...]  # of each position among the states, in that of the centre of mass; none for one body
     offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it; of one body
+    passive: int = 0  # the last states, on which no other state, no event and no step's length depends (see tangent.py)
+    carried: tuple[Sym, ...] = ()  # rates of what the first passive states are changes of; the one after them is a change of an instant
+    delays: tuple[Sym, ...] = ()  # change of each known instant, of clocks and then of impulses
+    kicks: tuple[tuple[Sym, ...], ...] = ()  # change of each impulse
+    settled: dict[int, Sym] = field(default_factory=dict)  # changes with which a run begins, by number of the state: of what rests there
 
     @property
     def dynamic(self) -> bool:
@@ -96,6 +101,11 @@ class System:
         return len(self.y)
 
     @property
+    def active(self) -> tuple[Sym, ...]:
+        """The rates of the states that are not passive: what steps are chosen by."""
+        return self.f[: self.states - self.passive]
+
+    @property
     def coordinates(self) -> int:
         """Number of velocities, the first states."""
         return len(self.offsets)
@@ -103,8 +113,24 @@ class System:
     @property
     def positions(self) -> range:
         """The states that are positions, or differences of positions: the last ones."""
-        count = self.coordinates - 1 if self.cyclic else self.coordinates
-        return range(self.states - count, self.states)
+        count, end = self.coordinates - 1 if self.cyclic else self.coordinates, self.states - self.passive
+        return range(end - count, end)
+
+    @cached_property
+    def jacobian(self) -> tuple[tuple[Sym, ...], ...]:
+        """Derivatives of the rates by the states."""
+        return tuple(tuple(self.graph.derivative(f, y) for y in self.y) for f in self.f)
+
+    @cached_property
+    def by_time(self) -> tuple[Sym, ...]:
+        """Derivatives of the rates by time."""
+        return tuple(self.graph.derivative(f, self.t) for f in self.f)
+
+    @cached_property
+    def guard_rates(self) -> tuple[Sym, ...]:
+        """Derivative of each guard along the flow."""
+        flow = Along(self.graph, {y.name: f for y, f in zip(self.y, self.f, strict=True)} | {self.t.name: self.graph.constant(1.0)})
+        return tuple(map(flow.of, self.guards))
 
     @property
     def offset(self) -> Sym:

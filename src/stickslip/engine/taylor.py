@@ -32,7 +32,7 @@ def write_step(eq: System) -> Step:
 def watched(eq: System) -> list[int]:
     """The guards whose zeros matter: they have a switch, or a flag that something reads."""
     news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
-    read = {node.name for node in needed_by([*eq.f, *eq.guards, *news]) if node.op == "flag"}
+    read = {node.name for node in needed_by([*eq.active, *eq.guards, *news]) if node.op == "flag"}
     return [k for k in range(len(eq.guards)) if k in eq.switches or f"b{k}" in read]
 
 
@@ -44,7 +44,8 @@ def switches(eq: System, step: Step, lanes: int) -> str:
     parts, calls = [], ['@njit("int64(int64, int64, float64[::1])", **OPTIONS)', "def switched(which, lane, S):"]
     for place, k in enumerate(watched(eq)):
         switch = eq.switches.get(k)
-        lines = [_put(step, lanes, f"b{k}", f"-_b{k}")] if switch is None else _switch(eq, step, lanes, switch)
+        lines = [] if switch is None else _switch(eq, step, lanes, switch)
+        lines += [_put(step, lanes, f"b{k}", f"-_b{k}")] if k < eq.signs else []
         status = 0 if switch is None else switch.status
         parts.append(straight(f"switch_{place}", "lane, S", [*held(step, lanes, lines), *lines]))
         calls += [f"    if which == {place}:", f"        switch_{place}(lane, S)", f"        return {status}"]
@@ -74,7 +75,7 @@ class _SeriesWriter:
         self.rising = active(eq, "exp") | active(eq, "tanh")
         self.quotients = active(eq, "reciprocal")
         self.start = bound(eq)
-        self.w.count_uses([*eq.f, *eq.guards])
+        self.w.count_uses([*eq.active, *eq.guards])
 
     def write(self) -> Step:
         """All lines in order."""

@@ -114,9 +114,7 @@ def _traced(model: Any, cyclic: bool) -> System:
         graph=graph, names=m.names, t=m.t, y=y, f=f,
         bodies=tuple((name, m.equations.coordinate_of(name)) for name in m.equations.bodies),
         slips_of=m.equations.slips_of, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),
-        jacobian=tuple(tuple(graph.derivative(fi, yj) for yj in y) for fi in f),
-        by_time=tuple(graph.derivative(fi, m.t) for fi in f),
-        guards=guards, guard_rates=tuple(_along_flow(graph, g, m.t, y, f) for g in guards), signs=len(graph.guards), switches=switches,
+        guards=guards, signs=len(graph.guards), switches=switches,
         modes=tuple(parts.modes), first_modes=tuple(parts.first_modes),
         clocks=tuple(graph.clocks), instants=tuple(instant for clock in graph.clocks for instant in _instants(graph, clock, m.t)),
         impulses=tuple((m.lift(instant), tuple(map(m.lift, jumps))) for instant, jumps in m.equations.jumps),
@@ -190,10 +188,3 @@ def _velocity_scale(m: Symbolic, driven: Any, speed: Any) -> Sym:
     """A velocity of the drive, and something positive where the drive is off."""
     driven = m.lift(driven)
     return driven if speed is None else maximum(driven, 1e-9 * m.lift(speed))
-
-
-def _along_flow(graph: Graph, guard: Sym, t: Sym, y: tuple[Sym, ...], f: tuple[Sym, ...]) -> Sym:
-    total = graph.derivative(guard, t)
-    for yi, fi in zip(y, f, strict=True):
-        total = total + graph.derivative(guard, yi) * fi
-    return total

@@ -28,7 +28,7 @@ Way = tuple[tuple[Sym, bool], ...]
 
 def hides(eq: System) -> bool:
     """Whether a slope is no polynomial of low degree, so that something in it may come up within a step unseen."""
-    return any(_degree(eq.graph, f, {}) > DEGREE for f in eq.f)
+    return any(_degree(eq.graph, f, {}) > DEGREE for f in eq.active)
 
 
 def _degree(graph: Graph, node: Sym, known: dict[int, float]) -> float:
@@ -52,7 +52,7 @@ def active(eq: System, op: str) -> dict[Sym, list[Way]]:
     """The varying functions of one kind in the slopes and the guards, each with the ways that lead to it."""
     found: dict[Sym, list[Way]] = {}
     seen: set[tuple[int, Way]] = set()
-    stack: list[tuple[Sym, Way]] = [(root, ()) for root in (*eq.f, *eq.guards)]
+    stack: list[tuple[Sym, Way]] = [(root, ()) for root in (*eq.active, *eq.guards)]
     while stack:
         node, way = stack.pop()
         if (node.number, way) in seen or not eq.graph.varies(node):

@@ -8,7 +8,8 @@ import numpy as np
 
 from stickslip.batch import numbers_by_name, rows_of
 from stickslip.engine import lanes, trace
-from stickslip.fields import replace_leaf
+from stickslip.engine.tangent import part_in
+from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
 
 __all__ = ["CaseTable"]
@@ -28,15 +29,20 @@ class CaseTable:
         Positions, velocities, inner states and memories, each in the order of coordinates and contacts.
     span : array
         Length of a period [s], one for all or one for each case.
+    along : dict of arrays (cases,), optional
+        Parts of a direction in the model's numbers, for the kernel of a tangent (see `stickslip.engine.tangent`).
     """
 
-    def __init__(self, model: Any, kernel: lanes.Kernel, start: Array, span: Any):
-        cases, names = len(start), [n for n in kernel.names if n != trace.SPAN]
-        rows = rows_of(model, tuple(names))
+    def __init__(self, model: Any, kernel: lanes.Kernel, start: Array, span: Any, along: dict[str, Array] | None = None):
+        cases, own = len(start), dict(leaves(model))
+        names = tuple(n for n in kernel.names if n in own)
+        rows = rows_of(model, names)
         self.rows = np.array(np.broadcast_to(rows, (cases, rows.shape[1])), order="C")
         self.span = np.broadcast_to(span, (cases,))
         if len(names) < len(kernel.names):
-            self.rows = np.column_stack([self.rows, self.span])
+            other = {trace.SPAN: self.span} | {part_in(name): part for name, part in (along or {}).items()}
+            more = [np.broadcast_to(other.get(name, 0.0), (cases,)) for name in kernel.names if name not in own]
+            self.rows = np.column_stack([self.rows, *more])
         self.count = count = len(kernel.owners)
         offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
         own = [0.0 if i is None else -offsets[i] for i in kernel.owners]

@@ -11,6 +11,7 @@ BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
 MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
 ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 SHORTEST = 1e-22  # of a period
+TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
 NEWTON = 60  # iterations at most; a handful is usual
 
 
@@ -172,12 +173,14 @@ def moving(lane, S, D):
 def end_of_step(lane, S, W, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which = 2.0, -1.0
-    for k in range(D[WATCHED] + D[EXPONENTS]):
+    count = D[WATCHED] + D[EXPONENTS]
+    for j in range(count):
+        k = count - 1 - j if D[ORDERED] < 0 else j
         at = D[F_G] + k * (ORDER + 1) * L + lane
         if S[D[F_CLEAR] + k * L + lane] > 0.0 or (k >= D[WATCHED] and S[at] <= BELOW):
             continue
         zero = first_zero(S, at)
-        if zero < theta:
+        if zero < (theta - TOGETHER if D[ORDERED] != 0 and which >= 0.0 and k < D[WATCHED] else theta):
             theta, which = zero, float(k) if k < D[WATCHED] else -1.0
     if D[AT_SLOPES] == 0 or not moving(lane, S, D):
         return theta, which
@@ -211,10 +214,10 @@ def land_lane(lane, S, W, budget, D):
     for i in range(states):
         y = at_theta(S, at_k + i * (ORDER + 1) * L, part)
         S[at_y + i * L] = y
-        bad = bad or y != y
+        bad = bad or (y != y and i < states - D[PASSIVE])
         if i > 0:
             S[D[F_M] + (i - 1) * L + lane] = max(S[D[F_M] + (i - 1) * L + lane], abs(y))
-    S[at_x] = S[at_x] + h * part * travel if D[CYCLIC] == 1 else S[at_y + (states - D[COORDINATES]) * L]
+    S[at_x] = S[at_x] + h * part * travel if D[CYCLIC] == 1 else S[at_y + (states - D[PASSIVE] - D[COORDINATES]) * L]
     S[at_nacc] += 1.0
     if bad:
         S[at_stat] = 4.0

@@ -33,6 +33,8 @@ def take(lane, case, S, N, K, XS, PARAM, START, D):
     for k in range(D[KEPT_MODES]):
         S[D[F_MODE] + k * L + lane] = START[case, 1 + D[STATES] + k]
     set_flags(lane, S, PARAM[case], D[SET_VALUED] == 1, D)
+    if D[CARRIED] > 0 and D[SET_VALUED] == 1:
+        settle_changes(lane, S, PARAM[case], D)
     for j in range(9):
         N[lane, j] = 0
     for j in range(18):
@@ -92,9 +94,11 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
     k = N[lane, DONE]
     x = way_of(lane, S, D)
     RING[lane, k % KEPT, 0] = x
-    scale = np.empty(D[STATES])
+    scale = np.empty(D[STATES] - D[PASSIVE])
     for i in range(D[STATES]):
         RING[lane, k % KEPT, 1 + i] = S[D[F_Y] + i * L + lane]
+        if i >= len(scale):
+            continue
         if i < D[COORDINATES]:
             size = S[D[F_C] + D[FREE] * L + lane]
         elif D[SCALE_AT + i] >= 0:
@@ -206,11 +210,15 @@ def watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
 @njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
 def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PARAM, SEGT, SEGC, D):
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
-    jumped, within, done = False, False, 0
+    jumped, within, done, before = False, False, 0, np.empty(D[CARRIED])
     if D[BREAKS] > 0:
         jumped = is_thrown(lane, S, D)
+        if D[CARRIED] > 0:
+            rates_now(lane, S[D[F_T] + lane], before, S, PARAM[N[lane, CASE]], D)
         pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
         within = S[D[F_T] + lane] < S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+        if D[CARRIED] > 0:
+            shift_changes(lane, within, D[SET_VALUED] == 1 and jumped, before, S, PARAM[N[lane, CASE]], D)
     if not within:
         done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D)
         S[D[F_T] + lane] = 0.0

@@ -1,0 +1,96 @@
+"""What is made of traced expressions as a whole: their derivative along a direction, and the same expression of other things."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from stickslip.engine.symbols import Graph, Sym, TraceError, slope_of
+
+__all__ = ["Along", "Substituted"]
+
+
+class _Walk:
+    """Expressions made of expressions, arguments first; each is made once."""
+
+    def __init__(self, graph: Graph, leaves: dict[str, Sym]):
+        self.graph, self.leaves = graph, leaves
+        self._known: dict[int, Sym] = {}
+
+    def of(self, node: Sym) -> Sym:
+        """What becomes of an expression."""
+        waiting = [node]
+        while waiting:
+            now = waiting[-1]
+            missing = [] if now.number in self._known else [a for a in now.args if a.number not in self._known]
+            if missing:
+                waiting += missing
+                continue
+            waiting.pop()
+            if now.number not in self._known:
+                self._known[now.number] = self._made(now, [self._known[a.number] for a in now.args])
+        return self._known[node.number]
+
+    def _made(self, node: Sym, args: list[Sym]) -> Sym:
+        raise NotImplementedError
+
+
+class Along(_Walk):
+    """Derivatives along a direction, whose parts in the variables and the numbers of the case are given by name; flags are held.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> x, y, dx = graph.variable("x"), graph.variable("y"), graph.variable("dx")
+    >>> Along(graph, {"x": dx}).of(x * x + y) is 2.0 * (x * dx) or Along(graph, {"x": dx}).of(3.0 * x) is 3.0 * dx
+    True
+    """
+
+    def _made(self, node: Sym, args: list[Sym]) -> Sym:
+        graph, a = self.graph, node.args
+        match node.op:
+            case "constant" | "flag":
+                return graph.constant(0.0)
+            case "case" | "variable":
+                return self.leaves.get(node.name, graph.constant(0.0))
+            case "add":
+                return args[0] + args[1]
+            case "subtract":
+                return args[0] - args[1]
+            case "multiply":
+                return args[0] * a[1] + a[0] * args[1]
+            case "select":
+                return graph.select(a[0], args[1], args[2])
+        return args[0] if _is_zero(args[0]) else args[0] * slope_of(node)
+
+
+class Substituted(_Walk):
+    """The same expressions of other variables, flags and numbers, which are given by name.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> x, y = graph.variable("x"), graph.variable("y")
+    >>> Substituted(graph, {"x": y}).of(3.0 * x + y) is 3.0 * y + y
+    True
+    """
+
+    def _made(self, node: Sym, args: list[Sym]) -> Sym:
+        graph = self.graph
+        if not args:
+            return self.leaves.get(node.name, node) if node.op != "constant" else node
+        if all(new is old for new, old in zip(args, node.args, strict=True)):
+            return node
+        match node.op:
+            case "add" | "subtract" | "multiply" | "select":
+                made: Callable[..., Sym] = getattr(graph, node.op)
+                return made(*args)
+            case "reciprocal":
+                return graph._node("reciprocal", (args[0],))
+        try:
+            return graph.call(node.op, args[0])
+        except (TraceError, ArithmeticError, ValueError):  # no number, in a branch that is not taken there
+            return graph._node(node.op, (args[0],))
+
+
+def _is_zero(node: Sym) -> bool:
+    return node.op == "constant" and node.value == 0.0
