@@ -131,10 +131,7 @@ def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], change
         then[f"b{k}"] = -graph.mode(f"b{k}")
     after = Substituted(graph, then | {y.name: new for y, new in zip(system.y, resets, strict=True) if new is not y})
     flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
-    falls = flow.of(guard)
-    own = -(along.of(guard) / falls)
-    follows = _size(guard) - _SAME_INSTANT * (system.period * _size(falls))
-    tau = graph.select(follows, late, own)
+    tau = _later(system, guard, flow.of(guard), along.of(guard), late)
     new_rows = [*resets[: system.states - system.passive], *rows[system.states - system.passive :]]
     new: list[Sym | None] = []
     for row, rate, S in zip(new_rows, rates, changes, strict=True):
@@ -142,6 +139,14 @@ def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], change
         moved = along.of(row) - jump * tau
         new.append(None if moved is S else moved)
     return Switch(old.modes, (*old.states, *new, tau), old.status)
+
+
+def _later(system: System, guard: Sym, falls: Sym, moved: Sym, late: Sym) -> Sym:
+    """By how much later a guard fires: by itself, or as what follows from the last event, in the same instant."""
+    if falls.op == "constant" and falls.value == 0.0:  # nothing but a jump makes it fire
+        return late
+    follows = _size(guard) - _SAME_INSTANT * (system.period * _size(falls))
+    return system.graph.select(follows, late, -(moved / falls))
 
 
 def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]:

@@ -149,7 +149,8 @@ def shift_changes(lane, within, first, before, S, row, D):
         i = k - D[BREAKS] + D[IMPULSES]
         for j in range(J if i >= 0 else 0):
             kicks[j] += S[D[F_C] + (D[DELAY_AT] + D[BREAKS] + i * J + j) * L + lane]
-    if not met:
+    S[D[F_Y] + (n + D[CARRIED]) * L + lane] = late
+    if not met:  # the end of a period, which no direction moves
         return
     after, held = np.empty(D[CARRIED]), S[D[F_T] + lane]
     if not within:
@@ -160,4 +161,3 @@ def shift_changes(lane, within, first, before, S, row, D):
     for i in range(D[CARRIED]):
         kick = kicks[i] if i < J else 0.0
         S[D[F_Y] + (n + i) * L + lane] += kick - (after[i] - before[i]) * late
-    S[D[F_Y] + (n + D[CARRIED]) * L + lane] = late
