@@ -23,7 +23,9 @@ from stickslip.sealing import sealed
 from stickslip.solvers.starts import start_of_parts
 from stickslip.steadiness import centre_of_mass
 
-__all__ = ["Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "strobe_map", "strobe_orbit"]
+__all__ = [
+    "Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "map_method", "strobe_map", "strobe_orbit",
+]  # fmt: skip
 
 Array = Any
 _RESTS = 1e-13  # of the velocity scale: a slip that is rounding
@@ -221,23 +223,31 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     return _in_lanes(model, states, periods, rtol)
 
 
+def map_method(model: Any, rtol: float) -> tuple[Any, float]:
+    """The tableau by which lanes go from strobe to strobe (None: Taylor steps), and their tolerance."""
+    from stickslip.engine import tableaux
+    from stickslip.solvers.exact import REPEAT
+    from stickslip.solvers.rosenbrock import LOOSE, SAFETY
+
+    if not machine_of(model).has_inner_states:
+        return None, REPEAT / 10
+    return tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P, SAFETY * rtol
+
+
 def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
     """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    from stickslip.engine import lanes, tableaux
-    from stickslip.solvers.exact import REPEAT
+    from stickslip.engine import lanes
     from stickslip.solvers.repeating import check_period
-    from stickslip.solvers.rosenbrock import LOOSE, SAFETY
     from stickslip.solvers.stepping import BUDGET
     from stickslip.solvers.tables import CaseTable
 
     machine, at, cases = machine_of(model), coordinates(model), len(states)
-    order, dynamic = at.order, machine.has_inner_states
-    tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
+    order, (tableau, tolerance) = at.order, map_method(model, rtol)
     check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=False)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
     table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), 0.0 if span is None else span)
-    job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)
+    job = lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods)
     found = lanes.run(kernel, table.rows, table.start, job)
     places, v, inner = table.ends(found)
     zero = (np.zeros(cases),) if order.cyclic else ()

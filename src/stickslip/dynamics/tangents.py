@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import numbers_by_name
-from stickslip.dynamics.mapping import coordinates
+from stickslip.dynamics.mapping import coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
@@ -55,8 +55,9 @@ class Changes:
 
 
 def changes_along(
-    model: Any, states: Array, starts: Array, numbers: dict[str, Array] | None = None, periods: int = 1, span: Any = None, order: int = 0
-) -> Changes:
+    model: Any, states: Array, starts: Array, numbers: dict[str, Array] | None = None, periods: int = 1, rtol: float = 1e-12,
+    span: Any = None, order: int = 0,
+) -> Changes:  # fmt: skip
     """Follow small changes of the start and of the model's numbers for some drive periods.
 
     Parameters
@@ -76,37 +77,35 @@ def changes_along(
     order : int
         What happens at one instant happens in the order of the guards (1), against it (-1), or as rounding has it (0).
     """
-    from stickslip.solvers.exact import REPEAT
     from stickslip.solvers.repeating import check_period
     from stickslip.solvers.stepping import BUDGET
     from stickslip.solvers.tables import CaseTable
 
     at, cases, given = coordinates(model), len(states), numbers or {}
     check_period(model)
-    kernel = lanes.ordered(lanes.kernel_of(model, None, record=False, made=tangent), order)
-    q, u, z = at.order.parted(list(np.asarray(states, float).T[: at.smooth]), np.zeros(cases))
-    dq, du, _ = at.order.parted(list(np.asarray(starts, float).T[: at.smooth]), np.zeros(cases))
-    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z]), 0.0 if span is None else span, given)
+    tableau, tolerance = map_method(model, rtol)
+    kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=tangent), order)
+    states, starts = np.asarray(states, float), np.asarray(starts, float)
+    q, u, z = at.order.parted(list(states.T[: at.smooth]), np.zeros(cases))
+    dq, du, dz = at.order.parted(list(starts.T[: at.smooth]), np.zeros(cases))
+    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), 0.0 if span is None else span, given)
     slopes = _Slopes(model, given, cases)
     d_offsets = slopes.of(lambda m: _offsets(m, kernel.owners))
     places = [d - dq[0] for d in dq[1:]] if table.cyclic else list(dq)
-    passive = [*(d - offset for d, offset in zip(du, d_offsets, strict=True)), *places]
-    rest = kernel.states - table.start.shape[1] + 1 - len(passive)
-    start = np.column_stack([table.start, *passive, np.zeros((cases, rest))])
-    found = lanes.run(kernel, table.rows, start, lanes.Job(periods, 0, False, REPEAT / 10, 0.75, BUDGET * periods))
-    n = table.start.shape[1] - 1
-    ends, moved = found.end[:, 1 : 1 + n], found.end[:, 1 + n :]
+    passive = [*(d - offset for d, offset in zip(du, d_offsets, strict=True)), *dz, *places]
+    k, n = table.count, len(passive)
+    start = np.column_stack([table.start[:, : 1 + n], *passive, np.zeros((cases, kernel.states - 2 * n)), table.start[:, 1 + n :]])
+    found = lanes.run(kernel, table.rows, start, lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods))
+    ends, moved, j = found.end[:, 1 : 1 + n], found.end[:, 1 + n :], k + len(dz)
     good = found.status[:, None] <= 1
 
     def ordered(y: Array, offsets: Any) -> Array:
-        k = table.count
         zero = (np.zeros(cases),) if table.cyclic else ()
-        columns = at.order.joined([*zero, *y[:, k:n].T], [a + b for a, b in zip(y[:, :k].T, offsets, strict=True)], [])
+        columns = at.order.joined([*zero, *y[:, j:n].T], [a + b for a, b in zip(y[:, :k].T, offsets, strict=True)], list(y[:, k:j].T))
         return np.where(good, np.column_stack(columns), np.nan)
 
     shares, d_shares = np.array(slopes.values(_shares)), np.array(slopes.of(_shares))
-    first, last = (y[:, table.count :].T for y in (table.start[:, 1:], ends))
-    d_first, d_last = (y[:, table.count : n].T for y in (start[:, 1 + n :], moved))
+    first, last, d_first, d_last = (y[:, j:n].T for y in (start[:, 1:], ends, start[:, 1 + n :], moved))
     if table.cyclic:
         shares, d_shares = shares[1:], d_shares[1:]
         way = found.end[:, 0] - table.start[:, 0] - _total(shares * first) + table.carried * periods * _period(model, table.span)

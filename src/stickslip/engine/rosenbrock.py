@@ -64,7 +64,7 @@ class _StepWriter(EventWriter):
     def __init__(self, eq: System, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
         self.w, self.k = Writer(), CONTROL[tableau.name]
-        self.n, self.g = eq.states, len(eq.guards)
+        self.n, self.g, self.active = eq.states, len(eq.guards), eq.states - eq.passive
         self.slips = {c.guard: c.state for c in eq.contacts if c.guard is not None and c.state is not None}
         self.degree = len(tableau.dense) + 1
         self.dt = "_hh"
@@ -247,7 +247,7 @@ class _StepWriter(EventWriter):
     def _error(self) -> None:
         """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
         w, k = self.w, self.k
-        for i in range(self.n):
+        for i in range(self.active):
             if i < self.eq.coordinates:
                 floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
             elif self.eq.scales[i] is not None:
@@ -259,9 +259,9 @@ class _StepWriter(EventWriter):
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
             w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
             w.line(f"_l{i}", f"(as_bits(_e{i}) - as_bits(_s{i})) * {LOG_OF_BITS}")
-        w.line("_ok", " and ".join(f"_e{i} <= _s{i}" for i in range(self.n)))
+        w.line("_ok", " and ".join(f"_e{i} <= _s{i}" for i in range(self.active)))
         w.line("_ln", "_l0")
-        for i in range(1, self.n):
+        for i in range(1, self.active):
             w.line("_ln", f"_ln if _ln > _l{i} else _l{i}")
         w.line("_ln", "_ln if _ln < 30.0 else 30.0")
 
@@ -299,7 +299,7 @@ class _StepWriter(EventWriter):
             for name, value in (("x0", "_x"), *held, *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
-            if i:
+            if 0 < i < self.active:
                 w.line(f"_m{i}", f"_big{i} if (_acc1 and _big{i} > _m{i}) else _m{i}")
             w.line(f"_y{i}", f"(_v{i} if _evA else _n{i}) if _acc1 else _y{i}")
         for k, i in self.slips.items():
@@ -318,7 +318,7 @@ class _StepWriter(EventWriter):
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
         shortest = f"fma(_t, 4.5e-16, 1e-25 * {w.value(self.eq.period, self.start)})"  # time has digits near 0 that it has not later
         w.line("_bad", f"(not _acc1) and _hh < {shortest}")
-        nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.n))
+        nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.active))
         w.line("_end", f"{TOO_SMALL}.0")
         for k, switch in self.eq.switches.items():
             if switch.status:  # steps shrink without end where a contact stiffens as it is lost

@@ -126,16 +126,18 @@ def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], change
     graph, guard = system.graph, system.guards[k]
     old = system.switches.get(k, Switch(system.modes, (None,) * system.states))
     resets = [y if new is None else new for y, new in zip(system.y, old.states, strict=True)]
-    then = {mode.name: new for mode, new in zip(system.modes, old.modes, strict=True) if new is not mode}
+    changed = {mode.name: new for mode, new in zip(system.modes, old.modes, strict=True) if new is not mode}
     if k < system.signs:
-        then[f"b{k}"] = -graph.mode(f"b{k}")
-    after = Substituted(graph, then | {y.name: new for y, new in zip(system.y, resets, strict=True) if new is not y})
+        changed[f"b{k}"] = -graph.mode(f"b{k}")
+    after = Substituted(graph, changed | {y.name: new for y, new in zip(system.y, resets, strict=True) if new is not y})
     flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
     tau = _later(system, guard, flow.of(guard), along.of(guard), late)
+    same = Substituted(graph, {guard.name: graph.constant(0.0)} if guard.op == "variable" else {})
     new_rows = [*resets[: system.states - system.passive], *rows[system.states - system.passive :]]
     new: list[Sym | None] = []
     for row, rate, S in zip(new_rows, rates, changes, strict=True):
-        jump = after.of(rate) - flow.of(row)
+        then, before = after.of(rate), flow.of(row)
+        jump = graph.constant(0.0) if same.of(then) is same.of(before) else then - before  # such as of what knows abs(v), where v is 0
         moved = along.of(row) - jump * tau
         new.append(None if moved is S else moved)
     return Switch(old.modes, (*old.states, *new, tau), old.status)
