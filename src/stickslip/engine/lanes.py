@@ -321,7 +321,8 @@ def _look(eq: System) -> str:
         w, switch = writers[3], eq.switches[0]
         w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
         passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
-        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.states) if new is not None]
+        active = switch.states[: eq.states - eq.passive]
+        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(active) if new is not None]
     for k in _flags_in(eq.carried):
         writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
     for i, rate in enumerate(eq.carried):

@@ -85,8 +85,8 @@ def apply_jump(lane, S, row, D):
             mode[k] = S[D[F_MODE] + k * L + lane]
         call_look(D[AT_LOOK], CLOCK_SIGNS, row, S[D[F_T] + lane], y, clock, mode, clock)
         call_look(D[AT_LOOK], PASSED_REST, row, S[D[F_T] + lane], y, clock, mode, clock)
-        for i in range(1, D[STATES]):
-            S[D[F_Y] + i * L + lane] = y[i]
+        for i in range(1, D[STATES]):  # what a law forgets at an impulse is not followed in the changes of states
+            S[D[F_Y] + i * L + lane] = y[i] if i < D[STATES] - D[PASSIVE] else math.nan
         for k in range(D[MODES]):
             S[D[F_MODE] + k * L + lane] = mode[k]
 
