@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from stickslip.dynamics.mapping import coordinates
-from stickslip.dynamics.variational import monodromy
+from stickslip.machine import machine_of
 
-__all__ = ["ClosedMotion", "largest_first"]
+__all__ = ["ClosedMotion", "largest_first", "multipliers_of", "resting"]
 
 Array = Any
 
@@ -47,10 +46,10 @@ class ClosedMotion(ABC):
         """Every change of mode within the motion (dynamic laws: reversals of the contact's velocity)."""
         return self.run.events
 
-    @cached_property
+    @property
+    @abstractmethod
     def monodromy(self) -> Array:
         """The derivative of the state after the motion by the state before it."""
-        return monodromy(self.run)
 
     @property
     def stable(self) -> bool:
@@ -67,3 +66,35 @@ def largest_first(multipliers: Array) -> Array:
     [-2.0, 1.0, 0.5]
     """
     return multipliers[np.argsort(-abs(multipliers), kind="stable")]
+
+
+def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:
+    """The eigenvalues of a monodromy matrix, the largest first; real where all are.
+
+    Parameters
+    ----------
+    forgets : int
+        How many directions are wiped out at one instant on the way: so many of the smallest eigenvalues are 0, and not what rounding makes
+        of them. The rank is as much lower; contacts that rest one after the other count once.
+    autonomous : bool
+        Whether the flow does not depend on time: the eigenvalue 1 along the orbit is left out.
+    """
+    if not np.isfinite(M).all():
+        return np.full(len(M) - autonomous, np.nan)
+    found: Array = np.linalg.eigvals(M)
+    if autonomous:
+        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
+    found = found[np.argsort(-abs(found), kind="stable")]
+    if forgets and len(found):
+        found[-int(forgets) :] = 0.0
+    return found.real if np.all(found.imag == 0) else found
+
+
+def resting(run: Any) -> Array:
+    """How many directions are forgotten on each piece of a run: as many as independent slips of its contacts rest."""
+    mode, machine = np.asarray(run.pieces.mode), machine_of(run.model)
+    if machine.has_inner_states:
+        return np.zeros(len(mode), int)
+    rows, (patterns, number) = np.array(machine.mechanics.directions), np.unique(mode == 0, axis=0, return_inverse=True)
+    ranks = np.array([np.linalg.matrix_rank(rows[pattern]) if pattern.any() else 0 for pattern in patterns])
+    return ranks[np.ravel(number)]

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.closed import ClosedMotion, largest_first
+from stickslip.dynamics.closed import ClosedMotion, largest_first, multipliers_of
 from stickslip.dynamics.mapping import Coordinates, coordinates, flow_map
 from stickslip.dynamics.newton import newton_within
 from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.sections import halved
-from stickslip.dynamics.variational import multipliers_of
+from stickslip.dynamics.tangents import jacobian_of
 from stickslip.errors import InputError, SolveError
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
@@ -83,6 +83,11 @@ class LimitCycle(ClosedMotion):
 
         options: dict[str, Any] = {"rtol": max(self.rtol, _RUNS)} if law_of(self.model).dynamic else {}
         return solve(self.model, duration=self.duration, start=self.start, keep="trajectory", **options)
+
+    @cached_property
+    def monodromy(self) -> Array:
+        """The derivative of the state after the cycle by the state before it."""
+        return jacobian_of(self.model, self.state, 1, self.rtol, span=self.duration)
 
     @cached_property
     def multipliers(self) -> Array:

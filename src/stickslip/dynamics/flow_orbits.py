@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.dynamics.closed import multipliers_of
 from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
-from stickslip.dynamics.variational import multipliers_of
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.friction.adapter import law_of
 from stickslip.mechanics import normal_load

@@ -24,7 +24,8 @@ from stickslip.solvers.starts import start_of_parts
 from stickslip.steadiness import centre_of_mass
 
 __all__ = [
-    "Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight", "flow_map", "map_method", "strobe_map", "strobe_orbit",
+    "Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight",
+    "flow_map", "map_method", "strobe_map", "strobe_orbit",
 ]  # fmt: skip
 
 Array = Any

@@ -14,6 +14,7 @@ __all__ = ["Found", "newton", "newton_within"]
 
 Array = Any
 Residuals = Callable[[Array], Array]  # (cases, unknowns) -> (cases, equations), all in units of 1
+Slopes = Callable[[Array], tuple[Array, Array]]  # unknowns -> residuals there, and their Jacobian
 
 STEP = 1e-6  # half the distance of the points of a central difference
 _PATTERNS = 6  # sets of whole numbers that are tried
@@ -43,8 +44,9 @@ def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array
 
 
 def newton(
-    residuals: Residuals, guess: Array, tolerance: float = 1e-12, most: int = 25, floor: float = 1e-9, reach: float = np.inf
-) -> Found:
+    residuals: Residuals, guess: Array, tolerance: float = 1e-12, most: int = 25, floor: float = 1e-9, reach: float = np.inf,
+    slopes: Slopes | None = None,
+) -> Found:  # fmt: skip
     """A root of F(u) = 0.
 
     Parameters
@@ -60,6 +62,8 @@ def newton(
         A residual below it that does not shrink any more has met rounding, and counts as found.
     reach : float
         Longest step.
+    slopes : callable, optional
+        Gives F and its Jacobian at one point; if not given they are central differences.
 
     Examples
     --------
@@ -67,8 +71,8 @@ def newton(
     >>> bool(abs(found.at[0] - 2**0.5) < 1e-14), found.good
     (True, True)
     """
-    u = np.array(guess, float)
-    F, J = slopes_at(residuals, u)
+    u, at = np.array(guess, float), slopes or (lambda u: slopes_at(residuals, u))
+    F, J = at(u)
     size = _size(F)
     for k in range(most + 1):
         if not np.isfinite(size) or not np.isfinite(J).all():
@@ -79,24 +83,25 @@ def newton(
             break
         step = np.linalg.lstsq(J, -F, rcond=1e-13)[0]
         step = step * min(1.0, reach / max(float(np.linalg.norm(step)), 1e-300))
-        ahead, slopes = slopes_at(residuals, u + step)
+        ahead, J_ahead = at(u + step)
         if _size(ahead) < size:
-            u, F, J, size = u + step, ahead, slopes, _size(ahead)
+            u, F, J, size = u + step, ahead, J_ahead, _size(ahead)
             continue
         share = _best_share(residuals, u, step, size)
         if share == 0.0:
             good = size <= floor
             return Found(u, size, k, J, good, "found, to rounding" if good else "no part of Newton's step makes the residual smaller")
         u = u + share * step
-        F, J = slopes_at(residuals, u)
+        F, J = at(u)
         size = _size(F)
     good = size <= floor
     return Found(u, size, most, J, good, "found, to rounding" if good else f"{most} iterations were not enough")
 
 
 def newton_within(
-    problem: Callable[[Array], Residuals], after: Callable[[Array, Array], Array], guess: Array, memory: Array, **options: Any
-) -> Found:
+    problem: Callable[[Array], Residuals], after: Callable[[Array, Array], Array], guess: Array, memory: Array,
+    slopes: Callable[[Array], Slopes] | None = None, **options: Any,
+) -> Found:  # fmt: skip
     """A root for which whole numbers come back too: Newton's method with them held, and again with what they became.
 
     Parameters
@@ -107,6 +112,8 @@ def newton_within(
         What the whole numbers are one period after a point, from it and the ones that were held.
     guess, memory : array
         Where it begins.
+    slopes : callable, optional
+        The residuals with their Jacobian, for whole numbers that are held.
     **options
         As for `newton`.
 
@@ -117,7 +124,7 @@ def newton_within(
     (2.0, [2.0])
     """
     for _ in range(_PATTERNS):
-        found = newton(problem(memory), guess, **options)
+        found = newton(problem(memory), guess, slopes=slopes and slopes(memory), **options)
         if not len(memory) or not np.isfinite(found.at).all():
             return replace(found, memory=memory)
         now = after(found.at, memory)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.analysis.motion import Motion, Motions, motion
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.closed import ClosedMotion, largest_first
+from stickslip.dynamics.closed import ClosedMotion, largest_first, multipliers_of, resting
 from stickslip.dynamics.cycles import limit_cycle
 from stickslip.dynamics.mapping import (
     Coordinates,
@@ -27,7 +27,7 @@ from stickslip.dynamics.mapping import (
 )  # fmt: skip
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.newton import STEP, Found, newton_within
-from stickslip.dynamics.variational import is_followed, monodromy, multipliers_of, orders_differ, resting
+from stickslip.dynamics.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
 from stickslip.layout import of_one_contact
@@ -93,12 +93,14 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def multipliers(self) -> Array:
         """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
-        return multipliers_of(self.monodromy, int(resting(self.run).max()) if is_followed(self.model) else 0)
+        return multipliers_of(self.monodromy, 0 if not_followed(self.model) else int(resting(self.run).max()))
 
     @cached_property
     def monodromy(self) -> Array:
         """The derivative of the state after the motion by the state before it; `evidence` says how it was found."""
-        return monodromy(self.run) if is_followed(self.model) else self._jacobian(STEP)
+        if not_followed(self.model):
+            return self._jacobian(STEP)
+        return jacobian_of(self.model, self.state, self.period, self.rtol)
 
     def _jacobian(self, step: float) -> Array:
         return difference_jacobian(self.model, self.state, self.period, self.rtol, step)
@@ -106,14 +108,16 @@ class PeriodicOrbit(ClosedMotion):
     @cached_property
     def evidence(self) -> str:
         """How the multipliers were found, and what limits them."""
-        if not is_followed(self.model):
+        if why := not_followed(self.model):
             sizes = coordinates(self.model).scales[: len(self.monodromy)]
             moved = abs(self.monodromy - self._jacobian(4 * STEP)) / sizes[:, None] * sizes
-            return f"central differences of the strobe map; with steps four times as long the matrix changes by {moved.max():.1e}"
-        told = "variational equation along the orbit, with a saltation matrix at every switch"
+            return f"central differences of the strobe map, as {why}; with steps four times as long the matrix changes by {moved.max():.1e}"
+        if not np.isfinite(self.monodromy).all():
+            return "a switch is touched without being crossed: the map has no derivative there"
+        told = "tangent of the system along the orbit, through every switch"
         if self._is_neutral:
             told += "; what rests all the time may rest anywhere nearby: a multiplier of 1 belongs to that"
-        if orders_differ(self.run):
+        if orders_differ(self.model, self.state, self.period, self.rtol):
             return f"{told}; one-sided: contacts switch at one instant, and which of them goes first matters to disturbances"
         return told
 
@@ -268,8 +272,18 @@ def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float)
     def problem(memory: Array) -> Any:
         return lambda u: ends(u, memory)[:, :d] / scales - u
 
-    state = np.asarray(state, float)
-    return newton_within(problem, lambda u, memory: ends(u, memory)[0, d:], state[:d] / scales, np.round(state[d:]), tolerance=tolerance)
+    def slopes(memory: Array) -> Any:
+        def at_point(u: Array) -> tuple[Array, Array]:
+            found = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), None, period, rtol)
+            return found.state[0] / scales - u, (found.change / scales).T - np.eye(d)
+
+        return at_point
+
+    def after(u: Array, memory: Array) -> Array:
+        return ends(u, memory)[0, d:]
+
+    state, exact = np.asarray(state, float), None if not_followed(model) else slopes
+    return newton_within(problem, after, state[:d] / scales, np.round(state[d:]), exact, tolerance=tolerance)
 
 
 def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:

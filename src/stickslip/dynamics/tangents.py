@@ -18,13 +18,13 @@ from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.tangent import part_in, tangent
-from stickslip.engine.trace import SPAN, numbers_of
+from stickslip.engine.trace import numbers_of
 from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
-__all__ = ["Changes", "changes_along", "jacobian_of", "number_slopes"]
+__all__ = ["Changes", "changes_along", "jacobian_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
 
 Array = Any
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
@@ -124,7 +124,7 @@ def _total(terms: Array) -> Any:
     return np.sum(terms, axis=0) if len(terms) else 0.0
 
 
-def jacobian_of(model: Any, state: Array, periods: int = 1, order: int = 0) -> Array:
+def jacobian_of(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
     """The derivative of the strobe state after some periods by that before them.
 
     Examples
@@ -136,7 +136,26 @@ def jacobian_of(model: Any, state: Array, periods: int = 1, order: int = 0) -> A
     0.089023
     """
     d = coordinates(model).smooth
-    return changes_along(model, np.tile(np.asarray(state, float)[:d], (d, 1)), np.eye(d), periods=periods, order=order).change.T
+    states = np.tile(np.asarray(state, float), (d, 1))
+    return changes_along(model, states, np.eye(d), None, periods, rtol, span, order).change.T
+
+
+def not_followed(model: Any) -> str:
+    """Why changes are not followed along the runs of a model; "" where they are."""
+    machine = machine_of(model)
+    if not all(law.compiles for law in machine.laws):
+        return "a law is written for plain numbers only"
+    if machine.mechanics.jumps and any(law.switching for law in machine.laws):
+        return "an impulse makes a law forget"
+    return ""
+
+
+def orders_differ(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:
+    """Whether what switches at one instant leaves other changes behind in the other order: they then depend on the direction's side."""
+    one, other = (jacobian_of(model, state, periods, rtol, order=order) for order in _ORDERS)
+    sizes = coordinates(model).scales[: len(one)]
+    scaled = sizes / sizes[:, None]
+    return bool(np.max(abs(one - other) * scaled) > tolerance * np.max(abs(one) * scaled))
 
 
 class _Slopes:
@@ -169,6 +188,30 @@ class _Slopes:
 def number_slopes(model: Any, along: dict[str, Array], what: Callable[[Any], Any], cases: int = 1) -> list[Array]:
     """Changes of what a function of the machine gives, along directions in its numbers."""
     return _Slopes(model, along, cases).of(what)
+
+
+def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], cases: int) -> Array:
+    """Changes of the state in which a run begins, where the model says it and not who asked for the run: array (cases, states)."""
+    at, slopes = coordinates(model), _Slopes(model, along, cases)
+    m = machine_of(model).mechanics
+    q = slopes.of(lambda machine: machine.mechanics.start)
+    z = [slopes.of(lambda machine, i=i: _inner_starts(machine)[i]) for i in range(len(m.contacts))]
+    fixed = [np.zeros(cases)]
+    placed = _given(start.get("x"), m.bodies)
+    q = [0.0 * d if any(m.coordinate_of(body) == j for body in placed) else d for j, d in enumerate(q)]
+    inner = [fixed[0] if name in _given(start.get("z"), m.contacts) else d for name, own in zip(m.contacts, z, strict=True) for d in own]
+    return np.column_stack(at.order.joined(q, fixed * len(q), inner))
+
+
+def _given(values: Any, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The parts whose numbers a start says."""
+    return () if values is None else tuple(values) if isinstance(values, dict) else names
+
+
+def _inner_starts(machine: Any) -> list[tuple[Any, ...]]:
+    mechanics = machine.mechanics
+    loads = mechanics.loads(0.0, mechanics.start)
+    return [law.start(load) for law, load in zip(mechanics.laws, loads, strict=True)]
 
 
 def _offsets(machine: Any, owners: tuple[int | None, ...]) -> list[Any]:

@@ -220,8 +220,8 @@ def _constants(eq: System, step: Step) -> list[Any]:
     scales = [s for s in eq.scales if s is not None]
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
-    kicks = [kick for kicks in eq.kicks for kick in kicks]
-    return [*step.case_nodes, *own, *scales, *eq.shares, *eq.delays, *kicks, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
+    late = [*eq.delays, *(kick for kicks in eq.kicks for kick in kicks)]
+    return [*step.case_nodes, *own, *scales, *eq.shares, *late, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
 
 
 def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:

@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from stickslip.engine.graphs import Along, Substituted
-from stickslip.engine.symbols import CASE, STATE, Graph, Sym
+from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Switch, System
 from stickslip.engine.taylor import watched
 from stickslip.errors import InputError, did_you_mean

@@ -1,0 +1,237 @@
+"""What the numbers of a machine do to its motion: exact derivatives of the mean velocity and of the state, through every switch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import explains_arguments
+from stickslip.dynamics.mapping import coordinates, strobe_states
+from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
+from stickslip.engine.trace import SPAN, numbers_of
+from stickslip.errors import InputError, did_you_mean
+from stickslip.fields import leaves, replace_leaf
+from stickslip.machine import is_machine
+from stickslip.sealing import sealed
+from stickslip.solvers.repeating import check_period
+
+__all__ = ["Sensitivity", "sensitivity"]
+
+Array = Any
+_ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
+_NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion may be moved as one likes
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Derivatives of a motion by numbers of its machine.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The numbers, or patterns of names that are moved together.
+    values : array (numbers,)
+        The numbers themselves; NaN where several of different size are moved together.
+    velocity : float
+        Mean velocity V [m/s], of several bodies that of their centre of mass.
+    mean_velocity : array (numbers,)
+        dV/dp.
+    state : array (numbers, states)
+        Derivative of the state at the end, of a periodic motion on the strobe. It is taken at the same part of the period.
+    states : tuple of str
+        What these states are.
+    notes : tuple of str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude"])
+    >>> round(found["drive.amplitude"], 6)  # dV/dA: V is 4.3 mm/s at A = .8 mm
+    10.066744
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    velocity: float
+    mean_velocity: Array
+    state: Array
+    states: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> float:
+        """dV/dp by the name of p."""
+        if name not in self.names:
+            raise InputError("sensitivity", [f"{name!r} was not asked for; {did_you_mean(name, self.names)}"])
+        return float(self.mean_velocity[self.names.index(name)])
+
+    @property
+    def relative(self) -> Array:
+        """By how many per cent V changes when a number grows by one: (p/V) dV/dp."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.values / self.velocity * self.mean_velocity
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))
+        return f"<Sensitivity of V = {self.velocity:.9g} m/s: dV/dp by {told}{''.join(f'; {note}' for note in self.notes)}>"
+
+
+@explains_arguments
+def sensitivity(of: Any, wrt: Any = None) -> Sensitivity:
+    """Derivatives of the mean velocity and of the state by numbers of a machine.
+
+    They are exact: small changes are carried along the motion by the derivatives of the equations, through every switch, impulse and stop,
+    and, of a periodic motion, closed by its monodromy matrix. Nothing is differenced.
+
+    Parameters
+    ----------
+    of : Robot or machine, PeriodicOrbit, or Trajectory
+        A machine is asked for its periodic motion, as `periodic_orbit` finds it. Of a run it is the mean velocity after `settle` and the
+        state at the end, from the same start.
+    wrt : str or sequence of str, optional
+        Names of numbers as in ``robot.replace``, such as "drive.amplitude"; ``*`` stands for any part, and what fits is moved
+        together, by the same amount: "modules.*.friction.mu_plus". If not given, every number by itself whose change leaves the period
+        what it is for all parts of the machine.
+
+    Returns
+    -------
+    Sensitivity
+        `mean_velocity`, `state`, `relative`, and ``found[name]``.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, a number whose change would leave the machine without a common period (move those of all parts together), and
+        a law that the engine does not know.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> module = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=6e-4, law="coulomb", mu_plus=0.15, mu_minus=0.21)
+    >>> pair = ss.Chain((module, module), link=ss.Spring(1200.0, 0.4), phases=(0.0, 2.0))
+    >>> found = ss.sensitivity(pair, wrt=["phases.1", "modules.*.friction.mu_plus"])
+    >>> found.mean_velocity.round(8).tolist()
+    [0.00841115, -0.20550469]
+    """
+    model = of if is_machine(of) else getattr(of, "model", None)
+    if model is None:
+        raise InputError("sensitivity", [f"{of!r} is no machine, no periodic orbit and no run; type ss.sensitivity(robot)"])
+    if why := not_followed(model):
+        raise InputError("sensitivity", [f"small changes are not followed along the motion of this {type(model).__name__}, as {why}; "
+                                         "take differences of two runs"])  # fmt: skip
+    if any(np.ndim(value) for _, value in leaves(model)):
+        raise InputError("sensitivity", ["the robot is a batch (some of its numbers are arrays); allowed is one robot"])
+    moved = _directions(model, wrt)
+    if hasattr(of, "strobe_v"):
+        return _of_run(of, moved)
+    return _of_orbit(of if isinstance(of, PeriodicOrbit) else periodic_orbit(model), moved)
+
+
+def _directions(model: Any, wrt: Any) -> dict[str, tuple[str, ...]]:
+    """The numbers that are moved together, by what was typed."""
+    known = [name for name in numbers_of(model) if name != SPAN]
+    if wrt is None:
+        return {name: (name,) for name in known if not _breaks(model, (name,))}
+    asked = [wrt] if isinstance(wrt, str) else list(wrt)
+    found = {pattern: tuple(name for name in known if fnmatchcase(name, str(pattern))) for pattern in asked}
+    problems = [
+        f"{pattern!r} is no number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
+        for pattern, names in found.items()
+        if not names
+    ]
+    problems += [f"{pattern}: {why}" for pattern, names in found.items() if names and (why := _breaks(model, names))]
+    if problems or not asked:
+        raise InputError("sensitivity", problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
+    return found
+
+
+def _breaks(model: Any, names: tuple[str, ...]) -> str:
+    """Why numbers cannot be moved together: the machine would have no common period; "" where they can."""
+    own = dict(leaves(model))
+    for side in (1.0, -1.0):
+        try:
+            aside = replace_leaf(model, {name: own[name] + side * _ASIDE * (abs(own[name]) or 1.0) for name in names})
+        except InputError:  # at the end of its range
+            continue
+        try:
+            check_period(aside)
+        except InputError:
+            last = names[0].rpartition(".")[2]
+            return f"if it alone changes, the equations do not come back after the period; move those of all parts together, such as '*.{last}'"
+        return ""
+    return ""
+
+
+def _seeds(moved: dict[str, tuple[str, ...]], before: int) -> dict[str, Array]:
+    """Parts of the directions in the numbers, after `before` directions that have none."""
+    names = dict.fromkeys(name for names in moved.values() for name in names)
+    return {name: np.array([0.0] * before + [float(name in names) for names in moved.values()]) for name in names}
+
+
+def _told(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
+    own = dict(leaves(model))
+    sizes = [{float(own[name]) for name in names} for names in moved.values()]
+    return np.array([next(iter(size)) if len(size) == 1 else np.nan for size in sizes])
+
+
+def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
+    """Change of the period along each direction [s]."""
+    if model.period is None:
+        return np.zeros(count)
+    return number_slopes(model, numbers, lambda machine: [machine.mechanics.period], count)[0]
+
+
+def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
+    """The motion stays periodic: what a number changes and what the start does about it cancel."""
+    model, at = orbit.model, coordinates(orbit.model)
+    d, k = at.smooth, len(moved)
+    numbers = _seeds(moved, d)
+    starts = np.vstack([np.diag(at.scales[:d]), np.zeros((k, d))])
+    found = changes_along(model, np.tile(orbit.state, (d + k, 1)), starts, numbers, orbit.period, orbit.rtol)
+    scaled = found.change / at.scales[:d]
+    M, forced = scaled[:d].T, scaled[d:].T
+    start, notes = _closed(np.eye(d) - M, forced)
+    way = found.way_change[:d] @ start + found.way_change[d:]
+    T, dT = float(model.period) * orbit.period, _period_slopes(model, numbers, d + k)[d:] * orbit.period
+    V = float(found.way[0]) / T
+    return Sensitivity(tuple(moved), _told(model, moved), V, (way - V * dT) / T, (start * at.scales[:d, None]).T, at.names[:d], notes)
+
+
+def _closed(A: Array, forced: Array) -> tuple[Array, tuple[str, ...]]:
+    """The change of the start with which a motion comes back; the smallest where it may be moved as one likes."""
+    if not np.isfinite(A).all():
+        return np.full((len(A), forced.shape[1]), np.nan), ("a switch is touched without being crossed: there are no derivatives",)
+    free = int(np.sum(abs(np.linalg.eigvals(A)) < _NEUTRAL)) if len(A) else 0
+    start = np.linalg.lstsq(A, forced, rcond=_NEUTRAL if free else None)[0]
+    note = "the motion may be moved as one likes (a multiplier is 1), and of all changes of the state the smallest is given"
+    return start, (note,) if free else ()
+
+
+def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
+    """From the same start."""
+    model, at, k = run.model, coordinates(run.model), len(moved)
+    d, numbers = at.smooth, _seeds(moved, 0)
+    end = float(run.pieces.t[-1])
+    span = None if model.period is not None else end
+    if span is None and abs(end - run.periods * float(model.period)) > 1e-9 * end:
+        raise InputError("sensitivity", [f"the run ends at {end:.6g} s, within a drive period; allowed are whole periods; type periods="])
+    starts = start_changes(model, run.start, numbers, k)
+    states = np.tile(strobe_states(run)[0], (k, 1))
+
+    def after(periods: int) -> Changes:
+        return changes_along(model, states, starts, numbers, periods, run.rtol, span)
+
+    last, settle = after(run.periods), 0 if span else run.settle
+    way, d_way = last.way, last.way_change
+    if settle:
+        first = after(settle)
+        way, d_way = way - first.way, d_way - first.way_change
+    T = span or float(model.period) * (run.periods - settle)
+    dT = _period_slopes(model, numbers, k) * (run.periods - settle)
+    V = float(way[0]) / T
+    return Sensitivity(tuple(moved), _told(model, moved), V, (d_way - V * dT) / T, last.change, at.names[:d])
