@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
-from stickslip.dynamics.mapping import coordinates, strobe_states
-from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.mapping import coordinates
+from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
@@ -22,6 +22,7 @@ from stickslip.solvers.repeating import check_period
 __all__ = ["Sensitivity", "sensitivity"]
 
 Array = Any
+_ALONE = "if it alone changes, the equations do not come back after the period"
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 _NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion may be moved as one likes
 
@@ -127,7 +128,7 @@ def sensitivity(of: Any, wrt: Any = None) -> Sensitivity:
     if any(np.ndim(value) for _, value in leaves(model)):
         raise InputError("sensitivity", ["the robot is a batch (some of its numbers are arrays); allowed is one robot"])
     moved = _directions(model, wrt)
-    if hasattr(of, "strobe_v"):
+    if hasattr(of, "pieces"):
         return _of_run(of, moved)
     return _of_orbit(of if isinstance(of, PeriodicOrbit) else periodic_orbit(model), moved)
 
@@ -139,19 +140,21 @@ def _directions(model: Any, wrt: Any) -> dict[str, tuple[str, ...]]:
         return {name: (name,) for name in known if not _breaks(model, (name,))}
     asked = [wrt] if isinstance(wrt, str) else list(wrt)
     found = {pattern: tuple(name for name in known if fnmatchcase(name, str(pattern))) for pattern in asked}
-    problems = [
-        f"{pattern!r} is no number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
-        for pattern, names in found.items()
-        if not names
-    ]
-    problems += [f"{pattern}: {why}" for pattern, names in found.items() if names and (why := _breaks(model, names))]
+    problems = [flaw for pattern, names in found.items() if (flaw := _flaw(model, pattern, names, known))]
     if problems or not asked:
         raise InputError("sensitivity", problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
     return found
 
 
-def _breaks(model: Any, names: tuple[str, ...]) -> str:
-    """Why numbers cannot be moved together: the machine would have no common period; "" where they can."""
+def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
+    if not names:
+        return f"{pattern!r} is no number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
+    last = names[0].rpartition(".")[2]
+    return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
+
+
+def _breaks(model: Any, names: tuple[str, ...]) -> bool:
+    """Whether the machine has no common period any more, once these numbers are moved."""
     own = dict(leaves(model))
     for side in (1.0, -1.0):
         try:
@@ -161,10 +164,9 @@ def _breaks(model: Any, names: tuple[str, ...]) -> str:
         try:
             check_period(aside)
         except InputError:
-            last = names[0].rpartition(".")[2]
-            return f"if it alone changes, the equations do not come back after the period; move those of all parts together, such as '*.{last}'"
-        return ""
-    return ""
+            return True
+        return False
+    return False
 
 
 def _seeds(moved: dict[str, tuple[str, ...]], before: int) -> dict[str, Array]:
@@ -221,7 +223,7 @@ def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     if span is None and abs(end - run.periods * float(model.period)) > 1e-9 * end:
         raise InputError("sensitivity", [f"the run ends at {end:.6g} s, within a drive period; allowed are whole periods; type periods="])
     starts = start_changes(model, run.start, numbers, k)
-    states = np.tile(strobe_states(run)[0], (k, 1))
+    states = np.tile(states_of(run.start or None, model)[0], (k, 1))
 
     def after(periods: int) -> Changes:
         return changes_along(model, states, starts, numbers, periods, run.rtol, span)
