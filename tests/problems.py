@@ -186,6 +186,7 @@ class Capsule(ss.Machine):
 CAPSULE_1 = Capsule(alpha=1.6, omega=0.95, gap=0.02, mass=5.0, stiffness=15.0, reaction=0.0)
 CAPSULE_3 = Capsule(alpha=1.6, omega=0.95, gap=0.5, mass=4.0, restitution=0.6)
 GRAZING = 1.0 / math.hypot(1 - 0.36, 2 * 0.05 * 0.6)  # amplitude of the inner mass of a capsule that rests
+CAPSULE_7 = Capsule(1.0, 0.6, GRAZING - 1e-4, 4.0, restitution=0.6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,7 +293,7 @@ COUPLED = {  # machine, periods, V, tolerance [m/s], events of the last period: 
 MASSES = {  # machine, periods, V, tolerance [m/s], phases of events
     "C1": (CAPSULE_1, 150, 0.165538436583, 1e-11, None),
     "C3": (CAPSULE_3, 120, 0.039424641879106, 2e-12, None),
-    "C7": (Capsule(1.0, 0.6, GRAZING - 1e-4, 4.0, restitution=0.6), 150, 0.024995142088, 2e-12, None),
+    "C7": (CAPSULE_7, 150, 0.024995142088, 2e-12, None),
     "K1": (Forced(0.5), 250, 0.020420489041022, 2e-13, [(0.1362966471, (-1,)), (0.6362966471, (1,))]),
     "K3": (Forced(0.0, 1.25, waves=0.0), 400, -0.009192935806, 1e-12, None),
 }

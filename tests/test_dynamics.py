@@ -19,10 +19,10 @@ from kinds import DRIVES, TRACKS
 from problems import velocity_unit
 from stickslip.analysis.closed_form import border_i_iii, border_ii_iii, border_iii_iv, periodic
 from stickslip.cli import main
-from stickslip.dynamics.mapping import coordinates, difference_jacobian, flight, strobe_map
+from stickslip.dynamics.mapping import coordinates, difference_jacobian, strobe_map
 from stickslip.dynamics.repeating import repetition
 from stickslip.dynamics.shifted import shifted
-from stickslip.dynamics.variational import monodromy
+from stickslip.dynamics.tangents import jacobian_of
 from stickslip.maths import where, within
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
@@ -103,11 +103,11 @@ def test_the_slow_method_gives_the_same_multiplier():
 
 
 @pytest.mark.parametrize("mu0", [0.03, 0.04, 0.18])
-def test_the_variational_equation_is_the_derivative_of_the_map(mu0):
+def test_the_tangent_is_the_derivative_of_the_map(mu0):
     """Away from any orbit too, at two step sizes: differences of step h are good to h^2 times the curvature plus 1e-13/h."""
     robot = ss.presets.piezo_rig(mu0=mu0, **RIG)
     state = strobe_map(robot, [[0.0, 0.0]], 7).state[0]
-    M = monodromy(flight(robot, state, 1, 1e-11))
+    M = jacobian_of(robot, state)
     scale = coordinates(robot).scales
     inward = lambda J: J / scale[:, None] * scale  # noqa: E731
     for step in (1e-6, 3e-6):
@@ -157,7 +157,7 @@ def test_wrong_orders_are_told_what_to_type():
 
 
 def test_both_ends_of_the_window_of_doubling(branch):
-    """The flips at mu0 = .0468 and .0352: one multiplier is -1 there, by the variational equation and by differences."""
+    """The flips at mu0 = .0468 and .0352: one multiplier is -1 there, by the tangent and by differences."""
     flips = [s for s in branch.special if s.kind == "flip"]
     assert [round(s.value, 4) for s in flips] == [0.0468, 0.0352]
     for kind, value, orbit in flips:

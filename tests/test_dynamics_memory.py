@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.dynamics.mapping import coordinates, difference_jacobian, flight, strobe_map, strobe_states
-from stickslip.dynamics.variational import monodromy
+from stickslip.dynamics.mapping import coordinates, difference_jacobian, strobe_map, strobe_states
+from stickslip.dynamics.tangents import jacobian_of
 
 GMS = ss.GMS(0.15, 0.21, 0.18, 0.24, sigma0=4e5, v_s=2e-3, attraction=100.0, sigma2=0.04)
 RESET = ss.ResetIntegrator(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
@@ -56,7 +56,7 @@ def test_plain_python_begins_with_the_same_memory():
     ("law", "amplitude"), [(GMS, 3.5e-4), (GMS, 8e-4), (RESET, 3.5e-4), (RESET, 6e-4), (RESET, 8e-4)], ids=lambda x: str(x)[:5]
 )
 def test_orbits_and_multipliers_of_laws_with_memory(law, amplitude):
-    """The variational equation with the matrix of every switch is the derivative of the map, by differences of two sizes."""
+    """The tangent through every switch is the derivative of the map, by differences of two sizes."""
     robot = rig(law, amplitude)
     orbit = ss.periodic_orbit(robot)
     assert orbit.residual < 1e-12 and orbit.stable and "switch" in [event.kind for event in orbit.events]
@@ -72,7 +72,7 @@ def test_the_derivative_is_right_away_from_orbits_too(law):
     robot = rig(law, 4e-4)
     state = strobe_map(robot, np.zeros((1, len(coordinates(robot).names))), 5).state[0]
     J = difference_jacobian(robot, state, step=1e-6)
-    np.testing.assert_allclose(in_scales(robot, monodromy(flight(robot, state, 1, 1e-11))), in_scales(robot, J), atol=2e-6)
+    np.testing.assert_allclose(in_scales(robot, jacobian_of(robot, state)), in_scales(robot, J), atol=2e-6)
 
 
 def test_a_reset_forgets():
@@ -84,7 +84,7 @@ def test_a_reset_forgets():
 
 
 def test_exponents_two_ways():
-    """The variational equation, and two neighbours in the batch kernel."""
+    """The tangent, and two neighbours in the batch kernel."""
     robot = rig(GMS, 8e-4)
     orbit = ss.periodic_orbit(robot)
     found = ss.lyapunov(robot, periods=20, settle=20)

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.dynamics.closed import resting
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import at_rest, coordinates, flight, strobe_map, strobe_states
 from stickslip.dynamics.needs import needs_model
-from stickslip.dynamics.variational import needs_followed, resting, transfers
+from stickslip.dynamics.tangents import Changes, changes_along, not_followed
+from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number
-from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
@@ -29,6 +29,7 @@ _CHUNK = 50  # drive periods that are kept as dense output at a time
 _LEAST = 20  # drive periods that give an average and an error
 _ALIGN = 20  # drive periods in which directions turn into place
 _APART = 1e-7  # distance of two neighbours, in scales
+_ROUNDING = 1e-12  # a direction that shrinks by more than this beside another in a period is lost in its digits
 
 
 @explains_arguments
@@ -43,8 +44,9 @@ def lyapunov(
 ) -> Lyapunov:
     """All Lyapunov exponents of the motion that a robot settles on, per drive period (natural logarithm).
 
-    The variational equation is solved along the dense output, with a saltation matrix at every switch. Under a set-valued law a
-    body that comes to rest forgets its velocity: the exponent is -inf, and `note` says so. The 0 of the cyclic position is left out.
+    Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
+    a body that comes to rest forgets its velocity: the exponent is -inf, and `note` says so. The 0 of the cyclic position is left out.
+    Directions that shrink below rounding within a period, as stiff bristles do, have an equal part each of what the volume leaves over.
 
     Parameters
     ----------
@@ -100,7 +102,9 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 
 def _check(model: Any, periods: Any, settle: Any) -> None:
     needs_model("lyapunov", model)
-    needs_followed("lyapunov", model)
+    if why := not_followed(model):
+        hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
+        raise InputError("lyapunov", [f"what becomes of disturbances is not followed here, as {why}; {hint}"])
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)
@@ -126,55 +130,45 @@ def _told(logs: Array) -> Lyapunov:
 def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
     """The logarithms of the growth in every drive period of a run, and the frame at its end.
 
-    All directions but the last are carried along; the last has what the volume leaves over.
+    As many of the last directions as contacts rest at one instant end there. What is lost below rounding has what the volume leaves over.
     """
-    parts = _parts(run.model)
-    matrices, areas = transfers(run, parts)
-    starts = np.repeat(np.asarray(run.pieces.t)[:-1] - run.pieces.t[0], parts)
-    number = np.minimum((starts / run.period_time + 1e-9).astype(int), run.periods - 1)
-    logs, volume = np.zeros((run.periods, len(Q))), np.zeros(run.periods)
-    np.add.at(volume, number, areas)
-    if len(Q) > 2:
-        Q = _carried(matrices, number, logs, Q, np.repeat(resting(run), parts))
-    elif len(Q) == 2:
-        Q = _carried_in_the_plane(matrices, number, logs, Q)
-    with np.errstate(invalid="ignore"):
-        logs[:, -1] = np.where(np.isneginf(volume), -np.inf, volume - logs[:, :-1].sum(axis=1))
+    found, d = _periods_of(run), len(Q)
+    matrices = found.change.reshape(run.periods, d, d).transpose(0, 2, 1)
+    volumes, rests, logs = found.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
+    for k, M in enumerate(matrices):
+        Q, R = np.linalg.qr(M @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k] = _grown(np.log(abs(np.diag(R))), volumes[k], rests[k])
     return logs, Q
 
 
-def _parts(model: Any) -> int:
-    """Into how many parts each step is cut: those of Taylor series are long for the variational equation of several bodies on springs."""
-    machine = machine_of(model)
-    return 1 if machine.is_single or machine.has_inner_states else 4
+def _periods_of(run: Any) -> Changes:
+    """All changes of the state in each period of a run: a row for each direction, in scales."""
+    at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
+    scales = at.scales[: at.smooth]
+    starts = np.tile(np.diag(scales), (run.periods, 1))
+    found = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=with_volume)
+    return replace(found, change=found.change / scales)
 
 
-def _carried(matrices: Array, number: Array, logs: Array, Q: Array, still: Array) -> Array:
-    """The frame at the end; what its directions but the last grow by is added to `logs`.
-
-    While several contacts rest at once as many directions end there, the last ones: what rounding leaves of them is no growth.
-    """
-    for M, k, count in zip(matrices, number, still, strict=True):
-        Q, R = np.linalg.qr(M @ Q)
-        with np.errstate(divide="ignore"):
-            logs[k, :-1] += np.log(abs(np.diag(R)))[:-1]
-        if count > 1:
-            logs[k, -count:] = -np.inf
-    return Q
+def _most_at_rest(run: Any) -> Array:
+    """How many directions are forgotten at one instant in each period of a run."""
+    begins = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
+    number = np.minimum((begins / run.period_time + 1e-9).astype(int), run.periods - 1)
+    most = np.zeros(run.periods, int)
+    np.maximum.at(most, number, resting(run))
+    return most
 
 
-def _carried_in_the_plane(matrices: Array, number: Array, logs: Array, Q: Array) -> Array:
-    """The same for one direction in the plane, without the overhead of matrices."""
-    x, y, grown = float(Q[0, 0]), float(Q[1, 0]), [0.0] * len(logs)
-    for ((a, b), (c, d)), k in zip(matrices.tolist(), number.tolist(), strict=True):
-        x, y = a * x + b * y, c * x + d * y
-        size = math.hypot(x, y)
-        if size == 0.0:
-            grown[k], x, y = -math.inf, 0.0, 1.0
-        else:
-            grown[k], x, y = grown[k] + math.log(size), x / size, y / size
-    logs[:, 0] += grown
-    return np.array([[x, -y], [y, x]])
+def _grown(logs: Array, volume: float, rests: int) -> Array:
+    """The growth in a period: -inf of what rest ends, and of what is lost below rounding an equal part of what the volume leaves over."""
+    if rests or np.isneginf(volume):
+        logs[-max(int(rests), 1) :] = -np.inf
+        return logs
+    lost = logs < logs[0] + np.log(_ROUNDING)
+    if lost.any() and np.isfinite(volume):
+        logs[lost] = (volume - logs[~lost].sum()) / lost.sum()
+    return logs
 
 
 @explains_arguments

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.flows import offer_slopes
+from stickslip.dynamics.duals import slopes_of, variables
 from stickslip.dynamics.order import needs_one_body
 from stickslip.errors import InputError
 from stickslip.forces import offered_force
@@ -178,7 +178,10 @@ def dip(model: Any, begin: float, end: float, side: int) -> float:
 
 def slope_of_gap(model: Any, t: float, side: int) -> float:
     """How fast the distance to a break-away force grows [1/s]."""
-    return -side * offer_slopes(model, t, 0.0, side)[0] / _force(model)
+    (at,), still = variables(np.array([t])), np.zeros(1)
+    limits = law_of(model).breakaway(normal_load(model, at, still))
+    (slope,) = slopes_of(offered_force(model, at, still) - limits[1 if side > 0 else 0], 1)
+    return -side * float(np.ravel(slope)[0]) / _force(model)
 
 
 def _lowest(model: Any, mode: int, begin: float, end: float) -> float:

@@ -45,6 +45,8 @@ class Changes:
         Way made, of several bodies by their centre of mass [m], and its change.
     status : array (cases,)
         Of the runs, as everywhere.
+    volume : array (cases,)
+        Logarithm of how a volume of starts has grown, where that was asked for.
     """
 
     state: Array
@@ -52,11 +54,12 @@ class Changes:
     way: Array
     way_change: Array
     status: Array
+    volume: Array = ()
 
 
 def changes_along(
     model: Any, states: Array, starts: Array, numbers: dict[str, Array] | None = None, periods: int = 1, rtol: float = 1e-12,
-    span: Any = None, order: int = 0,
+    span: Any = None, order: int = 0, made: Any = tangent,
 ) -> Changes:  # fmt: skip
     """Follow small changes of the start and of the model's numbers for some drive periods.
 
@@ -76,6 +79,8 @@ def changes_along(
         How long a period is, for models that have none [s].
     order : int
         What happens at one instant happens in the order of the guards (1), against it (-1), or as rounding has it (0).
+    made : callable
+        What is made of the system: `tangent`, or `with_volume`, whose volume comes with it.
     """
     from stickslip.solvers.repeating import check_period
     from stickslip.solvers.stepping import BUDGET
@@ -84,7 +89,7 @@ def changes_along(
     at, cases, given = coordinates(model), len(states), numbers or {}
     check_period(model)
     tableau, tolerance = map_method(model, rtol)
-    kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=tangent), order)
+    kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
     states, starts = np.asarray(states, float), np.asarray(starts, float)
     q, u, z = at.order.parted(list(states.T[: at.smooth]), np.zeros(cases))
     dq, du, dz = at.order.parted(list(starts.T[: at.smooth]), np.zeros(cases))
@@ -113,7 +118,8 @@ def changes_along(
     else:
         way, d_way = found.end[:, 0] - _total(shares * first), 0.0
     d_way = d_way + _total(shares * (d_last - d_first) + d_shares * (last - first))
-    return Changes(ordered(ends, table.offsets.T), ordered(moved, d_offsets), way, np.where(good[:, 0], d_way, np.nan), found.status)
+    d_way = np.where(good[:, 0], d_way, np.nan)
+    return Changes(ordered(ends, table.offsets.T), ordered(moved, d_offsets), way, d_way, found.status, moved[:, -1])
 
 
 def _period(model: Any, span: Array) -> Any:

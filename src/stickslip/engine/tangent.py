@@ -18,7 +18,7 @@ kernel serves all directions, a lane for each, and is hardly longer than the sys
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from stickslip.engine.graphs import Along, Substituted
 from stickslip.engine.symbols import Sym
@@ -26,9 +26,11 @@ from stickslip.engine.system import Switch, System
 from stickslip.engine.taylor import watched
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["part_in", "tangent", "with_observables"]
+__all__ = ["part_in", "tangent", "with_observables", "with_volume"]
 
-_SAME_INSTANT = 1e-9  # of a period: a guard further from zero than it goes in this time did not fire by itself
+_NO_JUMP = 1e-9  # of a state's scale in a period: what rounding makes of a rate that does not jump
+#: Of a period, by Taylor and by Rosenbrock steps: a guard further from zero than it goes in this time did not fire by itself.
+_SAME_INSTANT, _SAME_INSTANT_WITHIN_TOLERANCE = 1e-9, 1e-7
 
 
 def part_in(name: str) -> str:
@@ -82,6 +84,80 @@ def with_observables(system: System, observed: dict[str, Sym]) -> System:
     return _with_passive(system, [graph.variable(name) for name in observed], list(observed.values()))
 
 
+def with_volume(system: System) -> System:
+    """The tangent, by the start alone, with the logarithm of how a volume of starts has grown, by Liouville's formula.
+
+    It knows what no change itself can show: a stiff bristle forgets by e^-1000 in a period. At a switch the volume grows by the determinant
+    of D = R_x + u g_x^T / (g_x f- + g_t), u = f+ - R_x f- - R_t.
+    """
+    graph, (rows, rates), count = system.graph, _rows(system), system.states - system.passive
+    found, volume = tangent(system, ()), graph.variable("volume")
+    trace = graph.constant(0.0)
+    for y, f in zip(system.y[:count], system.f[:count], strict=True):
+        trace = trace + graph.derivative(f, y)
+    found = _with_passive(found, [volume], [trace])
+    switches = dict(found.switches)
+    for k in _switching(system):
+        grown = volume + _grown(system, k, _crossing(system, k, rows, rates), count)
+        switches[k] = replace(switches[k], states=(*switches[k].states[:-1], grown))
+    return replace(found, switches=switches)
+
+
+def _grown(system: System, k: int, at: _Crossing, count: int) -> Sym:
+    """The logarithm of the determinant at a switch; no number where it follows from another one and makes rates jump."""
+    graph, guard, one = system.graph, system.guards[k], system.graph.constant(1.0)
+    unknown = graph.constant(0.0)
+    for i, jump in enumerate(at.jumps[:count]):
+        unknown = graph.select(system.period * _size(jump) - _NO_JUMP * _scale(system, i), _logarithm(-one), unknown)
+    if all(row is y for row, y in zip(at.rows[:count], system.y, strict=False)) and all(_is_zero(jump) for jump in at.jumps[:count]):
+        return graph.constant(0.0)
+    if _is_zero(at.falls):
+        return unknown
+    slopes = [graph.derivative(guard, y) for y in system.y[:count]]
+    reset = [i for i in range(count) if at.rows[i] is not system.y[i]]
+    kept = [i for i in range(count) if i not in reset]
+    # the border [R_x, u; -g_x^T / fall, 1] without its unit rows and their columns
+    R = {(i, j): graph.derivative(at.rows[i], system.y[j]) for i in reset for j in range(count)}
+    border = [[R[i, j] for j in reset] + [_less(at.jumps[i], [R[i, j] * at.jumps[j] for j in kept])] for i in reset]
+    corner = _less(one, [-(slopes[j] * at.jumps[j] / at.falls) for j in kept])
+    grown = _determinant([*border, [*(-(slopes[j] / at.falls) for j in reset), corner]])
+    return graph.select(_follows(system, guard, at.falls), unknown, _logarithm(_size(grown)))
+
+
+def _logarithm(node: Sym) -> Sym:
+    """Also of a constant that has none, as what is computed then has to show."""
+    return node.graph._node("log", (node,))
+
+
+def _scale(system: System, i: int) -> Sym:
+    """What a state is like, or, where nobody knows, what it is."""
+    scale = system.velocity_scale if i < system.coordinates else system.scales[i]
+    return _size(system.y[i]) if scale is None else scale
+
+
+def _less(whole: Sym, parts: list[Sym]) -> Sym:
+    for part in parts:
+        whole = whole - part
+    return whole
+
+
+def _determinant(rows: list[list[Sym]]) -> Sym:
+    """Of a small matrix, by its first row."""
+    first, *others = rows
+    if not others:
+        return first[0]
+    total = first[0].graph.constant(0.0)
+    for j, value in enumerate(first):
+        if not _is_zero(value):
+            minor = _determinant([row[:j] + row[j + 1 :] for row in others])
+            total = total + value * minor if j % 2 == 0 else total - value * minor
+    return total
+
+
+def _is_zero(node: Sym) -> bool:
+    return node.op == "constant" and node.value == 0.0
+
+
 def _with_passive(system: System, states: list[Sym], rates: list[Sym]) -> System:
     """States that ride along: no step, no event and no other state depends on them."""
     none = (None,) * len(states)
@@ -121,34 +197,54 @@ def _switching(system: System) -> list[int]:
     return [k for k in seen if k not in system.switches or not system.switches[k].status]
 
 
-def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], changes: list[Sym], late: Sym, along: Along) -> Switch:
-    """The switch of a guard with what it does to the changes."""
-    graph, guard = system.graph, system.guards[k]
+@dataclass(frozen=True)
+class _Crossing:
+    """What happens where a guard falls to zero: new rows, what the rates of the old ones jump by, and how fast the guard falls."""
+
+    rows: list[Sym]  # the states after it, and the way
+    jumps: list[Sym]  # f+ - R_x f- - R_t
+    falls: Sym
+
+
+def _crossing(system: System, k: int, rows: list[Sym], rates: list[Sym]) -> _Crossing:
+    graph, guard, count = system.graph, system.guards[k], system.states - system.passive
     old = system.switches.get(k, Switch(system.modes, (None,) * system.states))
-    resets = [y if new is None else new for y, new in zip(system.y, old.states, strict=True)]
     changed = {mode.name: new for mode, new in zip(system.modes, old.modes, strict=True) if new is not mode}
     if k < system.signs:
         changed[f"b{k}"] = -graph.mode(f"b{k}")
-    after = Substituted(graph, changed | {y.name: new for y, new in zip(system.y, resets, strict=True) if new is not y})
+    changed |= {y.name: new for y, new in zip(system.y, old.states, strict=True) if new is not None}
+    new_rows = [*(y if new is None else new for y, new in zip(system.y[:count], old.states, strict=False)), *rows[count:]]
     flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
-    tau = _later(system, guard, flow.of(guard), along.of(guard), late)
-    same = Substituted(graph, {guard.name: graph.constant(0.0)} if guard.op == "variable" else {})
-    new_rows = [*resets[: system.states - system.passive], *rows[system.states - system.passive :]]
-    new: list[Sym | None] = []
-    for row, rate, S in zip(new_rows, rates, changes, strict=True):
-        then, before = after.of(rate), flow.of(row)
-        jump = graph.constant(0.0) if same.of(then) is same.of(before) else then - before  # such as of what knows abs(v), where v is 0
-        moved = along.of(row) - jump * tau
-        new.append(None if moved is S else moved)
+    after, zero = Substituted(graph, changed), graph.constant(0.0)
+    there = Substituted(graph, {guard.name: zero} if guard.op == "variable" else {})
+    jumps = []
+    for row, rate in zip(new_rows, rates, strict=True):
+        then, before = after.of(rate), flow.of(row)  # the same where the guard is zero: such as of what knows abs(v), at v = 0
+        jumps.append(zero if there.of(then) is there.of(before) else then - before)
+    return _Crossing(new_rows, jumps, flow.of(guard))
+
+
+def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], changes: list[Sym], late: Sym, along: Along) -> Switch:
+    """The switch of a guard with what it does to the changes."""
+    old = system.switches.get(k, Switch(system.modes, (None,) * system.states))
+    at = _crossing(system, k, rows, rates)
+    tau = _later(system, system.guards[k], at.falls, along.of(system.guards[k]), late)
+    moved = [along.of(row) - jump * tau for row, jump in zip(at.rows, at.jumps, strict=True)]
+    new = [None if after is S else after for after, S in zip(moved, changes, strict=True)]
     return Switch(old.modes, (*old.states, *new, tau), old.status)
 
 
 def _later(system: System, guard: Sym, falls: Sym, moved: Sym, late: Sym) -> Sym:
     """By how much later a guard fires: by itself, or as what follows from the last event, in the same instant."""
-    if falls.op == "constant" and falls.value == 0.0:  # nothing but a jump makes it fire
+    if _is_zero(falls):  # nothing but a jump makes it fire
         return late
-    follows = _size(guard) - _SAME_INSTANT * (system.period * _size(falls))
-    return system.graph.select(follows, late, -(moved / falls))
+    return system.graph.select(_follows(system, guard, falls), late, -(moved / falls))
+
+
+def _follows(system: System, guard: Sym, falls: Sym) -> Sym:
+    """Positive where a guard is too far from zero to have fallen there by itself."""
+    near = _SAME_INSTANT_WITHIN_TOLERANCE if system.dynamic else _SAME_INSTANT
+    return _size(guard) - near * (system.period * _size(falls))
 
 
 def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]:
