@@ -21,6 +21,8 @@ from stickslip.maths import pi, sin
 
 #: Central differences with steps of 1e-6 of the scales: their error is some 1e-12 of curvature and 1e-16/1e-6 of rounding.
 DIFFERENCES = 2e-8
+#: Steps are chosen for the motion, and a change of a bristle dies out in a layer that they need not resolve: at 1e-12 it is off by 4e-8.
+STIFF = 1e-7
 RISING = [0.0, math.pi / 2, math.pi]
 KNOWN = {
     "in phase": ((0.0, 0.0), 0.002383491055471, [0.555131359, 0.0, 0.0]),
@@ -210,14 +212,17 @@ def test_a_worm_forgets_everything_when_its_feet_hold():
 
 
 @pytest.mark.parametrize(
-    "machine",
-    [Tow(LOW), Tow(HIGH), Tow(LOW, ground=ss.Spring(50.0), speed=0.02), Rider(LUGRE.friction)],
+    ("machine", "within"),
+    [
+        (Tow(LOW), DIFFERENCES), (Tow(HIGH), DIFFERENCES), (Tow(LOW, ground=ss.Spring(50.0), speed=0.02), DIFFERENCES),
+        (Rider(LUGRE.friction), STIFF),
+    ],
     ids=["tow", "static above kinetic", "a belt and a wall", "rider"],
-)
-def test_the_monodromy_matrix_of_any_machine_is_the_slope_of_its_map(machine):
+)  # fmt: skip
+def test_the_monodromy_matrix_of_any_machine_is_the_slope_of_its_map(machine, within):
     """Static friction above kinetic makes every break-away a jump, whose instant depends on the spring and on the other body."""
     orbit = ss.periodic_orbit(machine)
-    assert off_by(orbit) < DIFFERENCES and orbit.residual < 1e-11
+    assert off_by(orbit) < within and orbit.residual < 1e-11
 
 
 def test_a_robot_that_lists_its_parts_has_the_orbit_of_the_robot():

@@ -12,12 +12,13 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.closed import resting
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.many import Report, picked, shared
-from stickslip.dynamics.mapping import at_rest, coordinates, flight, strobe_map, strobe_states
+from stickslip.dynamics.mapping import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number
+from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch
@@ -102,6 +103,7 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 
 def _check(model: Any, periods: Any, settle: Any) -> None:
     needs_model("lyapunov", model)
+    refuse_chance(machine_of(model))
     if why := not_followed(model):
         hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
         raise InputError("lyapunov", [f"what becomes of disturbances is not followed here, as {why}; {hint}"])

@@ -25,7 +25,7 @@ from stickslip.steadiness import centre_of_mass
 
 __all__ = [
     "Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight",
-    "flow_map", "map_method", "strobe_map", "strobe_orbit",
+    "flow_map", "map_method", "refuse_chance", "strobe_map", "strobe_orbit",
 ]  # fmt: skip
 
 Array = Any
@@ -207,6 +207,18 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     """
     states = np.atleast_2d(np.asarray(states, float))
     machine = machine_of(model)
+    refuse_chance(machine)
+    if not all(law.compiles for law in machine.laws):
+        return _one_by_one(model, states, periods, rtol)
+    from stickslip.solvers.arcs import handles
+
+    if machine.is_single and not machine.has_inner_states and handles(model) is None:
+        return _by_arcs(model, states, periods)
+    return _in_lanes(model, states, periods, rtol)
+
+
+def refuse_chance(machine: MachineAdapter) -> None:
+    """`InputError` for a machine with a law of chance."""
     random = next((law.name for law in machine.laws if law.random), None)
     if random is not None:
         raise InputError(
@@ -215,13 +227,6 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
              "exponents or basins could belong to; allowed are laws without chance, such as ss.GMS or ss.LuGre; for this one type "
              "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
         )  # fmt: skip
-    if not all(law.compiles for law in machine.laws):
-        return _one_by_one(model, states, periods, rtol)
-    from stickslip.solvers.arcs import handles
-
-    if machine.is_single and not machine.has_inner_states and handles(model) is None:
-        return _by_arcs(model, states, periods)
-    return _in_lanes(model, states, periods, rtol)
 
 
 def map_method(model: Any, rtol: float) -> tuple[Any, float]:

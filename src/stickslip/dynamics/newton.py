@@ -63,7 +63,7 @@ def newton(
     reach : float
         Longest step.
     slopes : callable, optional
-        Gives F and its Jacobian at one point; if not given they are central differences.
+        Gives F and its Jacobian at one point; where it does not they are central differences.
 
     Examples
     --------
@@ -71,7 +71,12 @@ def newton(
     >>> bool(abs(found.at[0] - 2**0.5) < 1e-14), found.good
     (True, True)
     """
-    u, at = np.array(guess, float), slopes or (lambda u: slopes_at(residuals, u))
+
+    def at(u: Array) -> tuple[Array, Array]:
+        found = None if slopes is None else slopes(u)
+        return slopes_at(residuals, u) if found is None or not np.isfinite(found[1]).all() else found
+
+    u = np.array(guess, float)
     F, J = at(u)
     size = _size(F)
     for k in range(most + 1):

@@ -175,7 +175,8 @@ class PeriodicOrbit(ClosedMotion):
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         single = machine_of(self.model).is_single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
-        word = "stable" if self.stable else "neutral" if self._is_neutral else "unstable"
+        known = bool(np.isfinite(self.multipliers).all())
+        word = "stable" if self.stable else "neutral" if self._is_neutral else "unstable" if known else "of unknown stability"
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
             f"{word} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"

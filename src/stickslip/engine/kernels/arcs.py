@@ -12,6 +12,7 @@ MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in
 ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 SHORTEST = 1e-22  # of a period
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
+BEGUN = 1e-3  # of a step: what touches zero before has begun there
 NEWTON = 60  # iterations at most; a handful is usual
 
 
@@ -82,25 +83,28 @@ def lowest(S, at, lo, hi):
 
 @njit(float64(f1, int64), **OPTIONS)
 def first_zero(S, at):
-    """Where a polynomial first falls below zero in [0, 1]; 2 if it does not."""
+    """Where a polynomial first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile, to rounding."""
     terms = 0.0
     for m in range(ORDER + 1):
         terms += abs(S[at + m * L])
     noise = NOISE * terms
     if S[at] < noise:
         return 0.0
-    a, da = 0.0, S[at + L]
+    none, a, da = 2.0, 0.0, S[at + L]
     for j in range(LOOKS):
         b = (j + 1.0) / LOOKS
         db = rate_at(S, at, b)
         if da < 0.0 and db > 0.0:
             low = lowest(S, at, a, b)
-            if at_theta(S, at, low) < noise:
+            bottom = at_theta(S, at, low)
+            if bottom < noise:
                 return root(S, at, a, low)
+            if bottom < -noise and low > BEGUN:
+                none = 3.0
         if at_theta(S, at, b) < noise:
             return root(S, at, a, b)
         a, da = b, db
-    return 2.0
+    return none
 
 
 @njit(float64(f1, int64, float64), **OPTIONS)
@@ -172,7 +176,7 @@ def moving(lane, S, D):
 @njit(types.UniTuple(float64, 2)(int64, f1, f1, i1), **OPTIONS)
 def end_of_step(lane, S, W, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
-    theta, which = 2.0, -1.0
+    theta, which, touched = 2.0, -1.0, False
     count = D[WATCHED] + D[EXPONENTS]
     for j in range(count):
         k = count - 1 - j if D[ORDERED] < 0 else j
@@ -180,8 +184,11 @@ def end_of_step(lane, S, W, D):
         if S[D[F_CLEAR] + k * L + lane] > 0.0 or (k >= D[WATCHED] and S[at] <= BELOW):
             continue
         zero = first_zero(S, at)
+        touched = touched or (zero > 2.0 and k < D[WATCHED])
         if zero < (theta - TOGETHER if D[ORDERED] != 0 and which >= 0.0 and k < D[WATCHED] else theta):
             theta, which = zero, float(k) if k < D[WATCHED] else -1.0
+    for i in range(D[STATES] - D[PASSIVE] if touched and D[CARRIED] > 0 else D[STATES], D[STATES]):
+        S[D[F_K] + lane + i * (ORDER + 1) * L] = math.nan  # a switch that is touched and not crossed leaves changes without a number
     if D[AT_SLOPES] == 0 or not moving(lane, S, D):
         return theta, which
     for _ in range(200):
