@@ -85,6 +85,10 @@ from .dynamics.sections import (
     spectrum as spectrum,
     strobe as strobe,
 )
+from .dynamics.sensitivity import (
+    Sensitivity as Sensitivity,
+    sensitivity as sensitivity,
+)
 from .dynamics.switched import (
     Switch as Switch,
     SwitchingFlow as SwitchingFlow,
