@@ -164,7 +164,7 @@ def test_the_covering_set_covers():
 
 @pytest.mark.parametrize("method", ["rk4", "rodas4", "rodas5p"])
 def test_a_law_for_plain_numbers_only_is_not_compiled(method):
-    with pytest.raises(ss.InputError, match=rf"method = '{method}' is compiled, and Bristle is written for plain numbers only; type"):
+    with pytest.raises(ss.InputError, match=rf"'{method}' does not solve this Robot; .*it is compiled, and Bristle is written for plain"):
         solve(kinds.robot("bristle", "harmonic"), periods=2, method=method)
 
 

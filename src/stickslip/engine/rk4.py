@@ -51,16 +51,19 @@ class Kernel:
 def slopes(model: Any) -> Slopes:
     """The right side of a model's equations, for a law of either kind; what a plain Runge-Kutta script does not do is refused."""
     eq = trace(model)
+    if why := lacks(eq):
+        raise InputError("solve", [f'{why}; type method="auto"'])
+    return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
+
+
+def lacks(eq: System) -> str:
+    """What of some equations a plain Runge-Kutta script does not do; "" where it does all."""
     lacking = [what for what, there in (("impulses", eq.impulses), ("a law that remembers", eq.dynamic and eq.modes)) if there]
     if not eq.cyclic:
         lacking.append("a mechanism with springs")
     if eq.offset.level or eq.offset.value != 0:
         lacking.append("a contact that moves")
-    if lacking:
-        raise InputError(
-            "solve", [f'method = "rk4" knows robots without impulses or memory; here is {" and ".join(lacking)}; type method="auto"']
-        )
-    return Slopes(eq.names, eq.t, eq.y, eq.f, eq.guards[: eq.signs], None, eq.clocks, eq.period) if eq.dynamic else _usual_practice(eq)
+    return f"it knows robots without impulses or memory; here is {' and '.join(lacking)}" if lacking else ""
 
 
 def _usual_practice(eq: System) -> Slopes:

@@ -6,17 +6,12 @@ from collections.abc import Callable
 from typing import Any, Literal, overload
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.engine.refused import refused
-from stickslip.errors import InputError
-from stickslip.machine import machine_of
-from stickslip.solvers.request import Request, request
+from stickslip.solvers.methods import METHODS, method_for
+from stickslip.solvers.request import request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["METHODS", "solve"]
-
-#: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Rodas4 or Rodas5P by tolerance.
-METHODS = ("auto", "exact", "rodas4", "rodas5p", "rk4", "radau", "lsoda", "bdf", "dop853")
 
 
 @overload
@@ -97,39 +92,4 @@ def solve(
     '0.002015 m/s'
     """
     todo = request(model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration)
-    return _solver(todo)(todo)
-
-
-def _solver(todo: Request) -> Callable[[Request], Any]:
-    """The function that does what was asked."""
-    name, machine = todo.method, machine_of(todo.model)
-    laws = machine.law_names
-    if not all(law.compiles for law in machine.laws) and name in ("rk4", "rodas4", "rodas5p"):
-        raise InputError("solve", [f'method = {name!r} is compiled, and {laws} is written for plain numbers only; type method="auto"'])
-    if name == "rk4" and not machine.is_single:
-        kind = type(todo.model).__name__
-        raise InputError("solve", [f'method = "rk4" takes one body on one contact, and {kind} lists several; type method="auto"'])
-    why = refused(todo.model)
-    if name == "auto":
-        name = "dop853" if why else "rosenbrock" if machine.has_inner_states else "exact"
-    elif why and name in ("exact", "rk4", "rodas4", "rodas5p"):
-        raise InputError("solve", [f"method = {name!r} does not solve this {type(todo.model).__name__}: {why}"])
-    if name == "exact":
-        from stickslip.solvers import exact
-
-        if machine.has_inner_states:
-            raise InputError("solve", [f'method = "exact" is for set-valued laws; {laws} has inner states; type method="auto"'])
-        return exact.solve
-    if name in ("rosenbrock", "rodas4", "rodas5p"):
-        from stickslip.solvers import rosenbrock
-
-        if not machine.has_inner_states:
-            raise InputError("solve", [f'method = {todo.method!r} is for laws with inner states; {laws} is set-valued; type method="auto"'])
-        return rosenbrock.solve
-    if name == "rk4":
-        from stickslip.solvers import rk4
-
-        return rk4.solve
-    from stickslip.solvers import plain
-
-    return plain.solve
+    return method_for(todo.method, todo.model).run(todo)

@@ -15,14 +15,14 @@ import numpy as np
 from stickslip.batch import labels_of
 from stickslip.errors import SolveError
 from stickslip.pieces import HarmonicArcs
-from stickslip.solvers import stepping, undriven
-from stickslip.solvers.arcs import Arcs, handles, reduced
+from stickslip.solvers import undriven
+from stickslip.solvers.arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["batch", "handles", "solve", "solve_batch", "solve_one", "solve_rows", "summary"]
+__all__ = ["batch", "solve", "solve_batch", "solve_one", "solve_rows", "summary"]
 
 Array = Any
 Progress = Callable[[int, int], None]  # cases done, cases
@@ -40,8 +40,6 @@ _IN_METRES_PER_SECOND = ("v_max", "v_min", "v_end", "strobe_error", "wide_max", 
 
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
-    if handles(todo.model) is not None:  # no closed arcs: polynomials of high order, exact to rounding too
-        return stepping.run(todo, None, min(REPEAT / 10, todo.rtol) if todo.auto else REPEAT / 10)
     if todo.keep == "trajectory":
         return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, _start_of(todo)))
     return summary(todo, batch(todo))
@@ -139,7 +137,7 @@ def solve_batch(
     Parameters
     ----------
     model : Robot
-        A model that `handles` accepts.
+        A model that `stickslip.solvers.arcs.handles` takes.
     periods : int
         Drive periods to run; with ``settle="auto"`` the largest number of them.
     settle : int or "auto"
@@ -199,7 +197,7 @@ def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> 
     Parameters
     ----------
     model : Robot
-        A single case that `handles` accepts.
+        A single case that `stickslip.solvers.arcs.handles` takes.
     periods : int
         Drive periods to run.
     start : dict

@@ -146,7 +146,7 @@ def _check_size(keep: str, periods: int, samples: int) -> None:
 
 
 def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
-    from stickslip.solvers import METHODS
+    from stickslip.solvers.methods import METHODS
 
     if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
         problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')

@@ -1,0 +1,182 @@
+"""The methods of `solve` as objects: what each is called, which machines it takes, and how it runs them.
+
+A method decides by the equations, never by a class: `accepts` gives None, or the reason in words. The first that accepts runs; if none
+does, the error has what each of them said.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from stickslip.engine.refused import refused
+from stickslip.errors import InputError
+from stickslip.machine import machine_of
+
+if TYPE_CHECKING:
+    from stickslip.solvers.request import Request
+    from stickslip.summary import Summary
+    from stickslip.trajectory import Trajectory
+
+__all__ = ["ALL", "METHODS", "ClosedArcs", "Judge", "Method", "Rosenbrock", "RungeKutta", "TaylorSteps", "method_for"]
+
+
+class Method(Protocol):
+    """What a method offers."""
+
+    @property
+    def title(self) -> str:
+        """What it is called in words."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What ``method=`` may be for it to run."""
+
+    def accepts(self, model: Any) -> str | None:
+        """None where it solves a machine, or all of a batch; else why not."""
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Solve as asked, one case or many."""
+
+
+def _of_laws(model: Any, dynamic: bool) -> str | None:
+    """Why a compiled method for laws of one sort does not take a machine."""
+    machine = machine_of(model)
+    if not all(law.compiles for law in machine.laws):
+        return f"it is compiled, and {machine.law_names} is written for plain numbers only"
+    if why := refused(model):
+        return why
+    if machine.has_inner_states != dynamic:
+        kinds = ("set-valued laws", "laws with inner states")
+        is_one = "has inner states" if machine.has_inner_states else "is set-valued"
+        return f"it is for {kinds[dynamic]}; {machine.law_names} {is_one}"
+    return None
+
+
+@dataclass(frozen=True)
+class ClosedArcs:
+    """Coulomb friction under one sine: every arc is a formula."""
+
+    title: str = "closed arcs"
+    names: tuple[str, ...] = ("auto", "exact")
+
+    def accepts(self, model: Any) -> str | None:
+        """By the traced equations, which are taken apart into a sine and constants."""
+        from stickslip.solvers.arcs import handles
+
+        return handles(model)
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Arc by arc."""
+        from stickslip.solvers import exact
+
+        return exact.solve(todo)
+
+
+@dataclass(frozen=True)
+class TaylorSteps:
+    """Every other set-valued law, and machines of several bodies: polynomials of order 16, exact to rounding."""
+
+    title: str = "Taylor steps"
+    names: tuple[str, ...] = ("auto", "exact")
+
+    def accepts(self, model: Any) -> str | None:
+        """Laws that rest exactly."""
+        return _of_laws(model, dynamic=False)
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Step by step, to the zeros of the guards."""
+        from stickslip.solvers import stepping
+        from stickslip.solvers.exact import REPEAT
+
+        return stepping.run(todo, None, min(REPEAT / 10, todo.rtol) if todo.auto else REPEAT / 10)
+
+
+@dataclass(frozen=True)
+class Rosenbrock:
+    """Laws with inner states, which are stiff: Rodas4 or Rodas5P, by tolerance unless one is named."""
+
+    title: str = "Rosenbrock steps"
+    names: tuple[str, ...] = ("auto", "rodas4", "rodas5p")
+
+    def accepts(self, model: Any) -> str | None:
+        """Laws with inner states."""
+        return _of_laws(model, dynamic=True)
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Steps held to the tolerance."""
+        from stickslip.solvers import rosenbrock
+
+        return rosenbrock.solve(todo)
+
+
+@dataclass(frozen=True)
+class RungeKutta:
+    """The naive judge: steps of fixed length."""
+
+    title: str = "Runge-Kutta steps"
+    names: tuple[str, ...] = ("rk4",)
+
+    def accepts(self, model: Any) -> str | None:
+        """One body on one contact, of what a plain script knows."""
+        machine = machine_of(model)
+        if not machine.is_single:
+            return f"it takes one body on one contact, and {type(model).__name__} lists several"
+        why = _of_laws(model, dynamic=machine.has_inner_states)
+        if why is not None:
+            return why
+        from stickslip.engine.rk4 import lacks
+        from stickslip.engine.trace import trace
+
+        return lacks(trace(model)) or None
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """So many steps in each period."""
+        from stickslip.solvers import rk4
+
+        return rk4.solve(todo)
+
+
+@dataclass(frozen=True)
+class Judge:
+    """SciPy's integrators on the machine in plain Python: slow, and nothing in it is ours."""
+
+    title: str = "SciPy"
+    names: tuple[str, ...] = ("auto", "radau", "lsoda", "bdf", "dop853")
+
+    def accepts(self, model: Any) -> str | None:
+        """Everything."""
+        return None
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Case by case."""
+        from stickslip.solvers import plain
+
+        return plain.solve(todo)
+
+
+#: In the order in which they are asked.
+ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), Rosenbrock(), RungeKutta(), Judge())
+#: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Rodas4 or Rodas5P by tolerance.
+METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
+
+
+def method_for(name: str, model: Any) -> Method:
+    """The first method of a name that takes a machine; `InputError` with what each says where none does.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)
+    >>> type(method_for("auto", robot)).__name__, type(method_for("auto", robot.replace(friction=ss.Coulomb(0.15, 0.21)))).__name__
+    ('Rosenbrock', 'ClosedArcs')
+    """
+    said = {}
+    for method in ALL:
+        if name in method.names:
+            reason = method.accepts(model)
+            if reason is None:
+                return method
+            said[method.title] = reason.partition("; type method=")[0]
+    told = "; ".join(f"{title}: {reason}" for title, reason in said.items())
+    raise InputError("solve", [f'method = {name!r} does not solve this {type(model).__name__}; {told}; type method="auto"'])
