@@ -15,6 +15,7 @@ from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
+from stickslip.dynamics.tangents import jacobians_of, not_followed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number
 
@@ -26,7 +27,6 @@ __all__ = ["chaos_map"]
 Array = Any
 _FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
 _POINTS = 64  # ... and at the end
-_STEP = 1e-5  # half the distance of differences that give multipliers, in scales
 
 _TOLD = {
     "period": {"long_name": "drive periods until it repeats (0: none found, -1: not computed)", "units": "1"},
@@ -50,8 +50,8 @@ def chaos_map(
 ) -> xr.Dataset:
     """A map over one or two parameters of period number, largest Lyapunov exponent and mean velocity.
 
-    Where the strobe point comes back the exponent is that of the motion's multipliers, by differences of the strobe map; elsewhere it
-    is measured by two neighbours, as in `largest_exponents`.
+    Where the strobe point comes back the exponent is that of the motion's multipliers; elsewhere it is measured by two neighbours, as
+    in `largest_exponents`.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, per
     state = strobe_map(model, states_of(start, model), first, rtol).state
     tell(0.25)
     period, state, velocity = _repeats(model, state, at.scales, _LOOK, rtol)
-    late = np.flatnonzero(period == 0)
+    late, followed = np.flatnonzero(period == 0), not not_followed(model)
     exponent, error = np.full(cases, np.nan), np.full(cases, np.nan)
     tell(0.5)
     if len(late):
@@ -144,8 +144,9 @@ def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, per
         tell(0.7)
     for p in np.unique(period[period > 0]):
         members = np.flatnonzero(period == p)
-        exponent[members], error[members] = _by_multipliers(picked(model, members), state[members], int(p), at.scales, rtol)
-    wild = np.flatnonzero((period == 0) & np.isfinite(state).all(axis=1))
+        if followed:
+            exponent[members], error[members] = _by_multipliers(picked(model, members), state[members], int(p), at.scales, rtol)
+    wild = np.flatnonzero((period == 0 if followed else period >= 0) & np.isfinite(state).all(axis=1))
     tell(0.8)
     if len(wild):
         exponent[wild], error[wild] = largest_exponents(
@@ -162,14 +163,19 @@ def _repeats(model: Any, state: Array, scales: Array, points: int, rtol: float) 
 
 
 def _by_multipliers(model: Any, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
-    """The largest exponent per drive period of motions that repeat, by central differences; its error: how far one-sided ones differ."""
-    cases, d = state.shape
-    step = max(_STEP, 1e3 * rtol)
-    shifts = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)]) * step * scales
-    tried = (state[:, None, :] + shifts).reshape(-1, d)
-    ends = (strobe_map(picked(model, np.repeat(np.arange(cases), 2 * d + 1)), tried, period, rtol).state / scales).reshape(cases, -1, d)
-    middle, ahead, behind = ends[:, :1], ends[:, 1 : d + 1], ends[:, d + 1 :]
-    central, forward, backward = (ahead - behind) / (2 * step), (ahead - middle) / step, (middle - behind) / step
+    """The largest exponent per drive period of motions that repeat; its error: how far it is from that of the next turn."""
+    d = coordinates(model).smooth
+    after = strobe_map(model, state, period, rtol).state
     with np.errstate(divide="ignore", invalid="ignore"):
-        largest = [np.log(abs(np.linalg.eigvals(np.nan_to_num(J))).max(axis=1)) / period for J in (central, forward, backward)]
-        return largest[0], np.nan_to_num(abs(largest[1] - largest[2]) / 2, posinf=np.inf)
+        first, second = (
+            np.log(_largest(jacobians_of(model, s, period, rtol) * (scales[:d] / scales[:d, None]))) / period for s in (state, after)
+        )
+        return first, np.nan_to_num(abs(first - second), posinf=np.inf)
+
+
+def _largest(matrices: Array) -> Array:
+    """The absolute value of the largest eigenvalue of each; NaN where a matrix has no numbers."""
+    known = np.isfinite(matrices).all(axis=(1, 2))
+    found = np.full(len(matrices), np.nan)
+    found[known] = abs(np.linalg.eigvals(matrices[known])).max(axis=1)
+    return found

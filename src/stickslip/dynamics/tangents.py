@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import numbers_by_name
+from stickslip.dynamics.many import picked
 from stickslip.dynamics.mapping import coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
@@ -24,7 +25,7 @@ from stickslip.fields import replace_leaf
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
-__all__ = ["Changes", "changes_along", "jacobian_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
+__all__ = ["Changes", "changes_along", "jacobian_of", "jacobians_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
 
 Array = Any
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
@@ -141,9 +142,15 @@ def jacobian_of(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12,
     >>> round(float(jacobian_of(robot, orbit.state)[0, 0]), 6)  # type IV forgets all but this part in one period
     0.089023
     """
-    d = coordinates(model).smooth
-    states = np.tile(np.asarray(state, float), (d, 1))
-    return changes_along(model, states, np.eye(d), None, periods, rtol, span, order).change.T
+    return jacobians_of(model, np.asarray(state, float)[None], periods, rtol, span, order)[0]
+
+
+def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
+    """The same for each case of a batch, or for several states of one: array (cases, states, states)."""
+    cases, d = len(states), coordinates(model).smooth
+    each = picked(model, np.repeat(np.arange(cases), d))
+    found = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
+    return found.change.reshape(cases, d, d).transpose(0, 2, 1)
 
 
 def not_followed(model: Any) -> str:
