@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.batch import numbers_by_name
 from stickslip.dynamics.many import picked
-from stickslip.dynamics.mapping import coordinates, map_method
+from stickslip.dynamics.mapping import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
@@ -87,48 +87,62 @@ def changes_along(
     from stickslip.solvers.stepping import BUDGET
     from stickslip.solvers.tables import CaseTable
 
-    at, cases, given = coordinates(model), len(states), numbers or {}
     check_period(model)
+    at, cases, given = coordinates(model), len(states), numbers or {}
     tableau, tolerance = map_method(model, rtol)
     kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
-    states, starts = np.asarray(states, float), np.asarray(starts, float)
-    q, u, z = at.order.parted(list(states.T[: at.smooth]), np.zeros(cases))
-    dq, du, dz = at.order.parted(list(starts.T[: at.smooth]), np.zeros(cases))
-    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), 0.0 if span is None else span, given)
-    slopes = _Slopes(model, given, cases)
-    d_offsets = slopes.of(lambda m: _offsets(m, kernel.owners))
-    places = [d - dq[0] for d in dq[1:]] if table.cyclic else list(dq)
-    passive = [*(d - offset for d, offset in zip(du, d_offsets, strict=True)), *dz, *places]
-    k, n = table.count, len(passive)
-    start = np.column_stack([table.start[:, : 1 + n], *passive, np.zeros((cases, kernel.states - 2 * n)), table.start[:, 1 + n :]])
+    q, u, z, memory = _parted(at, np.asarray(states, float))
+    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, *list(np.round(memory))]), 0.0 if span is None else span, given)
+    carried = _Carried(table, kernel, at, _Slopes(model, given, cases))
+    start = carried.start(np.asarray(starts, float))
     found = lanes.run(kernel, table.rows, start, lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods))
-    ends, moved, j = found.end[:, 1 : 1 + n], found.end[:, 1 + n :], k + len(dz)
-    good = found.status[:, None] <= 1
-
-    def ordered(y: Array, offsets: Any) -> Array:
-        zero = (np.zeros(cases),) if table.cyclic else ()
-        columns = at.order.joined([*zero, *y[:, j:n].T], [a + b for a, b in zip(y[:, :k].T, offsets, strict=True)], list(y[:, k:j].T))
-        return np.where(good, np.column_stack(columns), np.nan)
-
-    shares, d_shares = np.array(slopes.values(_shares)), np.array(slopes.of(_shares))
-    first, last, d_first, d_last = (y[:, j:n].T for y in (start[:, 1:], ends, start[:, 1 + n :], moved))
-    if table.cyclic:
-        shares, d_shares = shares[1:], d_shares[1:]
-        way = found.end[:, 0] - table.start[:, 0] - _total(shares * first) + table.carried * periods * _period(model, table.span)
-        d_way = moved[:, n]
-    else:
-        way, d_way = found.end[:, 0] - _total(shares * first), 0.0
-    d_way = d_way + _total(shares * (d_last - d_first) + d_shares * (last - first))
-    d_way = np.where(good[:, 0], d_way, np.nan)
-    return Changes(ordered(ends, table.offsets.T), ordered(moved, d_offsets), way, d_way, found.status, moved[:, -1])
+    good = found.status <= 1
+    state, change, way, way_change = carried.ends(start, found.end, periods * (table.span if model.period is None else model.period))
+    known = np.where(good, 1.0, np.nan)
+    return Changes(state * known[:, None], change * known[:, None], way, way_change * known, found.status, found.end[:, -1])
 
 
-def _period(model: Any, span: Array) -> Any:
-    return span if model.period is None else model.period
+def _parted(at: Coordinates, states: Array) -> tuple[list[Array], list[Array], list[Array], Array]:
+    """Columns of positions, velocities, inner states and memories."""
+    q, u, z = at.order.parted(list(states.T[: at.smooth]), np.zeros(len(states)))
+    return list(q), list(u), list(z), states[:, at.smooth :].T
 
 
-def _total(terms: Array) -> Any:
-    return np.sum(terms, axis=0) if len(terms) else 0.0
+class _Carried:
+    """The lanes' columns of a state (way, velocities less offsets, inner states, positions), and the same of its change."""
+
+    def __init__(self, table: Any, kernel: lanes.Kernel, at: Coordinates, slopes: _Slopes):
+        self.table, self.at, self.slopes, self.cases = table, at, slopes, slopes.cases
+        self.offsets = slopes.of(lambda machine: _offsets(machine, kernel.owners))
+        self.inner = at.order.inner.stop - at.order.inner.start
+        self.n = 2 * table.count + self.inner - int(table.cyclic)  # states of the motion itself
+        self.more = kernel.states - 2 * self.n
+
+    def start(self, changes: Array) -> Array:
+        """The start of the lanes."""
+        (q, u, z, _), first = _parted(self.at, changes), self.table.start
+        places = [place - q[0] for place in q[1:]] if self.table.cyclic else q
+        own = [v - offset for v, offset in zip(u, self.offsets, strict=True)]
+        return np.column_stack([first[:, : 1 + self.n], *own, *z, *places, np.zeros((self.cases, self.more)), first[:, 1 + self.n :]])
+
+    def ends(self, start: Array, end: Array, time: Any) -> tuple[Array, Array, Array, Array]:
+        """State, change of it, way of the centre of mass, change of that."""
+        n, table = self.n, self.table
+        (first, d_first), (last, d_last) = ((y[:, 1 : 1 + n].T, y[:, 1 + n :].T) for y in (start, end))
+        shares, d_shares = (np.array(each)[int(table.cyclic) :] for each in (self.slopes.values(_shares), self.slopes.of(_shares)))
+        places = slice(table.count + self.inner, n)
+        d_way = np.sum(shares * (d_last[places] - d_first[places]) + d_shares * (last[places] - first[places]), axis=0)
+        way = end[:, 0] - np.sum(shares * first[places], axis=0)
+        if table.cyclic:
+            way, d_way = way - start[:, 0] + table.carried * time, d_way + d_last[n]
+        return self._state(last, table.offsets.T), self._state(d_last, self.offsets), way, d_way
+
+    def _state(self, y: Array, offsets: Any) -> Array:
+        """In the order of the coordinates."""
+        k, j = self.table.count, self.table.count + self.inner
+        zero = [np.zeros(self.cases)] if self.table.cyclic else []
+        velocities = [a + b for a, b in zip(y[:k], offsets, strict=True)]
+        return np.column_stack(self.at.order.joined([*zero, *y[j : self.n]], velocities, list(y[k:j])))
 
 
 def jacobian_of(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
@@ -205,15 +219,13 @@ def number_slopes(model: Any, along: dict[str, Array], what: Callable[[Any], Any
 
 def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], cases: int) -> Array:
     """Changes of the state in which a run begins, where the model says it and not who asked for the run: array (cases, states)."""
-    at, slopes = coordinates(model), _Slopes(model, along, cases)
-    m = machine_of(model).mechanics
-    q = slopes.of(lambda machine: machine.mechanics.start)
-    z = [slopes.of(lambda machine, i=i: _inner_starts(machine)[i]) for i in range(len(m.contacts))]
-    fixed = [np.zeros(cases)]
-    placed = _given(start.get("x"), m.bodies)
-    q = [0.0 * d if any(m.coordinate_of(body) == j for body in placed) else d for j, d in enumerate(q)]
-    inner = [fixed[0] if name in _given(start.get("z"), m.contacts) else d for name, own in zip(m.contacts, z, strict=True) for d in own]
-    return np.column_stack(at.order.joined(q, fixed * len(q), inner))
+    at, slopes, m = coordinates(model), _Slopes(model, along, cases), machine_of(model).mechanics
+    placed, bent = _given(start.get("x"), m.bodies), _given(start.get("z"), m.contacts)
+    held = {m.coordinate_of(body) for body in placed}
+    owners = [name for name, law in zip(m.contacts, m.laws, strict=True) for _ in range(law.states)]
+    q = [0.0 * d if j in held else d for j, d in enumerate(slopes.of(lambda machine: machine.mechanics.start))]
+    z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts), strict=True)]
+    return np.column_stack(at.order.joined(q, [np.zeros(cases)] * len(q), z))
 
 
 def _given(values: Any, names: tuple[str, ...]) -> tuple[str, ...]:
@@ -221,10 +233,11 @@ def _given(values: Any, names: tuple[str, ...]) -> tuple[str, ...]:
     return () if values is None else tuple(values) if isinstance(values, dict) else names
 
 
-def _inner_starts(machine: Any) -> list[tuple[Any, ...]]:
+def _inner_starts(machine: Any) -> list[Any]:
+    """Inner states of contacts that nobody has moved."""
     mechanics = machine.mechanics
     loads = mechanics.loads(0.0, mechanics.start)
-    return [law.start(load) for law, load in zip(mechanics.laws, loads, strict=True)]
+    return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
 
 
 def _offsets(machine: Any, owners: tuple[int | None, ...]) -> list[Any]:

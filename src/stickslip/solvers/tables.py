@@ -45,8 +45,8 @@ class CaseTable:
             self.rows = np.column_stack([self.rows, *more])
         self.count = count = len(kernel.owners)
         offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
-        own = [0.0 if i is None else -offsets[i] for i in kernel.owners]
-        self.offsets = np.stack([_spread(offset, cases) for offset in own], axis=1)
+        owned = [0.0 if i is None else -offsets[i] for i in kernel.owners]
+        self.offsets = np.stack([_spread(offset, cases) for offset in owned], axis=1)
         self.cyclic = bool(kernel.layout.ways)
         steps = self.cyclic and not machine_of(model).has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
