@@ -17,7 +17,7 @@ import stickslip as ss
 from problems import chain, module
 from stickslip.dynamics.mapping import at_rest, coordinates, flow_map, strobe_map
 from stickslip.dynamics.tangents import changes_along, jacobian_of, number_slopes
-from stickslip.engine.tangent import tangent, with_observables
+from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
 from stickslip.fields import leaves, replace_leaf
 from stickslip.maths import sin
@@ -222,27 +222,6 @@ def test_a_switch_that_is_touched_and_not_crossed_leaves_no_derivative():
     assert found[0] == 1.0 and math.isnan(found[1]) and found[2] == 0.0
     orbit = ss.periodic_orbit(Touching(), guess=[2.0])
     assert np.isnan(orbit.multipliers).all() and "touched without being crossed" in orbit.evidence and not orbit.stable
-
-
-# ---- other transforms ----
-def test_an_observable_is_an_integral_that_no_event_disturbs():
-    """The integral of v is the way; it stands among the states of the kernel."""
-    from stickslip.engine import lanes
-    from stickslip.solvers.tables import CaseTable
-
-    machine = robot()
-
-    def with_way(system):
-        return with_observables(system, {"way": system.y[0], "time": system.graph.constant(1.0)})
-
-    kernel = lanes.kernel_of(machine, None, record=False, made=with_way)
-    table = CaseTable(machine, kernel, np.zeros((1, 2)), machine.period)
-    start = np.column_stack([table.start, np.zeros((1, 2))])
-    found = lanes.run(kernel, table.rows, start, lanes.Job(7, 0, False, 1e-9, 0.75, 1e6))
-    x, v, way, time = found.end[0]
-    alone = strobe_map(machine, [[0.0]], 7)
-    assert v == pytest.approx(alone.state[0, 0], abs=1e-16) and way == pytest.approx(x, abs=1e-17)
-    assert time == pytest.approx(7 * machine.period, rel=1e-14)
 
 
 def test_numbers_behind_a_formula_have_slopes_too():

@@ -92,7 +92,7 @@ def changes_along(
     tableau, tolerance = map_method(model, rtol)
     kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
     q, u, z, memory = _parted(at, np.asarray(states, float))
-    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, *list(np.round(memory))]), 0.0 if span is None else span, given)
+    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, *memory.round()]), 0.0 if span is None else span, given)
     carried = _Carried(table, kernel, at, _Slopes(model, given, cases))
     start = carried.start(np.asarray(starts, float))
     found = lanes.run(kernel, table.rows, start, lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods))
@@ -169,12 +169,7 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
 
 def not_followed(model: Any) -> str:
     """Why changes are not followed along the runs of a model; "" where they are."""
-    machine = machine_of(model)
-    if not all(law.compiles for law in machine.laws):
-        return "a law is written for plain numbers only"
-    if machine.mechanics.jumps and any(law.switching for law in machine.laws):
-        return "an impulse makes a law forget"
-    return ""
+    return "" if all(law.compiles for law in machine_of(model).laws) else "a law is written for plain numbers only"
 
 
 def orders_differ(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from stickslip.engine.symbols import Graph, Sym, TraceError, slope_of
+from stickslip.engine.symbols import CONSTANT, Graph, Sym, TraceError, slope_of
 
-__all__ = ["Along", "Substituted"]
+__all__ = ["Along", "Copied", "Substituted"]
 
 
-class _Walk:
+class _Walk(ABC):
     """Expressions made of expressions, arguments first; each is made once."""
 
     def __init__(self, graph: Graph, leaves: dict[str, Sym]):
@@ -30,8 +31,9 @@ class _Walk:
                 self._known[now.number] = self._made(now, [self._known[a.number] for a in now.args])
         return self._known[node.number]
 
+    @abstractmethod
     def _made(self, node: Sym, args: list[Sym]) -> Sym:
-        raise NotImplementedError
+        """What becomes of a node whose arguments have become these."""
 
 
 class Along(_Walk):
@@ -80,16 +82,42 @@ class Substituted(_Walk):
             return self.leaves.get(node.name, node) if node.op != "constant" else node
         if all(new is old for new, old in zip(args, node.args, strict=True)):
             return node
-        match node.op:
-            case "add" | "subtract" | "multiply" | "select":
-                made: Callable[..., Sym] = getattr(graph, node.op)
-                return made(*args)
-            case "reciprocal":
-                return graph._node("reciprocal", (args[0],))
-        try:
-            return graph.call(node.op, args[0])
-        except (TraceError, ArithmeticError, ValueError):  # no number, in a branch that is not taken there
-            return graph._node(node.op, (args[0],))
+        return _again(graph, node, args)
+
+
+class Copied(_Walk):
+    """The same expressions in another graph; what is given by name is another expression there.
+
+    Examples
+    --------
+    >>> first, second = Graph(), Graph()
+    >>> x = second.variable("x")
+    >>> Copied(second, {"x": -x}).of(2.0 * first.variable("x") + first.case("a")) is -2.0 * x + second.case("a")
+    True
+    """
+
+    def _made(self, node: Sym, args: list[Sym]) -> Sym:
+        graph = self.graph
+        if args:
+            return _again(graph, node, args)
+        if node.op == "constant":
+            return graph._node("constant", (), CONSTANT, value=node.value)
+        new: Callable[[str], Sym] = {"case": graph.case, "variable": graph.variable, "flag": graph.mode}[node.op]
+        return self.leaves[node.name] if node.name in self.leaves else new(node.name)
+
+
+def _again(graph: Graph, node: Sym, args: list[Sym]) -> Sym:
+    """The operation of a node, on other arguments."""
+    match node.op:
+        case "add" | "subtract" | "multiply" | "select":
+            made: Callable[..., Sym] = getattr(graph, node.op)
+            return made(*args)
+        case "reciprocal":
+            return graph._node("reciprocal", (args[0],))
+    try:
+        return graph.call(node.op, args[0])
+    except (TraceError, ArithmeticError, ValueError):  # no number, in a branch that is not taken there
+        return graph._node(node.op, (args[0],))
 
 
 def _is_zero(node: Sym) -> bool:

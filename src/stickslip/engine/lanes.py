@@ -322,7 +322,8 @@ def _look(eq: System) -> str:
         w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
         passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
         active = switch.states[: eq.states - eq.passive]
-        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(active) if new is not None]
+        given = {i: new for i, new in enumerate(active) if new is not None} | eq.forgetting
+        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in given.items()]
     for k in _flags_in(eq.carried):
         writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
     for i, rate in enumerate(eq.carried):

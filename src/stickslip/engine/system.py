@@ -88,6 +88,7 @@ class System:
     carried: tuple[Sym, ...] = ()  # rates of what the first passive states are changes of; the one after them is a change of an instant
     delays: tuple[Sym, ...] = ()  # change of each known instant, of clocks and then of impulses
     kicks: tuple[tuple[Sym, ...], ...] = ()  # change of each impulse
+    forgetting: dict[int, Sym] = field(default_factory=dict)  # changes where an impulse takes v through zero, by number of the state
     settled: dict[int, Sym] = field(default_factory=dict)  # changes with which a run begins, by number of the state: of what rests there
 
     @property

@@ -75,6 +75,7 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
         delays=tuple(given),
         kicks=tuple(tuple(map(along.of, jumps)) for _, jumps in system.impulses),
         settled=_settled(system, changes, along),
+        forgetting=_forgetting(system, along),
     )
 
 
@@ -245,6 +246,12 @@ def _follows(system: System, guard: Sym, falls: Sym) -> Sym:
     """Positive where a guard is too far from zero to have fallen there by itself."""
     near = _SAME_INSTANT_WITHIN_TOLERANCE if system.dynamic else _SAME_INSTANT
     return _size(guard) - near * (system.period * _size(falls))
+
+
+def _forgetting(system: System, along: Along) -> dict[int, Sym]:
+    """What becomes of changes where the law of one contact forgets because an impulse has turned its velocity over."""
+    resets = system.switches[0].states if system.dynamic and 0 in system.switches else ()
+    return {system.states + i: along.of(new) for i, new in enumerate(resets) if new is not None}
 
 
 def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]:

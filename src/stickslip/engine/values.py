@@ -37,13 +37,15 @@ def values_of(graph: Graph, known: dict[str, Any], roots: Iterable[Sym] | None =
 def needed_by(roots: Iterable[Sym]) -> list[Sym]:
     """The nodes that some roots are made of, arguments before what is made of them."""
     found: dict[int, Sym] = {}
-    waiting = list(roots)
+    waiting = [(root, False) for root in roots]
     while waiting:
-        node = waiting.pop()
-        if node.number not in found:
+        node, ready = waiting.pop()
+        if ready:
             found[node.number] = node
-            waiting += [*node.args, *([] if node.op != "flag" else _held(node))]
-    return [found[number] for number in sorted(found)]
+        elif node.number not in found:
+            waiting.append((node, True))
+            waiting += [(a, False) for a in (*node.args, *(_held(node) if node.op == "flag" else ()))]
+    return list(found.values())
 
 
 def _held(flag: Sym) -> list[Sym]:

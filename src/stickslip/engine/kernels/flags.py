@@ -85,8 +85,8 @@ def apply_jump(lane, S, row, D):
             mode[k] = S[D[F_MODE] + k * L + lane]
         call_look(D[AT_LOOK], CLOCK_SIGNS, row, S[D[F_T] + lane], y, clock, mode, clock)
         call_look(D[AT_LOOK], PASSED_REST, row, S[D[F_T] + lane], y, clock, mode, clock)
-        for i in range(1, D[STATES]):  # what a law forgets at an impulse is not followed in the changes of states
-            S[D[F_Y] + i * L + lane] = y[i] if i < D[STATES] - D[PASSIVE] else math.nan
+        for i in range(1, D[STATES]):
+            S[D[F_Y] + i * L + lane] = y[i]
         for k in range(D[MODES]):
             S[D[F_MODE] + k * L + lane] = mode[k]
 
@@ -152,6 +152,8 @@ def shift_changes(lane, within, first, before, S, row, D):
     S[D[F_Y] + (n + D[CARRIED]) * L + lane] = late
     if not met:  # the end of a period, which no direction moves
         return
+    if D[MODES] > 0 and D[SET_VALUED] == 0 and (late != 0.0 or np.any(kicks != 0.0)):
+        late = math.nan  # what a law forgets at an impulse that is moved itself is not followed
     after, held = np.empty(D[CARRIED]), S[D[F_T] + lane]
     if not within:
         S[D[F_T] + lane] = 0.0
