@@ -71,7 +71,7 @@ class Summary:
     def __getattr__(self, name: str) -> Any:
         columns = self.__dict__.get("columns", {})
         if name in columns:
-            return columns[name]
+            return np.asarray(columns[name])
         model, known = self.__dict__.get("model"), VARIABLES.get(name)
         if known is not None and known.dims == () and declares_parts(model):  # machines of bodies and contacts have some of the columns
             told = f"it is of one body on one contact, and a {type(model).__name__} lists several; there are {', '.join(columns)}"

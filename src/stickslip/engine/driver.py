@@ -16,7 +16,7 @@ from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text
 from stickslip.engine.unforeseen import POINTS
 
-__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "load", "table"]
+__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "gauss", "load", "table"]
 
 #: What the driver calls by address, all but `land` in a law's kernel, and their types. `look` does what its first argument says (LOOKS).
 FUNCTIONS = {
@@ -27,6 +27,7 @@ FUNCTIONS = {
     "step": "void(float64[::1], float64, float64)",  # S, rtol, budget
     "switched": "int64(int64, int64, float64[::1])",  # which, lane, S
     "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
+    "signals": "void(float64[::1], float64, float64[::1], float64[::1], float64[::1])",  # row, t, y, what the step held, out
     "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST")
@@ -37,7 +38,7 @@ _COLUMNS = (
     "SET_VALUED", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
     "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
-    "SHARE_AT",
+    "SHARE_AT", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED",
 )  # fmt: skip
 
 #: The top of every kernel's file. Only `advance` is called from Python; the others need no wrappers for it.
@@ -89,15 +90,23 @@ def call(context, builder, sig, args):
 '''
 
 
-def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...]) -> Any:
-    """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of the states' scales."""
+def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], noted: tuple[int, ...]) -> Any:
+    """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of the states' scales, signals."""
     import numpy as np
 
     where = {name: _address(getattr(module, name, None)) for name in FUNCTIONS}
     if layout["SET_VALUED"]:
         where["land"] = _address(_landing(layout["LANES"]).land)
     addresses = where.values()
-    return np.array([*(layout[name] for name in _COLUMNS), *addresses, *scale_at], dtype=np.int64)
+    return np.array([*(layout[name] for name in _COLUMNS), *addresses, *scale_at, *noted], dtype=np.int64)
+
+
+def gauss(degree: int) -> tuple[list[float], list[float]]:
+    """Nodes in [0, 1] and weights of the quadrature on a step whose dense output has a degree."""
+    import numpy as np
+
+    nodes, weights = np.polynomial.legendre.leggauss(4 if degree < 8 else 10)
+    return (0.5 * (nodes + 1)).tolist(), (0.5 * weights).tolist()
 
 
 def _address(function: Any) -> int:
@@ -111,8 +120,10 @@ def _address(function: Any) -> int:
 @lru_cache(1)
 def load() -> Any:
     """The compiled driver."""
-    constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), recurrence_text()]
-    return cache.load(_source("the driver of all kernels", constants, ("flags", "watching", "lanes")), "driver", "what all kernels share")
+    rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(0), *gauss(ORDER)), strict=True)
+    tables = [f"{name} = np.array({part!r})" for name, part in rules]
+    constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), *tables, recurrence_text()]
+    return cache.load(_source("the driver of all kernels", constants, ("flags", "watching", "reducing", "lanes")), "driver", "what all kernels share")
 
 
 @lru_cache

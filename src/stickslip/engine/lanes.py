@@ -15,6 +15,7 @@ from typing import Any
 
 from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
+from stickslip.engine.observed import signals_text
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text, straight
 from stickslip.engine.symbols import Sym
@@ -30,6 +31,8 @@ from stickslip.recurrence import KEPT, LONGEST
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "plain_name", "prelude", "run"]
 
 SEGMENTS = 32
+#: Rows of numbers in which a step is looked at: at its ends, at the nodes of a quadrature, somewhere else, and the states there.
+ROOM = 14
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
 LANES, WIDTH = 16, 8
 #: Numbers of the layout that a law's own functions read.
@@ -52,6 +55,10 @@ class Kernel:
     contacts: int
     owners: tuple[int | None, ...]  # of each coordinate, the contact whose slip its state is
     layout: StateLayout  # what its states are
+    bodies: tuple[int, ...]  # of each body the coordinate with which it moves; none where no signals are noted
+    signals: tuple[str, ...]  # what is noted of the last motion period, by name
+    arms: bool  # whether a body moves otherwise than its coordinate
+    held: int  # flags, modes and clocks that a step holds
 
 
 @dataclass(frozen=True)
@@ -64,6 +71,16 @@ class Job:
     rtol: float
     slip_ratio: float
     budget: float
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a kernel found of each body, contact and stop: a row for each case."""
+
+    moved: Any  # (cases, coordinates): displacement over the window [m]
+    wide_max: Any  # (cases, bodies): extremes over the window, at the ends of steps
+    wide_min: Any
+    reduced: dict[str, Any]  # by signal (cases, 3) over the last motion period: integral over time, or a count; largest; smallest
 
 
 @dataclass(frozen=True)
@@ -88,6 +105,7 @@ class Results:
     limit: Any  # displacement in a drive period that the motion approaches [m]
     wide_max: Any  # extremes of v over the window, at the ends of steps
     wide_min: Any
+    parts: Parts | None = None  # of a machine that lists its bodies
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
@@ -126,7 +144,7 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
     )
     return Kernel(
         module,
-        driver.table(module, *_layout(eq, step, lanes)),
+        driver.table(module, *_layout(eq, step, lanes), _noted(eq, step)),
         lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -137,6 +155,10 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         len(eq.contacts),
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
         _states_of(eq),
+        tuple(j for _, j in eq.bodies) if eq.signals else (),
+        tuple(signal.name for signal in eq.signals),
+        _has_arms(eq),
+        eq.signs + len(eq.modes) + len(eq.clocks),
     )
 
 
@@ -227,6 +249,8 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
         "SHARE_AT": first + 4 + sum(s is not None for s in eq.scales),
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
+        "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(_has_arms(eq)),
+        "PLACES": 1 + (eq.coordinates if eq.signals else 0),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
@@ -241,9 +265,27 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_CLEAR": "clear0",
         "F_HELD": "held0",
     }
-    alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
+    alone = ("fired", "t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
+
+
+def _noted(eq: System, step: Step) -> tuple[int, ...]:
+    """Of each contact the place of its side, or mode, among what a step holds; of each signal its kind; of each body its coordinate."""
+    if not eq.signals:
+        return ()
+    places = [(c.guard or 0) if c.branches is None else eq.signs + c.modes[0] for c in eq.contacts]
+    order = list(range(len(eq.guards))) if not step.series else taylor.watched(eq)
+    kinds = [s.kind if s.guard is None else 64 + order.index(s.guard) for s in eq.signals]
+    return (*places, *kinds, *(j for _, j in eq.bodies))
+
+
+def _has_arms(eq: System) -> bool:
+    """Whether a body moves otherwise than its coordinate, because its distance to another one is prescribed."""
+    v = [y + offset for y, offset in zip(eq.y, eq.offsets, strict=False)]
+    return bool(eq.signals) and any(
+        signal.node is not v[j] for signal, (_, j) in zip(eq.signals, eq.bodies, strict=False)
+    )
 
 
 def _rows_of(letter: str, fields: Iterable[str]) -> int:
@@ -265,6 +307,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
+        *((signals_text(eq),) if eq.signals else ()),
     ]
     return "\n\n".join(parts)
 
@@ -324,10 +367,7 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
 
 def _force(eq: System, degree: int) -> str:
     """The force that all but friction offer, by time; the nodes on which its work is summed."""
-    import numpy as np
-
-    nodes, weights = np.polynomial.legendre.leggauss(4 if degree < 8 else 10)
-    tables = [f"{name} = np.array({values.tolist()!r})" for name, values in (("NODES", 0.5 * (nodes + 1)), ("WEIGHTS", 0.5 * weights))]
+    tables = [f"{name} = np.array({values!r})" for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(degree), strict=True)]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
     w = Writer(prefix="p")
@@ -354,18 +394,24 @@ def run(
 
     cases, n = params.shape[0], k.states
     start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
+    bodies, signals = len(k.bodies), len(k.signals)
+    parts = k.contacts if signals else 1
+    places = 1 + (len(k.owners) if signals else 0)
     S = np.ones(k.fields * k.lanes)
-    lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
+    lane_numbers = np.zeros((k.lanes, 8 + parts), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 18)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST))
+    lane_floats, ring, xs = np.zeros((k.lanes, 17)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))
+    lane_parts = np.zeros((k.lanes, signals + bodies, 3))
+    held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM, max(n, parts + signals)))
     cursor = np.array([0, cases, 0], dtype=np.int64)
-    out, count = np.full((cases, 9 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
-    seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
+    out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
+    found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
+    seg_time, seg_code = np.zeros((cases, parts * SEGMENTS)), np.zeros((cases, parts * SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     advance = driver.load().advance
     while advance(
-        S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,
+        S, lane_numbers, lane_floats, ring, xs, held, lane_parts, room, cursor, params, start, out, count, found, seg_time, seg_code, pieces,
         job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
     ):  # fmt: skip
         kept.append(pieces[: cursor[2]].copy())
@@ -375,7 +421,11 @@ def run(
     kept.append(pieces[: cursor[2]].copy())
     if progress is not None:
         progress(cases)
+    last = 6 + n + k.modes
+    wide_max, wide_min = found[:, signals:, 1:].transpose(2, 0, 1)
+    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: found[:, i] for i, name in enumerate(k.signals)}) if signals else None
     return Results(
-        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3],
-        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n : -3], *out[:, -3:].T, np.concatenate(kept) if keep_pieces else None,
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
+        seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last], *out[:, last : last + 3].T,
+        several, np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip

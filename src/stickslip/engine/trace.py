@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.engine.checks import explained
 from stickslip.engine.contacts import Assembly, add_contacts, add_stop
+from stickslip.engine.observed import with_signals
 from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
@@ -110,7 +111,7 @@ def _traced(model: Any, cyclic: bool) -> System:
 
     switches = {len(graph.guards) + k: switch(*event) for k, (_, *event) in enumerate(parts.events)}
     switches |= {parts.contacts[i].guard or 0: switch(*changes) for i, changes in parts.at_rest.items()}
-    return System(
+    eq = System(
         graph=graph, names=m.names, t=m.t, y=y, f=f,
         bodies=tuple((name, m.equations.coordinate_of(name)) for name in m.equations.bodies),
         slips_of=m.equations.slips_of, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),
@@ -126,6 +127,7 @@ def _traced(model: Any, cyclic: bool) -> System:
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
         free=m.accelerations({})[0], inertia=_inertia(m),
     )  # fmt: skip
+    return eq if m.single else with_signals(eq, parts)
 
 
 def _shares(m: Symbolic) -> tuple[Sym, ...]:

@@ -1,0 +1,105 @@
+"""What lanes note of a machine in its last motion period: signals made of its traced equations, each with what is made of it on the way.
+
+One body on one contact needs none of them: its step has its velocity, slip ratio and work at hand (``kernels/watching.py``). For all else
+the expressions are evaluated on the dense output of each step in that period (``kernels/reducing.py``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from stickslip.engine.assembly import Assembly
+from stickslip.engine.coupled import sliding_both_ways
+from stickslip.engine.steptext import straight
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import Signal, System
+from stickslip.engine.values import needed_by
+from stickslip.engine.write import Writer
+
+__all__ = ["COUNTED", "LEAST", "MEAN", "MOST", "signals_text", "with_signals"]
+
+#: What a signal is reduced to: sums of these; a signal that is taken when a guard falls to zero has that guard instead.
+MEAN, MOST, LEAST, COUNTED = 1, 2, 4, 8
+_LEAST_SLIP = 1e-9  # of the velocity scale: where a slip ratio would be 0/0
+
+
+def signals_of(parts: Assembly, first_event: int) -> tuple[Signal, ...]:
+    """Velocities of the bodies, slips and friction powers of the contacts, what stops do."""
+    m = parts.m
+    velocities = [Signal(f"v.{name}", m.lift(v), MOST | LEAST) for name, v in _bodies(m)]
+    slips = [Signal(f"w.{name}", slip, MEAN | MOST | LEAST) for name, slip in zip(m.equations.contacts, m.slips, strict=True)]
+    powers = [Signal(f"P.{name}", _force(parts, i) * m.slips[i], MEAN) for i, name in enumerate(m.equations.contacts)]
+    return (*velocities, *slips, *powers, *_of_stops(parts, first_event))
+
+
+def _bodies(m: Any) -> list[tuple[str, Any]]:
+    return list(zip(m.equations.bodies, m.equations.velocities(m.t, m.v), strict=True))
+
+
+def _force(parts: Assembly, i: int) -> Sym:
+    """Friction force of a contact while it slips; at rest it does no work."""
+    m = parts.m
+    if m.laws[i].dynamic:
+        return m.lift(parts.forces[i])
+    forwards, backwards = sliding_both_ways(parts, i)
+    return m.graph.by_side(parts.modes[i], forwards, backwards, m.graph.constant(0.0))
+
+
+def _of_stops(parts: Assembly, first_event: int) -> list[Signal]:
+    """Of a stop with restitution the impulse of each hit; of an elastic one its force, and how often that begins."""
+    m = parts.m
+    found = []
+    for name, stop in m.equations.named_stops:
+        if stop.part.restitution is not None:
+            event, impulse = parts.hits[stop]
+            found.append(Signal(f"J.{name}", impulse, 0, first_event + event))
+        else:
+            x, v = m.equations.positions(m.t, m.places), m.equations.velocities(m.t, m.v)
+            found.append(Signal(f"F.{name}", m.lift(stop.pressed(x, v)), MOST | COUNTED))
+    return found
+
+
+def ratios_of(parts: Assembly, scale: Sym) -> tuple[Sym, ...]:
+    """Of each contact under a law with inner states the elastic part of its friction over that in steady sliding, on the side held."""
+    m = parts.m
+    return tuple(_ratio(parts, i, scale) for i, law in enumerate(m.laws) if law.dynamic)
+
+
+def _ratio(parts: Assembly, i: int, scale: Sym) -> Sym:
+    m, contact = parts.m, parts.contacts[i]
+    law, graph, side = m.laws[i], m.graph, m.graph.sign(m.slips[i])
+    if not contact.inner:
+        return graph.constant(1.0)
+    least = _LEAST_SLIP * scale
+    slip = graph.select(side * m.slips[i] - least, m.slips[i], side * least)
+    z = tuple(parts.inner[k - len(m.y)] for k in contact.inner)
+    rate = m.lift(law.rate(slip, z, m.loads[i], tuple(parts.modes[k] for k in contact.modes))[0])
+    return graph.constant(1.0) - rate / slip
+
+
+def with_signals(eq: System, parts: Assembly) -> System:
+    """The equations of a machine of several parts, with what is noted of them."""
+    return replace(eq, signals=signals_of(parts, eq.signs), ratios=ratios_of(parts, eq.velocity_scale))
+
+
+def signals_text(eq: System) -> str:
+    """The function that evaluates all of them, from time, states, and what the step held."""
+    w = Writer(prefix="s")
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
+    held = [*(f"b{k}" for k in range(eq.signs)), *(s.name for s in eq.modes), *(f"clk{k}" for k in range(len(eq.clocks)))]
+    bind |= {name: f"held[{k}]" for k, name in enumerate(held)}
+    ends = [*eq.ratios, *(signal.node for signal in eq.signals)]
+    for name in dict.fromkeys(node.name for node in needed_by(ends) if node.op == "flag" and node.name not in bind):
+        condition = (eq.graph.guards if name[0] == "b" else eq.graph.clocks)[int(name.lstrip("bclk"))]
+        bind[name] = w.line(name, f"-1.0 if {w.value(condition, bind)} < 0.0 else 1.0")  # the signals' own: no step ends at it
+    lines = [f"out[{k}] = 1.0 * {w.value(node, bind)}" for k, node in enumerate(ends)]
+    return (
+        straight("signals_at", "row, t, y, held, out", [*w.lines, *lines])
+        + """
+
+@njit("void(float64[::1], float64, float64[::1], float64[::1], float64[::1])", **OPTIONS)
+def signals(row, t, y, held, out):
+    signals_at(row, t, y, held, out)
+"""
+    )
