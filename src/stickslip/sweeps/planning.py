@@ -13,7 +13,7 @@ from stickslip.batch import Labels, spread
 from stickslip.errors import InputError, Problems
 from stickslip.machine import machine_of
 from stickslip.sweeps.axes import Space, space_of
-from stickslip.sweeps.columns import COLUMNS
+from stickslip.sweeps.columns import COLUMNS, part_columns
 from stickslip.sweeps.robots import groups_of, refusals
 
 __all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
@@ -101,6 +101,16 @@ class Plan:
         return {name: value if np.ndim(value) == 0 else value[points] for name, value in self.start.items()}
 
     @cached_property
+    def parts(self) -> dict[str, tuple[str, ...]]:
+        """Names of the bodies, contacts and stops of the first machine by dimension; none of one body on one contact."""
+        return {} if self.sample is None else machine_of(self.sample[0]).part_names
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of its results as they are kept, those of parts one by one."""
+        return tuple(each for name in COLUMNS for each in part_columns(name, self.parts))
+
+    @cached_property
     def sample(self) -> tuple[Any, dict[str, Any]] | None:
         """The first robot that can be made, and its start values; None if there is none."""
         for k in range(min(self.tiles, 4)):
@@ -126,6 +136,7 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     starts = _starts(start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
+    _check_parts(plan)
     _check_options(plan)
     return Plan(make, space, options, starts, along, int(tile) if tile else _tile(plan))
 
@@ -159,6 +170,14 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
         except ValueError as error:
             problems.add(f"start[{name!r}] does not fit the axes: {error}; allowed is a number or an array of shape {space.shape}")
     return found
+
+
+def _check_parts(plan: Plan) -> None:
+    """The dimensions of parts are no names for axes."""
+    problems = Problems("sweep")
+    for name in (n for n in dict.fromkeys([*plan.space.columns, *plan.space.dims]) if n in plan.parts):
+        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
+    problems.check()
 
 
 def _check_options(plan: Plan) -> None:

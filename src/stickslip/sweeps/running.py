@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
-from stickslip.sweeps.columns import all_failed
+from stickslip.sweeps.columns import all_failed, base_of
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
@@ -183,7 +183,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
     """All columns of a plan, in memory. An error that every case makes is raised."""
     from stickslip.sweeps.columns import empty, vacant
 
-    whole, notes, left = vacant(plan.cases), dict[str, int](), set(range(plan.tiles))
+    whole, notes, left = vacant(plan.cases, plan.columns), dict[str, int](), set(range(plan.tiles))
     for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
         _put(whole, plan.bounds(k), columns)
         for sentence, n in told.items():
@@ -192,7 +192,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
         watch.finished(k, columns["status"])
     for k in left:  # the sweep was told to stop
         first, last = plan.bounds(k)
-        _put(whole, (first, last), empty(last - first))
+        _put(whole, (first, last), empty(last - first, plan.columns))
     if all_failed(whole["status"]):
         raise InputError("sweep", list(notes))
     return whole, notes
@@ -201,7 +201,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
 def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Array]) -> None:
     first, last = bounds
     for name, values in columns.items():
-        if name == "pattern" and values.itemsize > whole[name].itemsize:
+        if base_of(name) == "pattern" and values.itemsize > whole[name].itemsize:
             whole[name] = whole[name].astype(values.dtype)
         whole[name][first:last] = values
 
