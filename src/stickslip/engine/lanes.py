@@ -15,7 +15,7 @@ from typing import Any
 
 from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
-from stickslip.engine.observed import signals_text
+from stickslip.engine.observed import looked_at, signals_text
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text, straight
 from stickslip.engine.symbols import Sym
@@ -31,8 +31,9 @@ from stickslip.recurrence import KEPT, LONGEST
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "plain_name", "prelude", "run"]
 
 SEGMENTS = 32
-#: Rows of numbers in which a step is looked at: at its ends, at the nodes of a quadrature, somewhere else, and the states there.
-ROOM = 14
+#: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there; then each
+#: state at all of them.
+ROOM = 10
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
 LANES, WIDTH = 16, 8
 #: Numbers of the layout that a law's own functions read.
@@ -56,7 +57,7 @@ class Kernel:
     owners: tuple[int | None, ...]  # of each coordinate, the contact whose slip its state is
     layout: StateLayout  # what its states are
     bodies: tuple[int, ...]  # of each body the coordinate with which it moves; none where no signals are noted
-    signals: tuple[str, ...]  # what is noted of the last motion period, by name
+    signals: dict[str, int]  # what is noted of the last motion period, by name, and its number
     arms: bool  # whether a body moves otherwise than its coordinate
     held: int  # flags, modes and clocks that a step holds
 
@@ -156,7 +157,7 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
         _states_of(eq),
         tuple(j for _, j in eq.bodies) if eq.signals else (),
-        tuple(signal.name for signal in eq.signals),
+        {name: i for i, signal in enumerate(eq.signals) for name in signal.names},
         _has_arms(eq),
         eq.signs + len(eq.modes) + len(eq.clocks),
     )
@@ -249,7 +250,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
         "SHARE_AT": first + 4 + sum(s is not None for s in eq.scales),
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
-        "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(_has_arms(eq)),
+        "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(_has_arms(eq)), "LOOKED": len(looked_at(eq)),
         "PLACES": 1 + (eq.coordinates if eq.signals else 0),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
@@ -270,22 +271,22 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
 
 
-def _noted(eq: System, step: Step) -> tuple[int, ...]:
-    """Of each contact the place of its side, or mode, among what a step holds; of each signal its kind; of each body its coordinate."""
+def _noted(eq: System, step: Step) -> tuple[tuple[int, ...], ...]:
+    """The lists of a table (`driver.table`) on what is noted of several bodies and contacts."""
     if not eq.signals:
         return ()
-    places = [(c.guard or 0) if c.branches is None else eq.signs + c.modes[0] for c in eq.contacts]
+    sides = [(c.guard or 0) if c.branches is None else eq.signs + c.modes[0] for c in eq.contacts]
     order = list(range(len(eq.guards))) if not step.series else taylor.watched(eq)
     kinds = [s.kind if s.guard is None else 64 + order.index(s.guard) for s in eq.signals]
-    return (*places, *kinds, *(j for _, j in eq.bodies))
+    states = [next((i for i, y in enumerate(eq.y) if y is s.node), -1) for s in eq.signals]
+    own = [next(k for k, s in enumerate(eq.signals) if f"v.{name}" in s.names) for name, _ in eq.bodies]
+    return tuple(sides), tuple(kinds), tuple(states), tuple(j for _, j in eq.bodies), tuple(own), looked_at(eq)
 
 
 def _has_arms(eq: System) -> bool:
     """Whether a body moves otherwise than its coordinate, because its distance to another one is prescribed."""
-    v = [y + offset for y, offset in zip(eq.y, eq.offsets, strict=False)]
-    return bool(eq.signals) and any(
-        signal.node is not v[j] for signal, (_, j) in zip(eq.signals, eq.bodies, strict=False)
-    )
+    signals = {name: signal.node for signal in eq.signals for name in signal.names}
+    return bool(signals) and any(signals[f"v.{name}"] is not eq.y[j] + eq.offsets[j] for name, j in eq.bodies)
 
 
 def _rows_of(letter: str, fields: Iterable[str]) -> int:
@@ -367,7 +368,7 @@ def _flags_in(roots: Iterable[Sym]) -> list[int]:
 
 def _force(eq: System, degree: int) -> str:
     """The force that all but friction offer, by time; the nodes on which its work is summed."""
-    tables = [f"{name} = np.array({values!r})" for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(degree), strict=True)]
+    tables = [f"{name} = np.array({values!r})" for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else 10), strict=True)]
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
     bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
     w = Writer(prefix="p")
@@ -394,7 +395,7 @@ def run(
 
     cases, n = params.shape[0], k.states
     start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
-    bodies, signals = len(k.bodies), len(k.signals)
+    bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
     S = np.ones(k.fields * k.lanes)
@@ -402,7 +403,7 @@ def run(
     lane_numbers[:, 0] = -1
     lane_floats, ring, xs = np.zeros((k.lanes, 17)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))
     lane_parts = np.zeros((k.lanes, signals + bodies, 3))
-    held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM, max(n, parts + signals)))
+    held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
     cursor = np.array([0, cases, 0], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
@@ -423,7 +424,7 @@ def run(
         progress(cases)
     last = 6 + n + k.modes
     wide_max, wide_min = found[:, signals:, 1:].transpose(2, 0, 1)
-    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: found[:, i] for i, name in enumerate(k.signals)}) if signals else None
+    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: found[:, i] for name, i in k.signals.items()}) if signals else None
     return Results(
         out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
         seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last], *out[:, last : last + 3].T,

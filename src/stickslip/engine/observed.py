@@ -17,7 +17,7 @@ from stickslip.engine.system import Signal, System
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
 
-__all__ = ["COUNTED", "LEAST", "MEAN", "MOST", "signals_text", "with_signals"]
+__all__ = ["COUNTED", "LEAST", "MEAN", "MOST", "looked_at", "signals_text", "with_signals"]
 
 #: What a signal is reduced to: sums of these; a signal that is taken when a guard falls to zero has that guard instead.
 MEAN, MOST, LEAST, COUNTED = 1, 2, 4, 8
@@ -27,14 +27,21 @@ _LEAST_SLIP = 1e-9  # of the velocity scale: where a slip ratio would be 0/0
 def signals_of(parts: Assembly, first_event: int) -> tuple[Signal, ...]:
     """Velocities of the bodies, slips and friction powers of the contacts, what stops do."""
     m = parts.m
-    velocities = [Signal(f"v.{name}", m.lift(v), MOST | LEAST) for name, v in _bodies(m)]
-    slips = [Signal(f"w.{name}", slip, MEAN | MOST | LEAST) for name, slip in zip(m.equations.contacts, m.slips, strict=True)]
-    powers = [Signal(f"P.{name}", _force(parts, i) * m.slips[i], MEAN) for i, name in enumerate(m.equations.contacts)]
-    return (*velocities, *slips, *powers, *_of_stops(parts, first_event))
+    bodies = zip(m.equations.bodies, m.equations.velocities(m.t, m.v), strict=True)
+    velocities = [Signal((f"v.{name}",), m.lift(v), MOST | LEAST) for name, v in bodies]
+    slips = [Signal((f"w.{name}",), slip, MEAN | MOST | LEAST) for name, slip in zip(m.equations.contacts, m.slips, strict=True)]
+    powers = [Signal((f"P.{name}",), _force(parts, i) * m.slips[i], MEAN) for i, name in enumerate(m.equations.contacts)]
+    return _merged([*velocities, *slips, *powers, *_of_stops(parts, first_event)])
 
 
-def _bodies(m: Any) -> list[tuple[str, Any]]:
-    return list(zip(m.equations.bodies, m.equations.velocities(m.t, m.v), strict=True))
+def _merged(signals: list[Signal]) -> tuple[Signal, ...]:
+    """Each expression once, with all that is made of it: a body's velocity is often a slip."""
+    found: dict[Any, Signal] = {}
+    for each in signals:
+        key = each.node.number, each.guard
+        known = found.get(key)
+        found[key] = each if known is None else Signal(known.names + each.names, each.node, known.kind | each.kind, each.guard)
+    return tuple(found.values())
 
 
 def _force(parts: Assembly, i: int) -> Sym:
@@ -53,10 +60,10 @@ def _of_stops(parts: Assembly, first_event: int) -> list[Signal]:
     for name, stop in m.equations.named_stops:
         if stop.part.restitution is not None:
             event, impulse = parts.hits[stop]
-            found.append(Signal(f"J.{name}", impulse, 0, first_event + event))
+            found.append(Signal((f"J.{name}",), impulse, 0, first_event + event))
         else:
             x, v = m.equations.positions(m.t, m.places), m.equations.velocities(m.t, m.v)
-            found.append(Signal(f"F.{name}", m.lift(stop.pressed(x, v)), MOST | COUNTED))
+            found.append(Signal((f"F.{name}",), m.lift(stop.pressed(x, v)), MOST | COUNTED))
     return found
 
 
@@ -81,6 +88,13 @@ def _ratio(parts: Assembly, i: int, scale: Sym) -> Sym:
 def with_signals(eq: System, parts: Assembly) -> System:
     """The equations of a machine of several parts, with what is noted of them."""
     return replace(eq, signals=signals_of(parts, eq.signs), ratios=ratios_of(parts, eq.velocity_scale))
+
+
+def looked_at(eq: System) -> tuple[int, ...]:
+    """Numbers of the states that signals and slip ratios are made of."""
+    ends = [*eq.ratios, *(signal.node for signal in eq.signals)]
+    names = {node.name for node in needed_by(ends) if node.op == "variable"}
+    return tuple(i for i, y in enumerate(eq.y) if y.name in names)
 
 
 def signals_text(eq: System) -> str:

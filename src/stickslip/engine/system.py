@@ -13,7 +13,7 @@ __all__ = ["Branches", "Contact", "Signal", "Switch", "System"]
 class Signal:
     """What is noted of the motion in its last period, beside its states."""
 
-    name: str
+    names: tuple[str, ...]  # of all that it is
     node: Sym
     kind: int  # what it is reduced to: a sum of the numbers in `observed`
     guard: int | None = None  # it is taken where this guard falls to zero, and nowhere else

@@ -33,9 +33,10 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
     check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
-    method, job, table = _method(tableau), _job(todo, rtol), CaseTable(todo.model, kernel, todo.start, todo.span)
+    method, job = _method(tableau), _job(todo, rtol)
     if todo.keep == "summary":
-        return gather(todo, method, _parts(todo, kernel, table, job))
+        return gather(todo, method, _parts(todo, kernel, job))
+    table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
     if status > 1 and status != trace.LOST:
@@ -68,7 +69,7 @@ def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Sum
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
-    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, kernel, table, slice(None)))])
+    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, kernel, table))])
     _, v, z = table.ends(results)
     return summary, results.end[:, 0], v[:, 0], z, results.memory
 
@@ -83,9 +84,9 @@ def _job(todo: Request, rtol: float) -> lanes.Job:
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
-def _parts(todo: Request, kernel: lanes.Kernel, table: CaseTable, job: lanes.Job) -> Any:
+def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
     """Raw results chunk by chunk, in order; threads share the chunks."""
-    bounds = _bounds(todo.cases, todo.workers)
+    bounds, span = _bounds(todo.cases, todo.workers), np.broadcast_to(todo.span, (todo.cases,))
     begun = [0] * len(bounds)
 
     def work(i: int) -> Raw:
@@ -96,8 +97,9 @@ def _parts(todo: Request, kernel: lanes.Kernel, table: CaseTable, job: lanes.Job
             if todo.progress is not None:
                 todo.progress(sum(begun), todo.cases)
 
-        found = lanes.run(kernel, table.rows[first:last], table.start[first:last], job, progress=tell)
-        return _raw(found, kernel, table, slice(first, last))
+        cases = slice(first, last)
+        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], cases)
+        return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table)
 
     if todo.workers == 1 or len(bounds) == 1:
         yield from zip(bounds, map(work, range(len(bounds))), strict=True)
@@ -112,9 +114,9 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, cases: slice) -> Raw:
-    offset, carried = table.offsets[cases, 0], table.carried[cases] * table.span[cases]
-    of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets[cases], carried * r.window)
+def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> Raw:
+    offset, carried = table.offsets[:, 0], table.carried * table.span
+    of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
     return Raw(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count[:, 0], seg_time=r.seg_time, seg_code=r.seg_code,

@@ -28,11 +28,13 @@ class CaseTable:
         Positions, velocities, inner states and memories, each in the order of coordinates and contacts.
     span : array
         Length of a period [s], one for all or one for each case.
+    which : slice, optional
+        The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
     """
 
-    def __init__(self, model: Any, kernel: lanes.Kernel, start: Array, span: Any):
+    def __init__(self, model: Any, kernel: lanes.Kernel, start: Array, span: Any, which: slice = slice(None)):
         cases, names = len(start), [n for n in kernel.names if n != trace.SPAN]
-        rows = rows_of(model, tuple(names))
+        rows = rows_of(model, tuple(names), which)
         self.rows = np.array(np.broadcast_to(rows, (cases, rows.shape[1])), order="C")
         self.span = np.broadcast_to(span, (cases,))
         if len(names) < len(kernel.names):
@@ -40,7 +42,7 @@ class CaseTable:
         self.count = count = len(kernel.owners)
         offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
         own = [0.0 if i is None else -offsets[i] for i in kernel.owners]
-        self.offsets = np.stack([_spread(offset, cases) for offset in own], axis=1)
+        self.offsets = np.stack([_spread(offset, cases, which) for offset in own], axis=1)
         self.cyclic = bool(kernel.layout.ways)
         steps = self.cyclic and not machine_of(model).has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
@@ -56,6 +58,7 @@ class CaseTable:
         return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]
 
 
-def _spread(value: Any, cases: int) -> Array:
-    """A number, or one for each case, for every case."""
-    return np.broadcast_to(np.asarray(value, float), (cases,))
+def _spread(value: Any, cases: int, which: slice) -> Array:
+    """A number, or one for each case of the model, for each of some cases."""
+    array = np.asarray(value, float)
+    return np.broadcast_to(array[which] if array.shape not in ((), (1,)) else array, (cases,))

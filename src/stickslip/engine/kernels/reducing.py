@@ -4,10 +4,9 @@
 #
 # Signals are functions of a law's kernel (`engine/observed.py`): slip ratios first, then what is reduced into FOUND[lane] (watching.py).
 # HELD[lane] has the flags, modes and clocks with which the present step began. ROOM is where a step is looked at: a row for each of its
-# instants. A table's last entries are, after the scales: of each contact the place of its side in HELD, of each signal its kind, of
-# each body its coordinate.
+# instants, then some other place, the states there, and a row for each state with its values at all the instants.
 
-ELSEWHERE, STATES_THERE = 12, 13  # rows of ROOM
+ELSEWHERE, STATES_THERE, EACH_STATE = 8, 9, 10  # rows of ROOM
 
 
 @njit(void(int64, f1, f2, i1), **OPTIONS)
@@ -22,18 +21,56 @@ def hold(lane, S, HELD, D):
         HELD[lane, n + D[MODES] + k] = S[D[F_CLK] + k * L + lane]
 
 
+@njit(float64(int64, int64, float64, f1, i1), **OPTIONS)
+def state_at(lane, i, theta, S, D):
+    """A state at a part of the last step."""
+    L, degree = D[LANES], D[DEGREE]
+    at = D[F_K] + i * (degree + 1) * L + lane
+    value = S[at + degree * L]
+    for m in range(degree - 1, -1, -1):
+        value = fma(value, theta, S[at + m * L])
+    return value
+
+
+@njit(void(int64, f1, int64, f1, f1, f2, f2, i1), **OPTIONS)
+def look_at_all(lane, at, count, S, row, HELD, ROOM, D):
+    """All signals at several parts of the last step, each into its row of ROOM."""
+    L, degree = D[LANES], D[DEGREE]
+    for k in range(D[LOOKED]):
+        i = D[D[LOOKED_AT] + k]
+        first, values = D[F_K] + i * (degree + 1) * L + lane, ROOM[EACH_STATE + i]
+        for j in range(8):
+            values[j] = S[first + degree * L]
+        for m in range(degree - 1, -1, -1):
+            c = S[first + m * L]
+            for j in range(8):
+                values[j] = fma(values[j], at[j], c)
+    for j in range(count):
+        for k in range(D[LOOKED]):
+            i = D[D[LOOKED_AT] + k]
+            ROOM[STATES_THERE, i] = ROOM[EACH_STATE + i, j]
+        t = fma(at[j], S[D[F_HH] + lane], S[D[F_T0] + lane])
+        call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[j])
+
+
 @njit(void(int64, float64, int64, f1, f1, f2, f2, i1), **OPTIONS)
 def look_at(lane, theta, to, S, row, HELD, ROOM, D):
     """All signals at a part of the last step, into a row of ROOM."""
-    L, degree = D[LANES], D[DEGREE]
-    for i in range(D[STATES]):
-        at = D[F_K] + i * (degree + 1) * L + lane
-        value = S[at + degree * L]
-        for m in range(degree - 1, -1, -1):
-            value = fma(value, theta, S[at + m * L])
-        ROOM[STATES_THERE, i] = value
+    for k in range(D[LOOKED]):
+        i = D[D[LOOKED_AT] + k]
+        ROOM[STATES_THERE, i] = state_at(lane, i, theta, S, D)
     t = fma(theta, S[D[F_HH] + lane], S[D[F_T0] + lane])
     call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[to])
+
+
+@njit(float64(int64, int64, float64, f1, f1, f2, f2, i1), **OPTIONS)
+def signal_at(lane, k, theta, S, row, HELD, ROOM, D):
+    """One signal at a part of the last step; by its polynomial if it is a state."""
+    i = D[D[STATE_OF] + k - D[RATIOS]] if k >= D[RATIOS] else -1
+    if i >= 0:
+        return state_at(lane, i, theta, S, D)
+    look_at(lane, theta, ELSEWHERE, S, row, HELD, ROOM, D)
+    return ROOM[ELSEWHERE, k]
 
 
 @njit(float64(int64, int64, float64, float64, float64, float64, float64, float64, float64, f1, f1, f2, f2, i1), **OPTIONS)
@@ -45,8 +82,7 @@ def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D):
         x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p != q else 0.5 * (b + c)
         if abs(x - b) <= width or not (x > a and x < c):
             break
-        look_at(lane, x, ELSEWHERE, S, row, HELD, ROOM, D)
-        v = sign * ROOM[ELSEWHERE, k]
+        v = sign * signal_at(lane, k, x, S, row, HELD, ROOM, D)
         if v >= vb:
             a, va, c, vc = (b, vb, c, vc) if x > b else (a, va, b, vb)
             b, vb = x, v
@@ -65,8 +101,7 @@ def crossing(lane, k, level, a, b, va, vb, S, row, HELD, ROOM, D):
         x = b - fb * (b - a) / (fb - fa)
         if not (x > a and x < b):
             x = 0.5 * (a + b)
-        look_at(lane, x, ELSEWHERE, S, row, HELD, ROOM, D)
-        f = ROOM[ELSEWHERE, k] - level
+        f = signal_at(lane, k, x, S, row, HELD, ROOM, D) - level
         if f == 0.0 or b - a <= 1e-12:
             break
         if (f > 0.0) == (fb > 0.0):
@@ -79,9 +114,8 @@ def crossing(lane, k, level, a, b, va, vb, S, row, HELD, ROOM, D):
 @njit(void(int64, float64, float64, f1, int64, f1, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
 def add_stretches(lane, slip_ratio, h, at, count, S, row, N, HELD, ROOM, SEGT, SEGC, D):
     """Lengthen the stretches of every contact by the last step, cut where a slip ratio passes its threshold."""
-    first = SCALE_AT + D[STATES]
     for i in range(D[CONTACTS]):
-        side = np.int64(HELD[lane, D[first + i]])
+        side = np.int64(HELD[lane, D[D[SIDES] + i]])
         if D[RATIOS] == 0:
             add_segment(lane, i, 2 * side, at[count - 1] * h, N, SEGT, SEGC)
             continue
@@ -100,11 +134,23 @@ def largest(lane, k, sign, known, at, count, S, row, HELD, ROOM, D):
     for j in range(count):
         known = max(known, sign * ROOM[j, k])
     for j in range(1, count - 1):
-        before, here, after = sign * ROOM[j - 1, k], sign * ROOM[j, k], sign * ROOM[j + 1, k]
-        # the parabola through three points is at most an eighth of their differences above the one in the middle; nodes are not equidistant
-        if here >= before and here >= after and 2.0 * here - min(before, after) > known:
-            top = highest(lane, k, sign, at[j - 1], at[j], at[j + 1], before, here, after, S, row, HELD, ROOM, D)
-            known = max(known, top)
+        a, b, c = at[j - 1], at[j], at[j + 1]
+        va, vb, vc = sign * ROOM[j - 1, k], sign * ROOM[j, k], sign * ROOM[j + 1, k]
+        if max(va, vb, vc) + 3.0 * (max(va, vb, vc) - min(va, vb, vc)) <= known:  # no parabola through them reaches it
+            continue
+        if not (vb >= va and vb >= vc):  # next to an end of the step it may rise and fall between two nodes
+            p, q = (b - a) * (vb - vc), (b - c) * (vb - va)
+            x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p > q else b
+            if j == 1 and va > vb and x > a and x < b:
+                b, c, vc = x, b, vb
+            elif j == count - 2 and vc > vb and x > b and x < c:
+                a, b, va = b, x, vb
+            else:
+                continue
+            vb = sign * signal_at(lane, k, b, S, row, HELD, ROOM, D)
+            if not (vb >= va and vb >= vc):
+                continue
+        known = max(known, highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D))
     return known
 
 
@@ -119,16 +165,14 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
     few = D[DEGREE] < 8
     inside = FEW_NODES.shape[0] if few else MANY_NODES.shape[0]
     count = inside + 2
-    at = np.empty(count)
-    at[0], at[count - 1] = 0.0, part
+    at = np.zeros(8)
+    at[count - 1] = part
     for j in range(inside):
         at[j + 1] = part * (FEW_NODES[j] if few else MANY_NODES[j])
-    for j in range(count):
-        look_at(lane, at[j], j, S, row, HELD, ROOM, D)
+    look_at_all(lane, at, count, S, row, HELD, ROOM, D)
     add_stretches(lane, slip_ratio, h, at, count, S, row, N, HELD, ROOM, SEGT, SEGC, D)
-    kinds = SCALE_AT + D[STATES] + D[CONTACTS]
     for s in range(D[SIGNALS]):
-        k, kind = D[RATIOS] + s, D[kinds + s]
+        k, kind = D[RATIOS] + s, D[D[KINDS] + s]
         if kind >= AT_GUARD:
             if S[D[F_FIRED] + lane] == kind - AT_GUARD:
                 FOUND[lane, s, TOTAL] += 1.0
@@ -155,12 +199,15 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
 @njit(void(int64, f1, f1, f2, f3, f2, i1), **OPTIONS)
 def widen(lane, S, row, HELD, FOUND, ROOM, D):
     """Extremes of the bodies' velocities at the end of a step in the window."""
-    first, bodies = D[SIGNALS], SCALE_AT + D[STATES] + D[CONTACTS] + D[SIGNALS]
+    first = D[SIGNALS]
     if D[ARMS] == 1:
         part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
         look_at(lane, part, ELSEWHERE, S, row, HELD, ROOM, D)
     for b in range(D[BODIES]):
-        v = ROOM[ELSEWHERE, D[RATIOS] + b] if D[ARMS] == 1 else S[D[F_Y] + D[bodies + b] * D[LANES] + lane]
+        if D[ARMS] == 1:
+            v = ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
+        else:
+            v = S[D[F_Y] + D[D[BODY_MOVES] + b] * D[LANES] + lane]
         FOUND[lane, first + b, LARGEST] = max(FOUND[lane, first + b, LARGEST], v)
         FOUND[lane, first + b, SMALLEST] = min(FOUND[lane, first + b, SMALLEST], v)
 

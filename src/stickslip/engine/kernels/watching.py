@@ -13,7 +13,7 @@ MEAN, MOST, LEAST, COUNTED, AT_GUARD = 1, 2, 4, 8, 64
 def begin_signals(lane, FOUND, D):
     """Nothing is known of the signals yet."""
     for s in range(D[SIGNALS]):
-        kind = D[SCALE_AT + D[STATES] + D[CONTACTS] + s]
+        kind = D[D[KINDS] + s]
         FOUND[lane, s, TOTAL] = 0.0
         FOUND[lane, s, LARGEST] = 0.0 if kind >= AT_GUARD else -math.inf
         FOUND[lane, s, SMALLEST] = math.nan if kind & COUNTED else math.inf
