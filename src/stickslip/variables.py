@@ -55,14 +55,22 @@ VARIABLES: dict[str, Variable] = {
         Variable("stick_fraction", "s", "1", _EACH_CONTACT, "fraction of the period at rest"),
         Variable("forward_fraction", "s+", "1", _EACH_CONTACT, "fraction of the period sliding forwards"),
         Variable("backward_fraction", "s-", "1", _EACH_CONTACT, "fraction of the period sliding backwards"),
-        Variable("velocity_max", "max v", "m/s", _EACH_BODY, "largest velocity over the last motion period; over the window where not steady"),
-        Variable("velocity_min", "min v", "m/s", _EACH_BODY, "smallest velocity over the last motion period; over the window where not steady"),
+        Variable(
+            "velocity_max", "max v", "m/s", _EACH_BODY, "largest velocity over the last motion period; over the window where not steady"
+        ),
+        Variable(
+            "velocity_min", "min v", "m/s", _EACH_BODY, "smallest velocity over the last motion period; over the window where not steady"
+        ),
         Variable("body_velocity", "V_b", "m/s", _EACH_BODY, "mean velocity of a body over the window after settling"),
         Variable("body_displacement", "Δx_b", "m", _EACH_BODY, "displacement of a body over the window after settling"),
         Variable("slip_max", "max w", "m/s", _EACH_CONTACT, "largest slip velocity over the last motion period"),
         Variable("slip_min", "min w", "m/s", _EACH_CONTACT, "smallest slip velocity over the last motion period"),
-        Variable("hits", "n_s", "1", _EACH_STOP, "how often a stop is hit, or begins to be pressed, in the last motion period; -1: not solved"),
-        Variable("impulse_max", "max J", "N s", _EACH_STOP, "greatest impulse of a hit on a stop with restitution in the last motion period"),
+        Variable(
+            "hits", "n_s", "1", _EACH_STOP, "how often a stop is hit, or begins to be pressed, in the last motion period; -1: not solved"
+        ),
+        Variable(
+            "impulse_max", "max J", "N s", _EACH_STOP, "greatest impulse of a hit on a stop with restitution in the last motion period"
+        ),
         Variable("stop_force_max", "max C", "N", _EACH_STOP, "greatest force of an elastic stop in the last motion period"),
         Variable("displacement", "Δx", "m", _CASE, "displacement over the window after settling"),
         Variable("friction_power", "P_R", "W", _EACH_CONTACT, "mean power that friction takes over the last motion period"),

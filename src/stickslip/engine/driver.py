@@ -41,8 +41,8 @@ _COLUMNS = (
     "SHARE_AT", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
 )  # fmt: skip
 
-#: Lists at the end of a table, of what is noted of several bodies and contacts: of each contact the place of its side, or mode, among what a
-#: step holds; of each signal its kind, and the state that it is (-1: none); of each body its coordinate, and the signal that is its
+#: Lists at the end of a table, of what is noted of several bodies and contacts: of each contact the place of its side, or mode, among
+#: what a step holds; of each signal its kind, and the state that it is (-1: none); of each body its coordinate, and the signal that is its
 #: velocity; the states that signals are made of. The table says where each begins.
 _LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT")
 
@@ -130,7 +130,9 @@ def load() -> Any:
     rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
     tables = [f"{name} = np.array({part!r})" for name, part in rules]
     constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), *tables, recurrence_text()]
-    return cache.load(_source("the driver of all kernels", constants, ("flags", "watching", "reducing", "lanes")), "driver", "what all kernels share")
+    return cache.load(
+        _source("the driver of all kernels", constants, ("flags", "watching", "reducing", "lanes")), "driver", "what all kernels share"
+    )
 
 
 @lru_cache

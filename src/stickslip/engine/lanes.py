@@ -15,20 +15,18 @@ from typing import Any
 
 from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
-from stickslip.engine.observed import looked_at, signals_text
+from stickslip.engine.lawtext import force, looks, prelude
+from stickslip.engine.observed import has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.rosenbrock import Step, write_step
-from stickslip.engine.steptext import Layout, step_text, straight
-from stickslip.engine.symbols import Sym
+from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
-from stickslip.engine.values import needed_by
-from stickslip.engine.write import Writer
 from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "plain_name", "prelude", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "plain_name", "run"]
 
 SEGMENTS = 32
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there; then each
@@ -145,7 +143,7 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
     )
     return Kernel(
         module,
-        driver.table(module, *_layout(eq, step, lanes), _noted(eq, step)),
+        driver.table(module, *_layout(eq, step, lanes), lists_of(eq, taylor.watched(eq) if step.series else range(len(eq.guards)))),
         lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -158,7 +156,7 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         _states_of(eq),
         tuple(j for _, j in eq.bodies) if eq.signals else (),
         {name: i for i, signal in enumerate(eq.signals) for name in signal.names},
-        _has_arms(eq),
+        has_arms(eq),
         eq.signs + len(eq.modes) + len(eq.clocks),
     )
 
@@ -250,7 +248,8 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
         "SHARE_AT": first + 4 + sum(s is not None for s in eq.scales),
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
-        "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(_has_arms(eq)), "LOOKED": len(looked_at(eq)),
+        "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(has_arms(eq)),
+        "LOOKED": len(looked_at(eq)),
         "PLACES": 1 + (eq.coordinates if eq.signals else 0),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
@@ -265,28 +264,11 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_G": "g0_0",
         "F_CLEAR": "clear0",
         "F_HELD": "held0",
+        "F_FIRED": "fired",
     }
-    alone = ("fired", "t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
+    alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
-
-
-def _noted(eq: System, step: Step) -> tuple[tuple[int, ...], ...]:
-    """The lists of a table (`driver.table`) on what is noted of several bodies and contacts."""
-    if not eq.signals:
-        return ()
-    sides = [(c.guard or 0) if c.branches is None else eq.signs + c.modes[0] for c in eq.contacts]
-    order = list(range(len(eq.guards))) if not step.series else taylor.watched(eq)
-    kinds = [s.kind if s.guard is None else 64 + order.index(s.guard) for s in eq.signals]
-    states = [next((i for i, y in enumerate(eq.y) if y is s.node), -1) for s in eq.signals]
-    own = [next(k for k, s in enumerate(eq.signals) if f"v.{name}" in s.names) for name, _ in eq.bodies]
-    return tuple(sides), tuple(kinds), tuple(states), tuple(j for _, j in eq.bodies), tuple(own), looked_at(eq)
-
-
-def _has_arms(eq: System) -> bool:
-    """Whether a body moves otherwise than its coordinate, because its distance to another one is prescribed."""
-    signals = {name: signal.node for signal in eq.signals for name in signal.names}
-    return bool(signals) and any(signals[f"v.{name}"] is not eq.y[j] + eq.offsets[j] for name, j in eq.bodies)
 
 
 def _rows_of(letter: str, fields: Iterable[str]) -> int:
@@ -303,78 +285,14 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         emit_text(),
         "".join(f"{name} = {named[name]}\n" for name in _NAMED),
         prelude(eq, _constants(eq, step)),
-        _look(eq),
-        _force(eq, step.degree),
+        looks(eq),
+        force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
         *((signals_text(eq),) if eq.signals else ()),
     ]
     return "\n\n".join(parts)
-
-
-def prelude(eq: System, nodes: list[Any]) -> str:
-    """Once per case: everything that depends on its numbers alone."""
-    w = Writer(prefix="p")
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
-    ends = [w.value(node, bind) for node in nodes]
-    lines = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
-    return (
-        straight("numbers_of", "row, c", lines)
-        + f"""
-
-@njit("{driver.FUNCTIONS["prelude"]}", **OPTIONS)
-def prelude(row, c):
-    numbers_of(row, c)
-"""
-    )
-
-
-def _look(eq: System) -> str:
-    """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
-    bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
-    sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
-    writers = [Writer(prefix=letter) for letter in "pqrs"]
-    for k, clock in enumerate(eq.clocks):
-        writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
-    for k in _flags_in(eq.first_modes):
-        writers[1].line(f"b{k}", f"-1.0 if {writers[1].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
-    news = [f"mode[{i}] = {writers[1].value(new, bind | sides)}" for i, new in enumerate(eq.first_modes)]
-    for k, guard in enumerate(eq.guards):
-        writers[2].line(f"out[{k}]", f"1.0 * {writers[2].value(guard, bind | sides)}")
-        if k < eq.signs:
-            writers[2].line(f"b{k}", f"-1.0 if out[{k}] < 0.0 else 1.0")
-    passed = []
-    if eq.dynamic and 0 in eq.switches:
-        w, switch = writers[3], eq.switches[0]
-        w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
-        passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
-        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.states) if new is not None]
-    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed), strict=True)
-    takes, parts = "row, t, y, clock, mode, out", []
-    calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
-    for what, (name, before, after) in enumerate(bodies):
-        if before or after:
-            parts.append(straight(name.lower(), takes, [*before, *after]))
-            calls += [f"    if what == {what}:", f"        {name.lower()}({takes})"]
-    return "\n".join([*parts, *calls, "    return"])
-
-
-def _flags_in(roots: Iterable[Sym]) -> list[int]:
-    """The guards whose flags some expressions need, those that others need first."""
-    return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
-
-
-def _force(eq: System, degree: int) -> str:
-    """The force that all but friction offer, by time; the nodes on which its work is summed."""
-    tables = [f"{name} = np.array({values!r})" for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else 10), strict=True)]
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
-    bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
-    w = Writer(prefix="p")
-    value = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
-    head = ['@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)', "def force(lane, S, row, t):"]
-    return "\n".join([*tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"])])
 
 
 def run(
@@ -412,8 +330,8 @@ def run(
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     advance = driver.load().advance
     while advance(
-        S, lane_numbers, lane_floats, ring, xs, held, lane_parts, room, cursor, params, start, out, count, found, seg_time, seg_code, pieces,
-        job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
+        S, lane_numbers, lane_floats, ring, xs, held, lane_parts, room, cursor, params, start, out, count, found, seg_time, seg_code,
+        pieces, job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
     ):  # fmt: skip
         kept.append(pieces[: cursor[2]].copy())
         cursor[2] = 0

@@ -6,6 +6,7 @@ the expressions are evaluated on the dense output of each step in that period (`
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,10 +18,10 @@ from stickslip.engine.system import Signal, System
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
 
-__all__ = ["COUNTED", "LEAST", "MEAN", "MOST", "looked_at", "signals_text", "with_signals"]
+__all__ = ["has_arms", "lists_of", "looked_at", "signals_text", "with_signals"]
 
-#: What a signal is reduced to: sums of these; a signal that is taken when a guard falls to zero has that guard instead.
-MEAN, MOST, LEAST, COUNTED = 1, 2, 4, 8
+#: What a signal is reduced to: sums of these; one that is taken where a guard falls to zero has the last and the place of that guard.
+MEAN, MOST, LEAST, COUNTED, AT_GUARD = 1, 2, 4, 8, 64
 _LEAST_SLIP = 1e-9  # of the velocity scale: where a slip ratio would be 0/0
 
 
@@ -95,6 +96,23 @@ def looked_at(eq: System) -> tuple[int, ...]:
     ends = [*eq.ratios, *(signal.node for signal in eq.signals)]
     names = {node.name for node in needed_by(ends) if node.op == "variable"}
     return tuple(i for i, y in enumerate(eq.y) if y.name in names)
+
+
+def lists_of(eq: System, watched: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """The lists of a table (`driver.table`) on what is noted of several parts; `watched` are the guards of a step, in order."""
+    if not eq.signals:
+        return ()
+    sides = [(c.guard or 0) if c.branches is None else eq.signs + c.modes[0] for c in eq.contacts]
+    kinds = [s.kind if s.guard is None else AT_GUARD + watched.index(s.guard) for s in eq.signals]
+    states = [next((i for i, y in enumerate(eq.y) if y is s.node), -1) for s in eq.signals]
+    own = [next(k for k, s in enumerate(eq.signals) if f"v.{name}" in s.names) for name, _ in eq.bodies]
+    return tuple(sides), tuple(kinds), tuple(states), tuple(j for _, j in eq.bodies), tuple(own), looked_at(eq)
+
+
+def has_arms(eq: System) -> bool:
+    """Whether a body moves otherwise than its coordinate, because its distance to another one is prescribed."""
+    signals = {name: signal.node for signal in eq.signals for name in signal.names}
+    return bool(signals) and any(signals[f"v.{name}"] is not eq.y[j] + eq.offsets[j] for name, j in eq.bodies)
 
 
 def signals_text(eq: System) -> str:

@@ -38,8 +38,18 @@ class RawParts:
     stop_force_max: Array  # (cases, stops) [N]; NaN of one with restitution
 
 
-def typed(seg: tuple[Array, Array, Array], T: Array, period: Array, margin_force: Any, net: Array, extremes: tuple[Array, Array], spans: Array,
-          dwell: float, rtol: float, good: Array) -> dict[str, Array]:  # fmt: skip
+def typed(
+    seg: tuple[Array, Array, Array],
+    T: Array,
+    period: Array,
+    margin_force: Any,
+    net: Array,
+    extremes: tuple[Array, Array],
+    spans: Array,
+    dwell: float,
+    rtol: float,
+    good: Array,
+) -> dict[str, Array]:
     """Motion types of contacts, one for each case, with all that goes with them.
 
     `spans` is over how many drive periods `net` [m] is, `rtol` the part of the largest velocity below which net motion has no direction.
@@ -92,5 +102,9 @@ def nothing(bodies: int, contacts: int, stops: int) -> RawParts:
     sizes = {name: bodies for name in ("displacement", "v_max", "v_min", "wide_max", "wide_min")}
     sizes |= dict.fromkeys(("slip_max", "slip_min", "slipped", "friction_work"), contacts)
     sizes |= dict.fromkeys(("hits", "impulse_max", "stop_force_max"), stops)
-    segments = {"seg_count": np.zeros((1, contacts), int), "seg_time": np.zeros((1, contacts, 1)), "seg_code": np.zeros((1, contacts, 1), np.int8)}
+    segments = {
+        "seg_count": np.zeros((1, contacts), int),
+        "seg_time": np.zeros((1, contacts, 1)),
+        "seg_code": np.zeros((1, contacts, 1), np.int8),
+    }
     return RawParts(**{name: np.full((1, size), np.nan) for name, size in sizes.items()}, **segments, margin_force=np.inf)

@@ -34,6 +34,7 @@ __all__ = [
     "flags",
     "flattened",
     "from_characters",
+    "is_of_cases",
     "joined",
     "kind_of",
     "part_columns",
@@ -62,8 +63,8 @@ COLUMNS: dict[str, str] = {
     "mean_velocity": "f8", "motion_type": "U10", "pattern": "U32", "direction": "i1", "period": "i2", "margin": "f8",
     "stick_fraction": "f8", "forward_fraction": "f8", "backward_fraction": "f8", "velocity_max": "f8", "velocity_min": "f8",
     "body_velocity": "f8", "body_displacement": "f8", "slip_max": "f8", "slip_min": "f8", "friction_power": "f8", "hits": "i4",
-    "impulse_max": "f8", "stop_force_max": "f8", "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "steadiness": "i1",
-    "settling_error": "f8", "periods_run": "i4", "status": "i1",
+    "impulse_max": "f8", "stop_force_max": "f8", "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8",
+    "alpha_minus": "f8", "steadiness": "i1", "settling_error": "f8", "periods_run": "i4", "status": "i1",
 }  # fmt: skip
 
 
@@ -116,7 +117,7 @@ def all_failed(status: Array) -> bool:
 
 
 def column_of(what: str, grid: Any, name: str) -> Any:
-    """A column of a dataset; `InputError` of `what` where it is not there, as motion types are not of machines of several bodies.
+    """A column of a dataset that has one value for each case; `InputError` of `what` where it is not there, or there for each contact.
 
     Examples
     --------
@@ -124,11 +125,19 @@ def column_of(what: str, grid: Any, name: str) -> Any:
     >>> column_of("plot", xr.Dataset({"mean_velocity": ("case", [0.1])}), "mean_velocity").values.tolist()
     [0.1]
     """
-    if name in grid.variables:
+    if is_of_cases(grid, name):
         return grid[name]
-    has = ", ".join(str(n) for n in grid.data_vars)
-    why = f"the dataset has no {name}; it has {has}. Motion types and all that goes with them are those of one body on one contact"
-    raise InputError(what, [f"{why}; of machines of several bodies type ss.plot.velocity_map(grid), or ss.motion(run) of one run"])
+    if name not in grid.variables:
+        raise InputError(what, [f"the dataset has no {name}; it has {', '.join(str(n) for n in grid.data_vars)}; give one that has it"])
+    (dim,) = set(grid[name].dims) - set(grid["mean_velocity"].dims)
+    parts = grid[dim].values.tolist() if dim in grid.coords else range(grid.sizes[dim])
+    named = ", ".join(map(str, parts))
+    raise InputError(what, [f"the dataset has {name} of each {dim} ({named}); choose one: type grid.sel({dim}={parts[0]!r})"])
+
+
+def is_of_cases(grid: Any, name: str) -> bool:
+    """Whether a dataset has a column with one value for each case, and not one for each body or contact."""
+    return name in grid.variables and set(grid[name].dims) <= set(grid["mean_velocity"].dims if "mean_velocity" in grid else grid.dims)
 
 
 def kind_of(name: str) -> str:

@@ -16,7 +16,7 @@ from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.columns import COLUMNS, STATUSES, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
 
-__all__ = ["FORMATS", "blocks_of", "export"]
+__all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]
 
 Array = Any
 _ROWS = 65536  # cases at a time
@@ -53,7 +53,7 @@ def export(study: Any, path: str | Path) -> Path:
         raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])
     data = _opened(study)
     if target.suffix.lower() in (".csv", ".parquet"):
-        data = _one_row_a_case(data)
+        data = one_row_a_case(data)
     with moved_into_place(target, unwritable("export")) as beside:
         write(data, beside)
     return target
@@ -198,7 +198,7 @@ def _cells(values: Array) -> Array:
 
 
 # ---- rows ----
-def _one_row_a_case(data: Any) -> Any:
+def one_row_a_case(data: Any) -> Any:
     """A dataset in which what there is of each body, contact and stop of a sweep is a column for each, by its name."""
     if not _is_sweep(data):
         return data

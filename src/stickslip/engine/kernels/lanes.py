@@ -246,9 +246,7 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HEL
 
 
 @njit(
-    int64(
-        f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1
-    ),
+    int64(f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1),
     **CALLED,
 )
 def advance(

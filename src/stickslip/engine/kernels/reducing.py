@@ -157,7 +157,6 @@ def largest(lane, k, sign, known, at, count, S, row, HELD, ROOM, D):
 @njit(void(int64, float64, f1, f1, i2, f2, f3, f2, f2, b2, i1), **OPTIONS)
 def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
     """Add what the last step of a lane did to all that is noted."""
-    L = D[LANES]
     h = S[D[F_HH] + lane]
     part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / h
     if S[D[F_STAT] + lane] == 1.0:
@@ -204,10 +203,8 @@ def widen(lane, S, row, HELD, FOUND, ROOM, D):
         part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
         look_at(lane, part, ELSEWHERE, S, row, HELD, ROOM, D)
     for b in range(D[BODIES]):
-        if D[ARMS] == 1:
-            v = ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
-        else:
-            v = S[D[F_Y] + D[D[BODY_MOVES] + b] * D[LANES] + lane]
+        told = ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
+        v = told if D[ARMS] == 1 else S[D[F_Y] + D[D[BODY_MOVES] + b] * D[LANES] + lane]
         FOUND[lane, first + b, LARGEST] = max(FOUND[lane, first + b, LARGEST], v)
         FOUND[lane, first + b, SMALLEST] = min(FOUND[lane, first + b, SMALLEST], v)
 

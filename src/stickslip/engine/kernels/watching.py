@@ -2,7 +2,6 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 
-
 # FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for
 # each body the extremes of its velocity over the window.
 TOTAL, LARGEST, SMALLEST = range(3)
