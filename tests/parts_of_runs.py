@@ -19,9 +19,9 @@ def twice(machine):
     return replace_leaf(machine, {name: numbers[name] for name in list(numbers)[:1]})
 
 
-def solved(machine, periods, **options):
-    """The summary of the first of two equal cases, and the single run of as many periods."""
-    many = ss.solve(twice(machine), periods=periods, settle=periods // 2, keep="summary", **options)
+def solved(machine, periods, lanes_only=None, **options):
+    """The summary of two equal cases, and the single run of as many periods."""
+    many = ss.solve(twice(machine), periods=periods, settle=periods // 2, keep="summary", **options, **(lanes_only or {}))
     ran = int(many.periods_run[0])
     return many, ss.solve(machine, periods=ran, settle=periods // 2, **options)
 

@@ -8,7 +8,7 @@ it. The same lines for one lane, which also keeps the dense output, solve a sing
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
-from stickslip.engine.observed import has_arms, lists_of, looked_at, signals_text
+from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
@@ -112,22 +112,22 @@ _kernels: dict[Any, Kernel] = {}
 _layouts: dict[Any, tuple[StateLayout, tuple[int, ...]]] = {}
 
 
-def kernel_of(model: Any, tableau: Tableau | None, record: bool) -> Kernel:
+def kernel_of(model: Any, tableau: Tableau | None, record: bool, observe: Observed = ()) -> Kernel:
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
 
     A kind that was seen before costs nothing.
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (kind_of(model), tableau and tableau.name, record)
+    key = (kind_of(model), tableau and tableau.name, record, observe)
     try:
         known = _kernels.get(key)
     except TypeError:  # a part of the kind that cannot be compared, such as a list
         check_numbers(model)
-        return kernel(trace(model), tableau, label(model), record)
+        return kernel(trace(model, observe), tableau, label(model), record)
     if known is None:
         check_numbers(model)
-        known = _kernels[key] = kernel(trace(model), tableau, label(model), record)
+        known = _kernels[key] = kernel(trace(model, observe), tableau, label(model), record)
     return known
 
 
@@ -143,7 +143,7 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
     )
     return Kernel(
         module,
-        driver.table(module, *_layout(eq, step, lanes), lists_of(eq, taylor.watched(eq) if step.series else range(len(eq.guards)))),
+        driver.table(module, *_layout(eq, step, lanes), lists_of(eq, watched(eq, step))),
         lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -271,6 +271,11 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
 
 
+def watched(eq: System, step: Step) -> Sequence[int]:
+    """The guards whose zeros a step finds, in its order."""
+    return taylor.watched(eq) if step.series else range(len(eq.guards))
+
+
 def _rows_of(letter: str, fields: Iterable[str]) -> int:
     """How many polynomials of a sort a lane holds."""
     return sum(re.fullmatch(rf"{letter}\d+_0", field) is not None for field in fields)
@@ -290,7 +295,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
-        *((signals_text(eq),) if eq.signals else ()),
+        *((signals_text(eq, watched(eq, step)),) if eq.signals else ()),
     ]
     return "\n\n".join(parts)
 

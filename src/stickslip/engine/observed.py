@@ -12,16 +12,20 @@ from typing import Any
 
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import sliding_both_ways
+from stickslip.engine.observing import WAY, observed_node
 from stickslip.engine.steptext import straight
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Signal, System
 from stickslip.engine.values import needed_by
 from stickslip.engine.write import Writer
 
-__all__ = ["has_arms", "lists_of", "looked_at", "signals_text", "with_signals"]
+__all__ = ["Observed", "has_arms", "lists_of", "looked_at", "signals_text", "with_signals"]
 
 #: What a signal is reduced to: sums of these; one that is taken where a guard falls to zero has the last and the place of that guard.
-MEAN, MOST, LEAST, COUNTED, AT_GUARD = 1, 2, 4, 8, 64
+MEAN, MOST, LEAST, COUNTED, LAST, AT_GUARD = 1, 2, 4, 8, 16, 64
+KINDS = {"mean": MEAN, "integral": MEAN, "max": MOST, "min": LEAST, "last": LAST}
+#: A user's observables by name.
+Observed = tuple[tuple[str, Any], ...]
 _LEAST_SLIP = 1e-9  # of the velocity scale: where a slip ratio would be 0/0
 
 
@@ -86,9 +90,10 @@ def _ratio(parts: Assembly, i: int, scale: Sym) -> Sym:
     return graph.constant(1.0) - rate / slip
 
 
-def with_signals(eq: System, parts: Assembly) -> System:
-    """The equations of a machine of several parts, with what is noted of them."""
-    return replace(eq, signals=signals_of(parts, eq.signs), ratios=ratios_of(parts, eq.velocity_scale))
+def with_signals(eq: System, parts: Assembly, observe: Observed) -> System:
+    """The equations of a machine with what is noted of its parts, and a user's observables."""
+    own = [Signal((f"u.{name}",), observed_node(name, each.function, parts, eq), KINDS[each.reduce]) for name, each in observe]
+    return replace(eq, signals=(*signals_of(parts, eq.signs), *own), ratios=ratios_of(parts, eq.velocity_scale))
 
 
 def looked_at(eq: System) -> tuple[int, ...]:
@@ -115,12 +120,12 @@ def has_arms(eq: System) -> bool:
     return bool(signals) and any(signals[f"v.{name}"] is not eq.y[j] + eq.offsets[j] for name, j in eq.bodies)
 
 
-def signals_text(eq: System) -> str:
-    """The function that evaluates all of them, from time, states, and what the step held."""
+def signals_text(eq: System, watched: Sequence[int]) -> str:
+    """The function that evaluates all of them, from time, states, and what the step held: flags of guards that it watched."""
     w = Writer(prefix="s")
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
     held = [*(f"b{k}" for k in range(eq.signs)), *(s.name for s in eq.modes), *(f"clk{k}" for k in range(len(eq.clocks)))]
-    bind |= {name: f"held[{k}]" for k, name in enumerate(held)}
+    bind |= {name: f"held[{k}]" for k, name in enumerate(held) if k >= eq.signs or k in watched} | {WAY: "0.0"}  # nothing depends on it
     ends = [*eq.ratios, *(signal.node for signal in eq.signals)]
     for name in dict.fromkeys(node.name for node in needed_by(ends) if node.op == "flag" and node.name not in bind):
         condition = (eq.graph.guards if name[0] == "b" else eq.graph.clocks)[int(name.lstrip("bclk"))]

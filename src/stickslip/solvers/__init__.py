@@ -42,6 +42,7 @@ def solve(
     dwell: float = 0.03,
     progress: Callable[[int, int], None] | bool | None = None,
     duration: float | None = None,
+    observe: dict[str, Any] | None = None,
     **options: Any,
 ) -> Trajectory | Summary:
     r"""Simulate a robot or a mechanism, or every one of a batch, from its start.
@@ -75,6 +76,8 @@ def solve(
         True for a line on the terminal, or what is called with (cases begun, cases in all).
     duration : float, optional
         How long to simulate [s], instead of `periods`. A model that has no period needs it. A batch of periodic models cannot take it.
+    observe : dict of Observable, optional
+        Columns of your own for a batch, by name: see `observable`.
     **options
         Options of the method: ``steps`` per period for "rk4".
 
@@ -96,7 +99,9 @@ def solve(
     >>> f"{ss.mean_velocity(run):.6f} m/s"
     '0.002015 m/s'
     """
-    todo = request(model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration)
+    todo = request(
+        model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
+    )
     return _solver(todo)(todo)
 
 
@@ -110,6 +115,9 @@ def _solver(todo: Request) -> Callable[[Request], Any]:
         kind = type(todo.model).__name__
         raise InputError("solve", [f'method = "rk4" takes one body on one contact, and {kind} lists several; type method="auto"'])
     why = refused(todo.model)
+    if todo.observe and (why or name not in ("auto", "exact", "rosenbrock", "rodas4", "rodas5p")):
+        what = why or f'method = {name!r} is none of them; type method="auto"'
+        raise InputError("solve", [f"observe is for the compiled methods: {what}"])
     if name == "auto":
         name = "dop853" if why else "rosenbrock" if machine.has_inner_states else "exact"
     elif why and name in ("exact", "rk4", "rodas4", "rodas5p"):

@@ -40,7 +40,7 @@ _IN_METRES_PER_SECOND = ("v_max", "v_min", "v_end", "strobe_error", "wide_max", 
 
 def solve(todo: Request) -> Trajectory | Summary:
     """Solve as asked."""
-    if handles(todo.model) is not None:  # no closed arcs: polynomials of high order, exact to rounding too
+    if handles(todo.model) is not None or todo.observe:  # no closed arcs: polynomials of high order, exact to rounding too
         return stepping.run(todo, None, min(REPEAT / 10, todo.rtol) if todo.auto else REPEAT / 10)
     if todo.keep == "trajectory":
         return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, _start_of(todo)))

@@ -12,7 +12,7 @@ from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
 from stickslip.machine import machine_of
-from stickslip.solvers.parts import RawParts, columns_of_parts, typed
+from stickslip.solvers.parts import RawParts, columns_of_parts, of_only_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
 from stickslip.summary import LOST, STATUS, Summary
@@ -41,6 +41,7 @@ class Raw:
     wide_min: Any
     friction_power: Any = None  # [W] over the last motion period, where the solver measures it
     parts: RawParts | None = None  # of a machine that lists its bodies: it has no velocity and no segments of its own
+    observed: dict[str, Any] | None = None  # a user's own columns
 
 
 #: What every batch solver must find.
@@ -84,6 +85,7 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
         of_parts = _columns_of_one(raw, T, good, lasting, todo.dwell, rtol)
     else:
         of_parts = columns_of_parts(raw.parts, T, raw.window, raw.period, good, lasting, todo.dwell, rtol)
+        of_parts = of_only_parts(of_parts) if machine_of(todo.model).is_single else of_parts
     power = of_parts.pop("friction_power", None)
     return {
         "mean_velocity": velocity,
@@ -95,6 +97,7 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
         "settling_error": np.where(np.isfinite(approached), abs(velocity - approached), np.nan),
         "periods_run": raw.periods_run,
         "status": raw.status,
+        **{name: np.where(good, values, np.nan) for name, values in (raw.observed or {}).items()},
     }
 
 

@@ -10,9 +10,11 @@ import numpy as np
 from stickslip.coded_words import CodedWords
 from stickslip.segments import type_of
 
-__all__ = ["RawParts", "columns_of_parts", "nothing", "typed"]
+__all__ = ["OF_SEVERAL", "RawParts", "columns_of_parts", "nothing", "of_only_parts", "typed"]
 
 Array = Any
+#: Columns that only machines have that list their parts.
+OF_SEVERAL = ("body_velocity", "body_displacement", "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
 _FRACTIONS = ("margin", "stick_fraction", "forward_fraction", "backward_fraction")
 
 
@@ -95,6 +97,11 @@ def columns_of_parts(raw: RawParts, T: Array, spans: Array, period: Array, good:
     hits = np.where(fine & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32)
     found = shaped | {name: np.where(fine, values, np.nan) for name, values in numbers.items()} | {"hits": hits}
     return {name: values for name, values in found.items() if values.shape[1] > 0}
+
+
+def of_only_parts(columns: dict[str, Any]) -> dict[str, Array]:
+    """The columns of a machine of one body on one contact, without their axis."""
+    return {name: np.asarray(values)[:, 0] for name, values in columns.items() if name not in OF_SEVERAL}
 
 
 def nothing(bodies: int, contacts: int, stops: int) -> RawParts:

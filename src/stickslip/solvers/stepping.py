@@ -32,7 +32,7 @@ CHUNK = 4096
 def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
     check_period(todo.model)
-    kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
+    kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1, todo.observe)
     method, job = _method(tableau), _job(todo, rtol)
     if todo.keep == "summary":
         return gather(todo, method, _parts(todo, kernel, job))
@@ -99,7 +99,7 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
 
         cases = slice(first, last)
         table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], cases)
-        return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table)
+        return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
 
     if todo.workers == 1 or len(bounds) == 1:
         yield from zip(bounds, map(work, range(len(bounds))), strict=True)
@@ -114,7 +114,7 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> Raw:
+def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, observe: Any = ()) -> Raw:
     offset, carried = table.offsets[:, 0], table.carried * table.span
     of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
     return Raw(
@@ -122,7 +122,15 @@ def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable) -> Raw:
         v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count[:, 0], seg_time=r.seg_time, seg_code=r.seg_code,
         margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
         wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power, parts=of_parts,
+        observed={name: _reduced(r, each.reduce, f"u.{name}", table.span) for name, each in observe},
     )  # fmt: skip
+
+
+def _reduced(r: lanes.Results, reduce: str, signal: str, span: Any) -> Any:
+    """A user's observable."""
+    assert r.parts is not None
+    values = r.parts.reduced[signal][:, {"max": 1, "min": 2, "last": 2}.get(reduce, 0)]
+    return values / (span * np.maximum(r.period, 1)) if reduce == "mean" else values
 
 
 def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: Any) -> RawParts:

@@ -15,8 +15,8 @@ from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, as_path
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.axes_file import read_labels
-from stickslip.sweeps.columns import COLUMNS, base_of, dim_of, from_characters, part_columns, stacked, words
-from stickslip.sweeps.datasets import assembled, labels_of_parts
+from stickslip.sweeps.columns import COLUMNS, base_of, dim_of, from_characters, kind_of, part_columns, stacked, words
+from stickslip.sweeps.datasets import assembled, labels_of_parts, with_units
 from stickslip.sweeps.folder import read_manifest
 from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.tiles import notes_of, read_tile
@@ -68,6 +68,7 @@ def open_study(folder: str | Path) -> xr.Dataset:
         columns[name] = dims, xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, told, name)))._data
     grid = assembled(columns, read_labels(folder, told) | labels_of_parts(parts), told["attributes"])
     grid.attrs["provenance"] = json.dumps(told["provenance"])
+    with_units(grid, told.get("observed", {}))
     grid.attrs["study"] = told["study"]
     notes = notes_of(folder, told) | ({} if has_checksums(told) else {_OLD: told["cases"]})
     if notes:
@@ -119,7 +120,7 @@ class _Tiled(BackendArray):
         dim = dim_of(name, self.parts)
         self.cases = tuple(told["shape"])
         self.shape = (*self.cases, *([len(self.parts[dim])] if dim else []))
-        self.dtype = np.dtype(COLUMNS[name])
+        self.dtype = np.dtype(kind_of(name))
 
     def __getitem__(self, key: Any) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)

@@ -12,9 +12,11 @@ import numpy as np
 from stickslip.batch import Labels, spread
 from stickslip.errors import InputError, Problems
 from stickslip.machine import machine_of
+from stickslip.observables import checked
 from stickslip.sweeps.axes import Space, space_of
 from stickslip.sweeps.columns import COLUMNS, part_columns
 from stickslip.sweeps.robots import groups_of, refusals
+from stickslip.variables import VARIABLES
 
 __all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
 
@@ -22,6 +24,7 @@ Array = Any
 #: Arguments of `solve` that a sweep passes on, and their defaults here.
 SOLVER: dict[str, Any] = {
     "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
+    "observe": None,
 }  # fmt: skip
 _LARGEST, _SMALLEST = 16384, 1024  # cases of a tile: some tens of milliseconds of work, a file of some megabytes
 _SLOW = 16  # cases of a tile where a case takes seconds
@@ -108,7 +111,12 @@ class Plan:
     @cached_property
     def columns(self) -> tuple[str, ...]:
         """The columns of its results as they are kept, those of parts one by one."""
-        return tuple(each for name in COLUMNS for each in part_columns(name, self.parts))
+        return (*(each for name in COLUMNS for each in part_columns(name, self.parts)), *self.observed)
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """Names of a user's own columns."""
+        return tuple(self.options.get("observe") or ())
 
     @cached_property
     def sample(self) -> tuple[Any, dict[str, Any]] | None:
@@ -137,6 +145,9 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
     _check_parts(plan)
+    checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts))
+    if plan.observed and along is not None:
+        raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
     _check_options(plan)
     return Plan(make, space, options, starts, along, int(tile) if tile else _tile(plan))
 

@@ -48,6 +48,7 @@ def sweep(
     client: Any = None,
     retries: int = 3,
     progress: Callable[[Progress], Any] | bool | None = None,
+    observe: dict[str, Any] | None = None,
     **axes: Any,
 ) -> xr.Dataset:
     """Solve a robot over a grid of its numbers, or over any other design.
@@ -67,6 +68,8 @@ def sweep(
         As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
         its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. Robots with Coulomb
         friction and a harmonic drive do not even wait for that: their periodic motion is known by formula.
+    observe : dict of Observable, optional
+        Columns of your own by name: see `observable`.
     workers : int
         Threads. The results do not depend on it.
     start : dict
@@ -119,6 +122,7 @@ def sweep(
         "method": method,
         "slip_ratio": slip_ratio,
         "dwell": dwell,
+        "observe": observe,
     }
     plan = planned(make, designs, axes, start, continue_along, tile, **options)
     return carried_out(plan, tile, workers, out, resume, shard, client, retries, progress)
@@ -211,6 +215,9 @@ def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, wat
     todo = list(todo)
     if client is not None:
         from stickslip.sweeps.cluster import tiles_from
+
+        if plan.observed:
+            raise InputError("sweep", ["observe and client cannot go together: functions are not sent to other machines; leave one out"])
 
         yield from tiles_from(plan, todo, client, retries, watch)
     elif workers == 1 or len(todo) < 2:

@@ -189,6 +189,8 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
                     FOUND[lane, s, TOTAL] += 1.0
                 last = max(ROOM[j, k], 0.0)
             FOUND[lane, s, SMALLEST] = last
+        if kind & LAST:
+            FOUND[lane, s, SMALLEST] = ROOM[count - 1, k]
         if kind & MOST:
             FOUND[lane, s, LARGEST] = largest(lane, k, 1.0, FOUND[lane, s, LARGEST], at, count, S, row, HELD, ROOM, D)
         if kind & LEAST:

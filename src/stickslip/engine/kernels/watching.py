@@ -5,7 +5,7 @@
 # FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for
 # each body the extremes of its velocity over the window.
 TOTAL, LARGEST, SMALLEST = range(3)
-MEAN, MOST, LEAST, COUNTED, AT_GUARD = 1, 2, 4, 8, 64
+MEAN, MOST, LEAST, COUNTED, LAST, AT_GUARD = 1, 2, 4, 8, 16, 64
 
 
 @njit(void(int64, f3, i1), **OPTIONS)
