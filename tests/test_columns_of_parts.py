@@ -1,5 +1,7 @@
 """Columns of bodies, contacts and stops: what lanes note on the way is what the dense output of single runs says."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,40 @@ def test_judge_and_lanes_say_the_same_of_every_part():
         size = float(machine_of(ss.Chain.example()).velocity_scale) if name != "stick_fraction" else 1.0
         assert abs(getattr(ours, name) - getattr(judged, name)).max() <= within * size, name
     assert np.allclose(ours.friction_power, judged.friction_power, rtol=1e-3)
+
+
+@dataclass(frozen=True, eq=False)
+class Rattle(problems.Capsule):
+    """The capsule with a stop on either side of the inner mass."""
+
+    def stops(self):
+        return {("inner", "capsule"): tuple(ss.Stop(gap, restitution=self.restitution, side=side) for gap, side in ((0.5, 1), (0.3, -1)))}
+
+
+def test_two_stops_between_two_bodies_are_told_apart():
+    machine = Rattle(alpha=1.0, omega=0.95, gap=0.5, mass=4.0, restitution=0.6)
+    many, run = solved(machine, 30)
+    begin = run.pieces.t[-1] - max(int(many.period[0]), 1) * run.period_time
+    hits = [e for e in run.events if e.kind == "hit" and e.t > begin + 1e-12]
+    ahead = [e for e in hits if run.at(e.t)["x"][0] > run.at(e.t)["x"][1]]
+    assert 0 < len(ahead) < len(hits)
+    assert many.hits[0].tolist() == [len(ahead), len(hits) - len(ahead)]
+    reduced = 1.0 * machine.mass / (1.0 + machine.mass)
+    for k, own in enumerate((ahead, [e for e in hits if e not in ahead])):
+        assert many.impulse_max[0, k] == pytest.approx(max(-1.6 * e.velocity for e in own) * reduced, rel=1e-9)
+    names = ss.sweep(machine, alpha=[0.5, 1.0], periods=30).stop.values.tolist()
+    assert names == ["inner-capsule 1", "inner-capsule 2"]
+
+
+def test_columns_of_parts_do_not_depend_on_threads_or_lanes():
+    phases = np.linspace(0.0, 3.0, 300)
+    batch = ss.Chain.example().replace({"phases.1": phases})
+    one, two = (ss.solve(batch, periods=30, settle="auto", workers=workers) for workers in (1, 2))
+    alone = ss.solve(ss.Chain.example().replace({"phases.1": phases[[7]]}), periods=30, settle="auto")
+    for name, values in one.columns.items():
+        exact = {"equal_nan": np.asarray(values).dtype.kind == "f"}
+        assert np.array_equal(values, two.columns[name], **exact), name
+        assert np.array_equal(np.asarray(values)[7], np.asarray(alone.columns[name])[0], **exact), name
 
 
 # ---- datasets and folders ----

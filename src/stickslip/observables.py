@@ -1,4 +1,4 @@
-"""What a user wants to know of each case of a batch, as a column: a function of the state, and what is made of it over the motion period."""
+"""A user's own columns of a batch: a function of the state, and what is made of it over the motion period."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
     Parameters
     ----------
     function : callable
-        What is observed, of a state ``s``: ``s.t``, ``s.x``, ``s.v``, ``s.acceleration`` of the body, ``s.slip``, ``s.load``, ``s.friction_force``,
-        ``s.z`` of the contact, and ``s.model`` with its numbers. Of a machine that lists its parts these are tuples in its order, and
-        ``s.bodies[name].v``, ``s.contacts[name].slip`` are those of one. It is called once, with symbols: write it with + - * / ** and the
-        functions of `stickslip.maths`, without ``if``. A condition of its own (``where``, ``abs``) ends no step: where one changes within a
-        step, the mean is known to a part of that step.
+        What is observed, of a state ``s``: ``s.t``, ``s.x``, ``s.v``, ``s.acceleration`` of the body, ``s.slip``, ``s.load``,
+        ``s.friction_force``, ``s.z`` of the contact, and ``s.model`` with its numbers. Of a machine that lists parts these are tuples in
+        its order, and ``s.bodies[name].v``, ``s.contacts[name].slip`` are those of one. It is called once, with symbols: write it with
+        + - * / ** and the functions of `stickslip.maths`, without ``if``. A condition of its own (``where``, ``abs``) ends no step: where
+        one changes within a step, the mean is known to a part of that step.
     reduce : {"mean", "integral", "min", "max", "last"}
         What is made of it over the last motion period (the last drive period where none was found).
     unit : str

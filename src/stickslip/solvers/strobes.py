@@ -60,6 +60,5 @@ def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:
 
 def raw(cases: list[dict[str, Any]]) -> Raw:
     """The results of several cases, each a dict by the names of `Raw`, as one."""
-    return Raw(
-        **{name: np.array([case[name] for case in cases]) for name in NEEDED}, parts=cases[0].get("parts") if len(cases) == 1 else None
-    )
+    found: dict[str, Any] = {name: np.array([case[name] for case in cases]) for name in NEEDED}
+    return Raw(**found, parts=cases[0].get("parts") if len(cases) == 1 else None)

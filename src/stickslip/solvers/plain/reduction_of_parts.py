@@ -74,11 +74,21 @@ def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
 def _hits(run: Trajectory, since: float) -> dict[str, tuple[int, float]]:
     """By name of a stop with restitution how often it was hit, and the greatest impulse [N s]."""
     mechanics = machine_of(run.model).mechanics
+    speeds: dict[str, list[float]] = {name: [] for name, stop in mechanics.named_stops if stop.part.restitution is not None}
+    for event in run.events:
+        if event.kind == "hit" and event.t > since and event.velocity is not None:
+            speeds[_hit(run, event)].append(-event.velocity)
     found = {}
     for name, stop in mechanics.named_stops:
-        if stop.part.restitution is None:
-            continue
-        inverse = sum(h * h / float(m) for h, m in zip(stop.direction, mechanics.masses, strict=True))
-        speeds = [-e.velocity for e in run.events if e.kind == "hit" and e.part == stop.name and e.t > since and e.velocity is not None]
-        found[name] = len(speeds), (1 + float(stop.part.restitution)) * max(speeds, default=0.0) / inverse
+        if name in speeds:
+            inverse = sum(h * h / float(m) for h, m in zip(stop.direction, mechanics.masses, strict=True))
+            found[name] = len(speeds[name]), (1 + float(stop.part.restitution)) * max(speeds[name], default=0.0) / inverse
     return found
+
+
+def _hit(run: Trajectory, event: Any) -> str:
+    """The stop that was hit: of several between the same two bodies the one whose gap is closed."""
+    mechanics = machine_of(run.model).mechanics
+    q = mechanics.coordinates_of(tuple(run.at(event.t)["x"]))
+    gaps = {name: abs(float(stop.gap(event.t, q))) for name, stop in mechanics.named_stops if stop.name == event.part}
+    return min(gaps, key=lambda name: gaps[name])
