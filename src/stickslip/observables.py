@@ -17,7 +17,22 @@ REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest
 
 @dataclass(frozen=True, eq=False)
 class Observable:
-    """A function of the state, and what is made of it over the last motion period; see `observable`."""
+    """A function of the state, and what is made of it over the last motion period; made by `observable`.
+
+    Parameters
+    ----------
+    function : callable
+        Of the state, in symbols.
+    reduce : str
+        One of `REDUCTIONS`.
+    unit : str
+        Unit of the result.
+
+    Examples
+    --------
+    >>> Observable(lambda s: s.v, "max", "m/s").says
+    'largest value over the last motion period of an observable'
+    """
 
     function: Callable[[Any], Any]
     reduce: str
@@ -75,7 +90,7 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
     >>> square = ss.observable(lambda s: s.v**2, reduce="mean", unit="m^2/s^2")
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=1.7, law="coulomb", observe={"v_square": square})
     >>> (1e6 * grid.v_square.values).round(3).tolist(), grid.v_square.attrs["units"]
-    ([3.374, 59.331], 'm^2/s^2')
+    ([0.037, 51.602], 'm^2/s^2')
     """
     problems = Problems("observable")
     if not callable(function):
