@@ -136,7 +136,10 @@ def _batch(c):
 def _sweep(c):
     grid = ss.sweep(c.machine, **c.axis, **c.length)
     assert grid.mean_velocity.dims == (c.number,) and np.isfinite(grid.mean_velocity.values).all()
-    assert ("motion_type" in grid) == (not c.several)
+    parts = [dim for dim in ("body", "contact") if dim in grid.dims]
+    assert parts == (["body", "contact"] if c.several else [])
+    assert grid.velocity_max.dims[1:] == tuple(parts[:1]) and grid.motion_type.dims[1:] == tuple(parts[1:])
+    assert np.isfinite(grid.velocity_max.values).all()
 
 
 def _map(c):

@@ -135,7 +135,9 @@ def test_energy_of_several_bodies_is_balanced_to_rounding():
 def test_columns_of_one_contact_are_asked_of_several_in_vain():
     many = ss.solve(ss.Chain.example().replace({"phases.1": [0.5, 1.0]}), periods=12)
     with pytest.raises(AttributeError, match="it is of one body on one contact, and a Chain lists several; there are mean_vel"):
-        many.motion_type  # noqa: B018
+        many.drive_power  # noqa: B018
+    with pytest.raises(AttributeError, match="it is of stops, and this Chain has none; there are mean_vel"):
+        many.hits  # noqa: B018
     grid = ss.map(ss.Chain.example(), **{"phases.1": [0.5, 1.0], "link.stiffness": [500.0, 1200.0]}, periods=12)
-    with pytest.raises(ss.InputError, match=r"the dataset has no motion_type; it has mean_velocity, period"):
+    with pytest.raises(ss.InputError, match=r"the dataset has motion_type of each contact \(module 1, module 2\); choose one"):
         ss.plot.motion_map(grid)

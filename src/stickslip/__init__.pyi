@@ -149,6 +149,10 @@ from .nondimensional import (
     DimensionlessRobot as DimensionlessRobot,
     dimensionless as dimensionless,
 )
+from .observables import (
+    Observable as Observable,
+    observable as observable,
+)
 from .records import (
     Record as Record,
     read as read,

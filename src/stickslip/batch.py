@@ -96,15 +96,15 @@ def _labels_by_name(arrays: dict[str, Any], labelled: dict[str, Any], what: str)
     return Labels(whole.shape, tuple(str(d) for d in whole.dims), coords)
 
 
-def rows_of(model: Any, names: tuple[str, ...]) -> Any:
-    """The named numbers as a table, one row for each case (in C order of the batch): array (cases, names)."""
+def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> Any:
+    """The named numbers as a table, one row for each case (in C order of the batch), or for each of some cases: array (cases, names)."""
     import numpy as np
 
     labels, values = labels_of(model), dict(leaves(model))
     count = int(np.prod(labels.shape, dtype=np.int64))
-    table = np.empty((count, len(names)))
+    table = np.empty((len(range(count)[cases]), len(names)))
     for column, name in enumerate(names):
-        table[:, column] = spread(values[name], labels)
+        table[:, column] = _on_batch(values[name], labels).flat[cases]
     return table
 
 
@@ -141,6 +141,11 @@ def some_of(model: Any, at: Any) -> Any:
 
 def spread(value: Any, labels: Labels) -> Any:
     """One number of a batch, for every case, flat in the order of the rows; labelled arrays broadcast by name."""
+    return _on_batch(value, labels).ravel()
+
+
+def _on_batch(value: Any, labels: Labels) -> Any:
+    """One number of a batch in the batch's shape."""
     import numpy as np
 
     if hasattr(value, "dims") and labels.dims is not None:
@@ -150,7 +155,7 @@ def spread(value: Any, labels: Labels) -> Any:
         present = [d for d in labels.dims if d in value.dims]
         array = np.asarray(value.transpose(*present), float)
         value = array.reshape([value.sizes[d] if d in value.dims else 1 for d in labels.dims])
-    return np.broadcast_to(np.asarray(value, float), labels.shape).ravel()
+    return np.broadcast_to(np.asarray(value, float), labels.shape)
 
 
 def point_by_point(what: str, make: Callable[..., Any], fixed: dict[str, Any], columns: dict[str, Any]) -> Any:

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves
 from stickslip.jsontext import plain
+from stickslip.machine import machine_of
 from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES
 
@@ -112,12 +113,19 @@ def summary_dataset(many: Any) -> Any:
     if labels.dims is None and many.model is not None:
         coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
     told = {name: _described(name) if name in VARIABLES else {} for name in many.columns}
-    data = {name: (dims, np.reshape(column, labels.shape), told[name]) for name, column in many.columns.items()}
+    parts = {} if many.model is None else machine_of(many.model).part_names
+    coords |= {dim: ((dim,), list(names)) for dim, names in parts.items()}
+    data = {name: (_dims_of_case(name, dims, parts), np.asarray(column), told[name]) for name, column in many.columns.items()}
     if "steadiness" in data:
         told["steadiness"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in STEADINESS.items())
     if "status" in data:
         told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items())
     return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(plain(many.provenance))})
+
+
+def _dims_of_case(name: str, dims: tuple[str, ...], parts: dict[str, Any]) -> tuple[str, ...]:
+    """The dimensions of a column of a batch."""
+    return (*dims, *(dim for dim in VARIABLES[name].dims if dim in parts)) if name in VARIABLES else dims
 
 
 def _placed(value: Any, dims: tuple[str, ...]) -> tuple[tuple[str, ...], Any]:

@@ -42,6 +42,22 @@ class MachineAdapter:
         return not declares_parts(self.model)
 
     @property
+    def part_names(self) -> dict[str, tuple[str, ...]]:
+        """Names of its bodies, contacts and stops by dimension, of those that it has; none of a machine of one body on one contact.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> machine_of(ss.Chain.example()).part_names
+        {'body': ('module 1', 'module 2'), 'contact': ('module 1', 'module 2')}
+        """
+        if self.is_single:
+            return {}
+        m = self.mechanics
+        found = {"body": m.bodies, "contact": m.contacts, "stop": tuple(name for name, _ in m.named_stops)}
+        return {dim: names for dim, names in found.items() if names}
+
+    @property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
         return self.mechanics.laws

@@ -24,7 +24,8 @@ class Mechanics(Protocol):
     model: Any
     bodies: tuple[str, ...]
     contacts: tuple[str, ...]
-    stops: tuple[Any, ...] = ()
+    stops: tuple[Any, ...] = ()  # those with restitution
+    named_stops: Sequence[tuple[str, Any]] = ()  # all of them
 
     @property
     def coordinates(self) -> int:

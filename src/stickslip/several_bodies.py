@@ -39,6 +39,10 @@ class Stopper:
         """How fast the gap opens [m/s]."""
         return -self.part.side * self.mechanics.distance(self.ends, self.mechanics.velocities(t, u))
 
+    def pressed(self, x: Numbers, v: Numbers) -> Any:
+        """How strongly an elastic stop pushes its ends apart [N], from the positions and velocities of the bodies."""
+        return self.part.side * self.part.force(self.mechanics.distance(self.ends, x), self.mechanics.distance(self.ends, v))
+
     def offset_rate(self, t: Any) -> Any:
         """What prescribed distances add to the acceleration of the gap [m/s^2]."""
         return -self.part.side * self.mechanics.distance(self.ends, self.mechanics._arms("acceleration", t))
@@ -61,7 +65,8 @@ class SeveralBodies(Mechanics):
         self.elastic += [(ends, stop) for ends, stop in walls if stop.restitution is None]
         self.groups, self.arms = _groups(self.bodies, self.told)
         self.coordinate = {name: c for c, group in enumerate(self.groups) for name in group}
-        self.stops = tuple(Stopper(self, ends, stop) for ends, stop in walls if stop.restitution is not None)
+        self.named_stops = _named([Stopper(self, ends, stop) for ends, stop in walls])
+        self.stops = tuple(stop for _, stop in self.named_stops if stop.part.restitution is not None)
 
     # ---- what there is ----
     @property
@@ -271,6 +276,15 @@ def _groups(bodies: tuple[str, ...], told: list[tuple[Any, Any]]) -> tuple[list[
         arms |= reached
         left = [name for name in left if name not in reached]
     return groups, arms
+
+
+def _named(stops: list[Stopper]) -> list[tuple[str, Stopper]]:
+    """Stops with their names, numbered where two bodies have several between them."""
+    names = [stop.name for stop in stops]
+    return [
+        (name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}", stop)
+        for k, (name, stop) in enumerate(zip(names, stops, strict=True))
+    ]
 
 
 def _is_elastic(link: Any) -> bool:

@@ -16,7 +16,7 @@ from stickslip.position import knows_position
 
 __all__ = [
     "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "centre_of_mass", "drifting_apart", "is_steady", "judged",
-    "mean_tolerance", "of_run", "outcome_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
+    "mean_tolerance", "of_run", "outcome_of", "repetition_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
 ]  # fmt: skip
 
 STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
@@ -133,6 +133,12 @@ def outcome_of(model: Any, strobe: Any, method: str, rtol: float) -> tuple[int, 
     `strobe` is (periods + 1, 1 + states): x, v, z. The start is left out: it is on no motion.
     """
     return _outcome(*_with_position(model, strobe), strobe_tolerance(method, rtol))
+
+
+def repetition_of(run: Any) -> tuple[Any, int, float]:
+    """Position at the strobe points, of several bodies that of their centre of mass; period number and displacement approached."""
+    way, strobe, scales = _strobe_of(run)
+    return way, *_outcome(strobe, scales, strobe_tolerance(run.method, run.rtol))
 
 
 def _with_position(model: Any, strobe: Any) -> tuple[Any, Any]:

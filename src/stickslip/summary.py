@@ -47,8 +47,11 @@ class Summary:
     columns : dict of arrays
         mean_velocity [m/s], motion_type, pattern, direction, period, margin, stick_fraction, forward_fraction,
         backward_fraction, velocity_max [m/s], velocity_min [m/s] (over the last motion period; over the window of the mean velocity
-        where that is not steady), steadiness (a code: `STEADINESS` has its words), settling_error [m/s], status, displacement [m],
-        periods_run.
+        where that is not steady), friction_power [W], steadiness (a code: `STEADINESS` has its words), settling_error [m/s], status,
+        displacement [m], periods_run.
+        Of a machine that lists its bodies, those that are of a body have a last axis for the bodies and those of a contact one for the
+        contacts, in the machine's order; and there are body_velocity and body_displacement (bodies), slip_max and slip_min (contacts),
+        hits, impulse_max [N s] and stop_force_max [N] (stops).
     statuses : dict
         The sentence of each status code.
     provenance : dict
@@ -71,11 +74,12 @@ class Summary:
     def __getattr__(self, name: str) -> Any:
         columns = self.__dict__.get("columns", {})
         if name in columns:
-            return columns[name]
+            return np.asarray(columns[name])
         model, known = self.__dict__.get("model"), VARIABLES.get(name)
-        if known is not None and known.dims == () and declares_parts(model):  # machines of bodies and contacts have some of the columns
-            told = f"it is of one body on one contact, and a {type(model).__name__} lists several; there are {', '.join(columns)}"
-            raise AttributeError(f"Summary has no {name!r}: {told}; type ss.motion(run) for the contacts of one run")
+        if known is not None and known.dims in ((), ("stop",)) and declares_parts(model):  # machines of parts have not all columns
+            kind = type(model).__name__
+            why = f"of stops, and this {kind} has none" if known.dims else f"of one body on one contact, and a {kind} lists several"
+            raise AttributeError(f"Summary has no {name!r}: it is {why}; there are {', '.join(columns)}")
         raise AttributeError(f"Summary has no {name!r}" + ("" if name.startswith("_") else f"; {did_you_mean(name, columns)}"))
 
     def __dir__(self) -> list[str]:

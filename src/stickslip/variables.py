@@ -23,6 +23,10 @@ _TIME: tuple[str, ...] = ("time",)
 _BODY: tuple[str, ...] = ("time", "body")
 _CONTACT: tuple[str, ...] = ("time", "contact")
 _CASE: tuple[str, ...] = ()
+#: Of a batch of machines that list their parts; of a machine of one body on one contact they have no dimension.
+_EACH_BODY: tuple[str, ...] = ("body",)
+_EACH_CONTACT: tuple[str, ...] = ("contact",)
+_EACH_STOP: tuple[str, ...] = ("stop",)
 
 VARIABLES: dict[str, Variable] = {
     v.name: v
@@ -43,18 +47,33 @@ VARIABLES: dict[str, Variable] = {
         Variable("actuator_force", "F", "N", _TIME, "force of the actuator on the body (Eq. 2.1)"),
         Variable("actuator_power", "−F dξ/dt", "W", _TIME, "mechanical power that the actuator delivers"),
         Variable("mean_velocity", "V", "m/s", _CASE, "mean steady velocity over the window after settling"),
-        Variable("motion_type", "type", "", _CASE, "motion type: rest, presliding, I, II, III, IV or other"),
-        Variable("pattern", "pattern", "", _CASE, "signs of the velocity over one motion period, + forward, 0 stuck, - backward"),
+        Variable("motion_type", "type", "", _EACH_CONTACT, "motion type: rest, presliding, I, II, III, IV or other"),
+        Variable("pattern", "pattern", "", _EACH_CONTACT, "signs of the velocity over one motion period, + forward, 0 stuck, - backward"),
         Variable("period", "p", "drive periods", _CASE, "period number of the motion; 0 where none was found"),
-        Variable("margin", "margin", "1", _CASE, "distance to the nearest border of the motion type; 0 is on the border"),
-        Variable("direction", "dir", "1", _CASE, "+1 for net motion forwards, -1 backwards, 0 at rest"),
-        Variable("stick_fraction", "s", "1", _CASE, "fraction of the period at rest"),
-        Variable("forward_fraction", "s+", "1", _CASE, "fraction of the period sliding forwards"),
-        Variable("backward_fraction", "s-", "1", _CASE, "fraction of the period sliding backwards"),
-        Variable("velocity_max", "max v", "m/s", _CASE, "largest velocity over the last motion period; over the window where not steady"),
-        Variable("velocity_min", "min v", "m/s", _CASE, "smallest velocity over the last motion period; over the window where not steady"),
+        Variable("margin", "margin", "1", _EACH_CONTACT, "distance to the nearest border of the motion type; 0 is on the border"),
+        Variable("direction", "dir", "1", _EACH_CONTACT, "+1 for net motion forwards, -1 backwards, 0 at rest"),
+        Variable("stick_fraction", "s", "1", _EACH_CONTACT, "fraction of the period at rest"),
+        Variable("forward_fraction", "s+", "1", _EACH_CONTACT, "fraction of the period sliding forwards"),
+        Variable("backward_fraction", "s-", "1", _EACH_CONTACT, "fraction of the period sliding backwards"),
+        Variable(
+            "velocity_max", "max v", "m/s", _EACH_BODY, "largest velocity over the last motion period; over the window where not steady"
+        ),
+        Variable(
+            "velocity_min", "min v", "m/s", _EACH_BODY, "smallest velocity over the last motion period; over the window where not steady"
+        ),
+        Variable("body_velocity", "V_b", "m/s", _EACH_BODY, "mean velocity of a body over the window after settling"),
+        Variable("body_displacement", "Δx_b", "m", _EACH_BODY, "displacement of a body over the window after settling"),
+        Variable("slip_max", "max w", "m/s", _EACH_CONTACT, "largest slip velocity over the last motion period"),
+        Variable("slip_min", "min w", "m/s", _EACH_CONTACT, "smallest slip velocity over the last motion period"),
+        Variable(
+            "hits", "n_s", "1", _EACH_STOP, "how often a stop is hit, or begins to be pressed, in the last motion period; -1: not solved"
+        ),
+        Variable(
+            "impulse_max", "max J", "N s", _EACH_STOP, "greatest impulse of a hit on a stop with restitution in the last motion period"
+        ),
+        Variable("stop_force_max", "max C", "N", _EACH_STOP, "greatest force of an elastic stop in the last motion period"),
         Variable("displacement", "Δx", "m", _CASE, "displacement over the window after settling"),
-        Variable("friction_power", "P_R", "W", _CASE, "mean power that friction takes over the last motion period"),
+        Variable("friction_power", "P_R", "W", _EACH_CONTACT, "mean power that friction takes over the last motion period"),
         Variable("drive_power", "P", "W", _CASE, "mean mechanical power that the actuator delivers over the motion period"),
         Variable("cost_of_transport", "P/((M+m)g|V|)", "1", _CASE, "cost of transport: mean power over weight times mean speed"),
         Variable("alpha_plus", "α+", "1", _CASE, "sliding friction forwards over drive force, of the robot with Coulomb friction"),

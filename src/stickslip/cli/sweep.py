@@ -52,7 +52,10 @@ def act(command: str, words: list[str]) -> int:
         export(grid, file)
     written = str(file or asked.out) if asked.out else None
     if asked.json:
-        columns = {name: _column(grid, name) for name in grid.data_vars}
+        from stickslip.sweeps.writing import one_row_a_case
+
+        flat = one_row_a_case(grid)
+        columns = {name: _column(flat, name) for name in flat.data_vars}
         axes = {name: grid[name].values for name in _axes(grid)}
         show.print_json({"robot": study.name, "axes": axes, "columns": columns, "attributes": dict(grid.attrs), "written": written})
     else:
@@ -179,9 +182,11 @@ def _headed(grid: Any, name: str) -> str:
 
 def _told(grid: Any, study: Any, written: str | None) -> str:
     """The first rows of the grid, and how its cases ended."""
+    from stickslip.sweeps.columns import is_of_cases
+
     axes = _axes(grid)
     varying = [str(n) for n in grid.coords if n not in axes and set(grid[n].dims) & set(axes)]
-    names = (*axes, *varying, *(name for name in _COLUMNS if name in grid))  # of several bodies there are no types
+    names = (*axes, *varying, *(name for name in _COLUMNS if is_of_cases(grid, name)))  # of several contacts there is a type of each
     cases = grid["mean_velocity"].size
     part = grid.isel({axes[0]: slice(0, _SHOWN)}) if axes else grid
     columns = [_column(part, name).ravel() if name in part.variables else part[name].values for name in names]

@@ -26,6 +26,7 @@ class Assembly:
         self.events: list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]] = []  # guard, new modes, new states, status
         self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by number of the contact
         self.contacts: list[Contact] = []
+        self.hits: dict[Any, tuple[int, Sym]] = {}  # of a stop with restitution, its event's number and the size of its impulse
 
     def mode(self, first: Sym) -> tuple[int, Sym]:
         """A new mode, and its number."""

@@ -131,4 +131,5 @@ def add_stop(parts: Assembly, stop: Any) -> None:
             after, (number,) = contact.slip + thrown, contact.modes
             one = graph.constant(1.0)
             modes[number] = graph.by_side(after, one, -one, parts.modes[number])
+    parts.hits[stop] = len(parts.events), -impulse
     parts.events.append((m.lift(stop.gap(m.t, m.places)), modes, states, 0))

@@ -16,7 +16,7 @@ from stickslip.engine.taylor import ORDER
 from stickslip.engine.texts import recurrence_text
 from stickslip.engine.unforeseen import POINTS
 
-__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "column", "load", "table"]
+__all__ = ["FUNCTIONS", "HEADER", "LOOKS", "column", "gauss", "load", "table"]
 
 #: What the driver calls by address, all but `land` in a law's kernel, and their types. `look` does what its first argument says (LOOKS).
 FUNCTIONS = {
@@ -27,6 +27,7 @@ FUNCTIONS = {
     "step": "void(float64[::1], float64, float64)",  # S, rtol, budget
     "switched": "int64(int64, int64, float64[::1])",  # which, lane, S
     "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
+    "signals": "void(float64[::1], float64, float64[::1], float64[::1], float64[::1])",  # row, t, y, what the step held, out
     "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES")
@@ -37,8 +38,13 @@ _COLUMNS = (
     "SET_VALUED", "OFFERED", "CYCLIC", "PERIOD", "FREE", "BREAK_AT", "F_C", "F_Y", "F_SIGN", "F_B", "F_ON", "F_M", "F_K",
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
     "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
-    "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED",
+    "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
 )  # fmt: skip
+
+#: Lists at the end of a table, of what is noted of several bodies and contacts: of each contact the place of its side, or mode, among
+#: what a step holds; of each signal its kind, and the state that it is (-1: none); of each body its coordinate, and the signal that is its
+#: velocity; the states that signals are made of. The table says where each begins.
+_LISTS = ("SIDES", "KINDS", "STATE_OF", "BODY_MOVES", "BODY_SIGNAL", "LOOKED_AT")
 
 #: The top of every kernel's file. Only `advance` is called from Python; the others need no wrappers for it.
 HEADER = '''"""Written by stickslip: {label}."""
@@ -89,15 +95,25 @@ def call(context, builder, sig, args):
 '''
 
 
-def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...]) -> Any:
-    """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of the states' scales."""
+def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists: tuple[tuple[int, ...], ...]) -> Any:
+    """The whole numbers by which the driver finds its way in a law's kernel: layout, addresses, places of lists, scales, lists."""
     import numpy as np
 
     where = {name: _address(getattr(module, name, None)) for name in FUNCTIONS}
     if layout["SET_VALUED"]:
         where["land"] = _address(_landing(layout["LANES"]).land)
-    addresses = where.values()
-    return np.array([*(layout[name] for name in _COLUMNS), *addresses, *scale_at], dtype=np.int64)
+    head = [*(layout[name] for name in _COLUMNS), *where.values()]
+    first = len(head) + len(_LISTS) + len(scale_at)
+    begins = [first + sum(map(len, lists[:k])) for k in range(len(_LISTS))]
+    return np.array([*head, *begins, *scale_at, *(number for numbers in lists for number in numbers)], dtype=np.int64)
+
+
+def gauss(count: int) -> tuple[list[float], list[float]]:
+    """Nodes in [0, 1] and weights of Gauss's rule."""
+    import numpy as np
+
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    return (0.5 * (nodes + 1)).tolist(), (0.5 * weights).tolist()
 
 
 def column(name: str) -> int:
@@ -116,8 +132,12 @@ def _address(function: Any) -> int:
 @lru_cache(1)
 def load() -> Any:
     """The compiled driver."""
-    constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), recurrence_text()]
-    return cache.load(_source("the driver of all kernels", constants, ("flags", "watching", "lanes")), "driver", "what all kernels share")
+    rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
+    tables = [f"{name} = np.array({part!r})" for name, part in rules]
+    constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), *tables, recurrence_text()]
+    return cache.load(
+        _source("the driver of all kernels", constants, ("flags", "watching", "reducing", "lanes")), "driver", "what all kernels share"
+    )
 
 
 @lru_cache
@@ -128,7 +148,7 @@ def _landing(lanes: int) -> Any:
 
 
 def _source(label: str, constants: list[str], texts: tuple[str, ...]) -> str:
-    names = [*_COLUMNS, *(f"AT_{name.upper()}" for name in FUNCTIONS), "SCALE_AT"]
+    names = [*_COLUMNS, *(f"AT_{name.upper()}" for name in FUNCTIONS), *_LISTS, "SCALE_AT"]
     folder = resources.files("stickslip.engine") / "kernels"
     return "\n".join(
         [

@@ -8,28 +8,30 @@ it. The same lines for one lane, which also keeps the dense output, solve a sing
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
+from stickslip.engine.lawtext import force, looks, prelude
+from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.rosenbrock import Step, write_step
-from stickslip.engine.steptext import Layout, step_text, straight
-from stickslip.engine.symbols import Sym
+from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
-from stickslip.engine.values import needed_by
-from stickslip.engine.write import Writer
 from stickslip.layout import BodyStates, ContactStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
-__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "prelude", "run"]
+__all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
 
 SEGMENTS = 32
+#: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there; then each
+#: state at all of them.
+ROOM = 10
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
 LANES, WIDTH = 16, 8
 #: Numbers of the layout that a law's own functions read.
@@ -52,6 +54,10 @@ class Kernel:
     contacts: int
     owners: tuple[int | None, ...]  # of each coordinate, the contact whose slip its state is
     layout: StateLayout  # what its states are
+    bodies: tuple[int, ...]  # of each body the coordinate with which it moves; none where no signals are noted
+    signals: dict[str, int]  # what is noted of the last motion period, by name, and its number
+    arms: bool  # whether a body moves otherwise than its coordinate
+    held: int  # flags, modes and clocks that a step holds
 
 
 @dataclass(frozen=True)
@@ -64,6 +70,16 @@ class Job:
     rtol: float
     slip_ratio: float
     budget: float
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a kernel found of each body, contact and stop: a row for each case."""
+
+    moved: Any  # (cases, coordinates): displacement over the window [m]
+    wide_max: Any  # (cases, bodies): extremes over the window, at the ends of steps
+    wide_min: Any
+    reduced: dict[str, Any]  # by signal (cases, 3) over the last motion period: integral over time, or a count; largest; smallest
 
 
 @dataclass(frozen=True)
@@ -88,6 +104,7 @@ class Results:
     limit: Any  # displacement in a drive period that the motion approaches [m]
     wide_max: Any  # extremes of v over the window, at the ends of steps
     wide_min: Any
+    parts: Parts | None = None  # of a machine that lists its bodies
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
@@ -95,7 +112,9 @@ _kernels: dict[Any, Kernel] = {}
 _layouts: dict[Any, tuple[StateLayout, tuple[int, ...]]] = {}
 
 
-def kernel_of(model: Any, tableau: Tableau | None, record: bool, made: Callable[[System], System] | None = None) -> Kernel:
+def kernel_of(
+    model: Any, tableau: Tableau | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None
+) -> Kernel:
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
 
     With `made` it is that of what this function makes of the model's system, such as its `stickslip.engine.tangent.tangent`.
@@ -104,10 +123,11 @@ def kernel_of(model: Any, tableau: Tableau | None, record: bool, made: Callable[
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (kind_of(model), tableau and tableau.name, record, made)
+    key = (kind_of(model), tableau and tableau.name, record, observe, made)
 
     def system() -> System:
-        return trace(model) if made is None else made(trace(model))
+        found = trace(model, observe)
+        return found if made is None else made(replace(found, signals=(), ratios=()))  # nothing is noted of what is made of a system
 
     name = label(model) if made is None else f"{made.__name__} of {label(model)}"
     try:
@@ -133,7 +153,7 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
     )
     return Kernel(
         module,
-        driver.table(module, *_layout(eq, step, lanes)),
+        driver.table(module, *_layout(eq, step, lanes), lists_of(eq, watched(eq, step))),
         lanes,
         len(step.fields) + len(_constants(eq, step)),
         eq.states,
@@ -144,6 +164,10 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         len(eq.contacts),
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
         _states_of(eq),
+        tuple(j for _, j in eq.bodies) if eq.signals else (),
+        {name: i for i, signal in enumerate(eq.signals) for name in signal.names},
+        has_arms(eq),
+        eq.signs + len(eq.modes) + len(eq.clocks),
     )
 
 
@@ -242,6 +266,9 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
         "SHARE_AT": share_at, "PASSIVE": eq.passive, "CARRIED": len(eq.carried), "DELAY_AT": share_at + len(eq.shares), "ORDERED": 0,
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
+        "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(has_arms(eq)),
+        "LOOKED": len(looked_at(eq)),
+        "PLACES": 1 + (eq.coordinates if eq.signals else 0),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],
     }  # fmt: skip
@@ -255,10 +282,16 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_G": "g0_0",
         "F_CLEAR": "clear0",
         "F_HELD": "held0",
+        "F_FIRED": "fired",
     }
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}
     return named | {name: offsets.get(field, -1) for name, field in fields.items()}, tuple(scale_at)
+
+
+def watched(eq: System, step: Step) -> Sequence[int]:
+    """The guards whose zeros a step finds, in its order."""
+    return taylor.watched(eq) if step.series else range(len(eq.guards))
 
 
 def _rows_of(letter: str, fields: Iterable[str]) -> int:
@@ -275,87 +308,14 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         emit_text(),
         "".join(f"{name} = {named[name]}\n" for name in _NAMED),
         prelude(eq, _constants(eq, step)),
-        _look(eq),
-        _force(eq, step.degree),
+        looks(eq),
+        force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
         step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
+        *((signals_text(eq, watched(eq, step)),) if eq.signals else ()),
     ]
     return "\n\n".join(parts)
-
-
-def prelude(eq: System, nodes: list[Any]) -> str:
-    """Once per case: everything that depends on its numbers alone."""
-    w = Writer(prefix="p")
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
-    ends = [w.value(node, bind) for node in nodes]
-    lines = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
-    return (
-        straight("numbers_of", "row, c", lines)
-        + f"""
-
-@njit("{driver.FUNCTIONS["prelude"]}", **OPTIONS)
-def prelude(row, c):
-    numbers_of(row, c)
-"""
-    )
-
-
-def _look(eq: System) -> str:
-    """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
-    bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
-    sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
-    writers = [Writer(prefix=letter) for letter in "pqrsuw"]
-    for k, clock in enumerate(eq.clocks):
-        writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
-    for k in _flags_in(eq.first_modes):
-        writers[1].line(f"b{k}", f"-1.0 if {writers[1].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
-    news = [f"mode[{i}] = {writers[1].value(new, bind | sides)}" for i, new in enumerate(eq.first_modes)]
-    for k, guard in enumerate(eq.guards):
-        writers[2].line(f"out[{k}]", f"1.0 * {writers[2].value(guard, bind | sides)}")
-        if k < eq.signs:
-            writers[2].line(f"b{k}", f"-1.0 if out[{k}] < 0.0 else 1.0")
-    passed = []
-    if eq.dynamic and 0 in eq.switches:
-        w, switch = writers[3], eq.switches[0]
-        w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
-        passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
-        active = switch.states[: eq.states - eq.passive]
-        given = {i: new for i, new in enumerate(active) if new is not None} | eq.forgetting
-        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in given.items()]
-    for k in _flags_in(eq.carried):
-        writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
-    for i, rate in enumerate(eq.carried):
-        writers[4].line(f"out[{i}]", f"1.0 * {writers[4].value(rate, bind | sides)}")
-    resting = [f"y[{i}] = {writers[5].value(new, bind)}" for i, new in eq.settled.items()]
-    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting), strict=True)
-    takes, parts = "row, t, y, clock, mode, out", []
-    calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
-    for what, (name, before, after) in enumerate(bodies):
-        if before or after:
-            parts.append(straight(name.lower(), takes, [*before, *after]))
-            calls += [f"    if what == {what}:", f"        {name.lower()}({takes})"]
-    return "\n".join([*parts, *calls, "    return"])
-
-
-def _flags_in(roots: Iterable[Sym]) -> list[int]:
-    """The guards whose flags some expressions need, those that others need first."""
-    return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
-
-
-def _force(eq: System, degree: int) -> str:
-    """The force that all but friction offer, by time; the nodes on which its work is summed."""
-    import numpy as np
-
-    nodes, weights = np.polynomial.legendre.leggauss(4 if degree < 8 else 10)
-    tables = [f"{name} = np.array({values.tolist()!r})" for name, values in (("NODES", 0.5 * (nodes + 1)), ("WEIGHTS", 0.5 * weights))]
-    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
-    bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
-    w = Writer(prefix="p")
-    value = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
-    head = ['@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)', "def force(lane, S, row, t):"]
-    return "\n".join([*tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"])])
 
 
 def run(
@@ -376,19 +336,25 @@ def run(
 
     cases, n = params.shape[0], k.states
     start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
+    bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
+    parts = k.contacts if signals else 1
+    places = 1 + (len(k.owners) if signals else 0)
     S = np.ones(k.fields * k.lanes)
-    lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
+    lane_numbers = np.zeros((k.lanes, 8 + parts), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 18)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST))
+    lane_floats, ring, xs = np.zeros((k.lanes, 17)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))
+    lane_parts = np.zeros((k.lanes, signals + bodies, 3))
+    held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
     cursor = np.array([0, cases, 0], dtype=np.int64)
-    out, count = np.full((cases, 9 + n + k.modes), np.nan), np.zeros((cases, 6), dtype=np.int64)
-    seg_time, seg_code = np.zeros((cases, SEGMENTS)), np.zeros((cases, SEGMENTS), dtype=np.int8)
+    out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
+    found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
+    seg_time, seg_code = np.zeros((cases, parts * SEGMENTS)), np.zeros((cases, parts * SEGMENTS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     advance = driver.load().advance
     while advance(
-        S, lane_numbers, lane_floats, ring, xs, cursor, params, start, out, count, seg_time, seg_code, pieces,
-        job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
+        S, lane_numbers, lane_floats, ring, xs, held, lane_parts, room, cursor, params, start, out, count, found, seg_time, seg_code,
+        pieces, job.periods, job.settle, int(job.auto), job.rtol, job.slip_ratio, job.budget, slice_calls, k.table,
     ):  # fmt: skip
         kept.append(pieces[: cursor[2]].copy())
         cursor[2] = 0
@@ -397,7 +363,11 @@ def run(
     kept.append(pieces[: cursor[2]].copy())
     if progress is not None:
         progress(cases)
+    last = 6 + n + k.modes
+    wide_max, wide_min = found[:, signals:, 1:].transpose(2, 0, 1)
+    several = Parts(out[:, last + 3 :], wide_max, wide_min, {name: found[:, i] for name, i in k.signals.items()}) if signals else None
     return Results(
-        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 3],
-        seg_time, seg_code, count[:, 4], count[:, 5], out[:, 6 + n : -3], *out[:, -3:].T, np.concatenate(kept) if keep_pieces else None,
+        out[:, 0], out[:, 1], out[:, 2], out[:, 3], out[:, 5 : 6 + n], out[:, 4], count[:, 0], count[:, 1], count[:, 2], count[:, 5:],
+        seg_time, seg_code, count[:, 3], count[:, 4], out[:, 6 + n : last], *out[:, last : last + 3].T,
+        several, np.concatenate(kept) if keep_pieces else None,
     )  # fmt: skip

@@ -11,7 +11,8 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.driver import HEADER
-from stickslip.engine.lanes import plain_name, prelude
+from stickslip.engine.lanes import plain_name
+from stickslip.engine.lawtext import prelude
 from stickslip.engine.symbols import Sym
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, label, trace

@@ -78,7 +78,8 @@ class _StepWriter(EventWriter):
         fields = scalars + [f"y{i}" for i in n] + [f"b{k}" for k in g] + [f"on{k}" for k in g] + [f"m{i}" for i in n if i]
         fields += [f"mode{i}" for i in range(len(self.eq.modes))] + [f"clk{k}" for k in range(len(self.eq.clocks))]
         fields += ["stat", "nacc", "nrej", "ratio", "acc"]
-        fields += ["t0", "hh", *(f"k{i}_{m}" for i in (n if self.record else (0,)) for m in range(self.degree + 1))]
+        kept = n if self.record or self.eq.signals else (0,)
+        fields += ["t0", "hh", *(f"k{i}_{m}" for i in kept for m in range(self.degree + 1)), *ended_by(self.eq)]
         if self.record:
             fields += ["x0", *sides(self.eq), *(f"held{i}" for i in range(len(self.eq.modes)))]
         self._slopes()
@@ -317,6 +318,8 @@ class _StepWriter(EventWriter):
         w.line("_nacc", "_nacc + (1.0 if _acc1 else 0.0)")
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
         shortest = f"fma(_t, 4.5e-16, 1e-25 * {w.value(self.eq.period, self.start)})"  # time has digits near 0 that it has not later
+        for name in ended_by(self.eq):
+            w.line(f"_{name}", "1.0 * _which if _evA else -1.0")
         w.line("_bad", f"(not _acc1) and _hh < {shortest}")
         nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.active))
         w.line("_end", f"{TOO_SMALL}.0")
@@ -342,6 +345,11 @@ class _StepWriter(EventWriter):
                 w.line("_code", f"{switch.status}.0 if {fired} else _code")
         for fired, name, value in news:
             w.line(name, f"{value} if {fired} else {name}")
+
+
+def ended_by(eq: System) -> list[str]:
+    """Field of the guard that ended the last step (-1: none), where something is noted there."""
+    return ["fired"] if any(signal.guard is not None for signal in eq.signals) else []
 
 
 def sides(eq: System) -> list[str]:

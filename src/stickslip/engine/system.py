@@ -8,7 +8,17 @@ from functools import cached_property
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
 
-__all__ = ["Branches", "Contact", "Switch", "System"]
+__all__ = ["Branches", "Contact", "Signal", "Switch", "System"]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """What is noted of the motion in its last period, beside its states."""
+
+    names: tuple[str, ...]  # of all that it is
+    node: Sym
+    kind: int  # what it is reduced to: a sum of the numbers in `observed`
+    guard: int | None = None  # it is taken where this guard falls to zero, and nowhere else
 
 
 @dataclass(frozen=True)
@@ -84,6 +94,8 @@ class System:
     mass: Sym  # all that moves with the first contact [kg]
     shares: tuple[Sym, ...]  # of each position among the states, in that of the centre of mass; none for one body
     offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it; of one body
+    signals: tuple[Signal, ...] = ()
+    ratios: tuple[Sym, ...] = ()  # slip ratios of the contacts, where laws have inner states and there are signals
     passive: int = 0  # the last states, on which no other state, no event and no step's length depends (see tangent.py)
     carried: tuple[Sym, ...] = ()  # rates of what the first passive states are changes of; the one after them is a change of an instant
     delays: tuple[Sym, ...] = ()  # change of each known instant, of clocks and then of impulses

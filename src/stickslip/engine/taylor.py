@@ -8,7 +8,7 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 
 from __future__ import annotations
 
-from stickslip.engine.rosenbrock import Step, sides
+from stickslip.engine.rosenbrock import Step, ended_by, sides
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import CASE, Sym
@@ -97,7 +97,7 @@ class _SeriesWriter:
         eq, states, orders = self.eq, range(self.eq.states), range(ORDER + 1)
         fields = ["t", "tend", "x", *(f"y{i}" for i in states), *(f"b{k}" for k in range(eq.signs)), *(s.name for s in eq.modes)]
         fields += [*(f"clk{k}" for k in range(len(eq.clocks))), *(f"m{i}" for i in states if i), "stat", "nacc", "nrej", "ratio", "acc"]
-        fields += ["t0", "hh", "x0", *sides(eq), "last", "top", *(f"k{i}_{m}" for i in states for m in orders)]
+        fields += ["t0", "hh", "x0", *sides(eq), "last", "top", *ended_by(eq), *(f"k{i}_{m}" for i in states for m in orders)]
         searched = [*(f"g{k}" for k in range(len(self.watched))), *(f"e{k}" for k in range(len(self.rising)))]
         return fields + [f"{row}_{m}" for row in searched for m in orders] + [f"clear{k}" for k in range(len(searched))]
 

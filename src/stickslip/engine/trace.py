@@ -8,6 +8,7 @@ import numpy as np
 
 from stickslip.engine.checks import explained
 from stickslip.engine.contacts import Assembly, add_contacts, add_stop
+from stickslip.engine.observed import Observed, with_signals
 from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
@@ -45,20 +46,22 @@ def kind_of(model: Any) -> tuple[Any, ...]:
     return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
 
-def trace(model: Any) -> System:
-    """The equations of a model; `InputError` says what to change in a law that cannot be traced."""
-    return explained(_trace, model)
+def trace(model: Any, observe: Observed = ()) -> System:
+    """The equations of a model; `InputError` says what to change in a law, or an observable, that cannot be traced."""
+    return explained(lambda model: _trace(model, observe), model)
 
 
-def _trace(model: Any) -> System:
+def _trace(model: Any, observe: Observed) -> System:
     single = machine_of(model).is_single
     if single:
         _check_contact(model)
-        return _traced(model, not knows_position(model))
+        return _traced(model, not knows_position(model), observe)
     if reason := refused(model):
         raise InputError(type(model).__name__, [reason])
-    found = _traced(model, False)
-    return _traced(model, True) if _only_differences(found) else found
+    found = _traced(model, False, ())
+    if _only_differences(found):
+        return _traced(model, True, observe)
+    return _traced(model, False, observe) if observe else found
 
 
 def _only_differences(eq: System) -> bool:
@@ -81,7 +84,7 @@ def _only_differences(eq: System) -> bool:
     return True
 
 
-def _traced(model: Any, cyclic: bool) -> System:
+def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
     m = Symbolic(model, cyclic)
     graph, zero = m.graph, m.graph.constant(0.0)
     speeds = [law.velocity_scale() for law in m.laws]
@@ -110,7 +113,7 @@ def _traced(model: Any, cyclic: bool) -> System:
 
     switches = {len(graph.guards) + k: switch(*event) for k, (_, *event) in enumerate(parts.events)}
     switches |= {parts.contacts[i].guard or 0: switch(*changes) for i, changes in parts.at_rest.items()}
-    return System(
+    eq = System(
         graph=graph, names=m.names, t=m.t, y=y, f=f,
         bodies=tuple((name, m.equations.coordinate_of(name)) for name in m.equations.bodies),
         slips_of=m.equations.slips_of, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),
@@ -124,6 +127,7 @@ def _traced(model: Any, cyclic: bool) -> System:
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
         free=m.accelerations({})[0], inertia=_inertia(m),
     )  # fmt: skip
+    return eq if m.single and not observe else with_signals(eq, parts, observe)
 
 
 def _shares(m: Symbolic) -> tuple[Sym, ...]:

@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.fields import masked_in
 from stickslip.plot.maps import DARK, TYPE_COLOURS, plain_label, scaled
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
+from stickslip.sweeps.columns import is_of_cases
 
 __all__ = ["line_cut"]
 
@@ -101,7 +102,7 @@ def _values(part: Any, rest: list[str], lines: Sequence[float] | None) -> list[A
 def _strips(ax: Any, curves: list[Any], x: Any) -> None:
     """The motion types along the axis, a strip for each curve under all of them, with the curve's line at its left end."""
     height = 0.06
-    if not all("motion_type" in curve for curve in curves):  # of machines of several bodies there are none
+    if not all(is_of_cases(curve, "motion_type") for curve in curves):  # of machines of several contacts there is one of each
         return
     for i, curve in enumerate(curves):
         top = height * (len(curves) - i) - 0.01

@@ -12,7 +12,7 @@ from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
 from stickslip.steadiness import STEADINESS, UNSETTLED
-from stickslip.sweeps.columns import column_of
+from stickslip.sweeps.columns import column_of, is_of_cases
 
 __all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 
@@ -81,8 +81,18 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
 
 
 @explains_arguments
-def velocity_map(grid: Grid, x: str | None = None, y: str | None = None, borders: bool = True, optimum: bool = True, ax: Ax = None) -> Any:
-    """The mean velocity over a plane, with the borders of the motion types and the fastest point marked.
+def velocity_map(
+    grid: Grid,
+    x: str | None = None,
+    y: str | None = None,
+    borders: bool = True,
+    optimum: bool = True,
+    ax: Ax = None,
+    quantity: str = "mean_velocity",
+) -> Any:
+    """The mean velocity over a plane, or another number, with the borders of the motion types and the fastest point marked.
+
+    Of a machine of several parts choose one beforehand: ``velocity_map(grid.sel(body="module 1"), quantity="body_velocity")``.
 
     Parameters
     ----------
@@ -96,6 +106,8 @@ def velocity_map(grid: Grid, x: str | None = None, y: str | None = None, borders
         Whether to mark the point of largest speed.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
+    quantity : str, optional
+        Any column of numbers, such as "velocity_max" or "stick_fraction".
 
     Returns
     -------
@@ -110,10 +122,12 @@ def velocity_map(grid: Grid, x: str | None = None, y: str | None = None, borders
     """
     first, second = plane_of(grid, x, y)
     across, up = scaled(grid, first), scaled(grid, second)
-    V = np.asarray(grid["mean_velocity"].transpose(second, first).values, float)
-    unitless = grid["mean_velocity"].attrs.get("units") == "1" or {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
-    factor, letter = (1.0, "") if unitless else prefix(V[np.isfinite(V)])
-    unit = "" if unitless else f"{letter}m/s"
+    column = _numbers(grid, quantity)
+    V = np.asarray(column.transpose(second, first).values, float)
+    unitless = column.attrs.get("units") == "1" or {first, second} == {"alpha_plus", "alpha_minus"}  # then A mu omega is 1
+    prefixed = not unitless and column.attrs.get("units", "m/s") in _PREFIXED
+    factor, letter = prefix(V[np.isfinite(V)]) if prefixed else (1.0, "")
+    unit = "" if unitless else f"{letter}{column.attrs.get('units', 'm/s')}"
     V = V * factor
     top, bottom = np.nanmax(V, initial=0.0), np.nanmin(V, initial=0.0)
     both = bottom < -1e-3 * max(top, -bottom)
@@ -122,13 +136,23 @@ def velocity_map(grid: Grid, x: str | None = None, y: str | None = None, borders
         ax = _square(ax)
         shown = ax.pcolormesh(across.values, up.values, V, shading="nearest", rasterized=True, **limits)
         bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
-        bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless else f"mean velocity $V$ ({unit})")
+        named = "mean velocity $V$" if quantity == "mean_velocity" else quantity.replace("_", " ")
+        bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless and "$" in named else f"{named} ({unit or '1'})")
         bar.outline.set_linewidth(0.5)
         lines = borders and _type_lines(ax, grid, first, second, across, up)
         _legend(ax, [], "border of motion types" if lines else None, _hatch_unsettled(ax, grid, first, second, across, up))
         if optimum and np.isfinite(V).any():
             _mark_best(ax, V, across, up, unit)
         return _framed(ax, grid, across, up)
+
+
+def _numbers(grid: Any, quantity: str) -> Any:
+    """A column of numbers of a dataset."""
+    column = column_of("plot", grid, quantity)
+    if column.dtype.kind != "f":
+        has = ", ".join(str(n) for n in grid.data_vars if grid[n].dtype.kind == "f")
+        raise InputError("plot", [f"quantity = {quantity!r} holds {column.dtype}; allowed is a column of numbers: {has}"])
+    return column
 
 
 # ---- parts ----
@@ -258,7 +282,7 @@ def _type_lines(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: 
     """Lines between the regions of different types, the corners of cells rounded off and specks left out; False if there are none."""
     import contourpy
 
-    if "motion_type" not in grid:
+    if not is_of_cases(grid, "motion_type"):
         return False
     types = np.asarray(grid["motion_type"].transpose(second, first).values)
     names, codes = np.unique(types, return_inverse=True)

@@ -37,6 +37,7 @@ def solve(
     dwell: float = 0.03,
     progress: Callable[[int, int], None] | bool | None = None,
     duration: float | None = None,
+    observe: dict[str, Any] | None = None,
     **options: Any,
 ) -> Trajectory | Summary:
     r"""Simulate a robot or a mechanism, or every one of a batch, from its start.
@@ -70,6 +71,8 @@ def solve(
         True for a line on the terminal, or what is called with (cases begun, cases in all).
     duration : float, optional
         How long to simulate [s], instead of `periods`. A model that has no period needs it. A batch of periodic models cannot take it.
+    observe : dict of Observable, optional
+        Columns of your own for a batch, by name: see `observable`.
     **options
         Options of the method: ``steps`` per period for "rk4".
 
@@ -91,5 +94,7 @@ def solve(
     >>> f"{ss.mean_velocity(run):.6f} m/s"
     '0.002015 m/s'
     """
-    todo = request(model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration)
-    return method_for(todo.method, todo.model).run(todo)
+    todo = request(
+        model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
+    )
+    return method_for(todo.method, todo.model, bool(todo.observe)).run(todo)

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import spread
+from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
 from stickslip.machine import machine_of
-from stickslip.segments import type_of
+from stickslip.solvers.parts import RawParts, columns_of_parts, of_only_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
 from stickslip.summary import LOST, STATUS, Summary
@@ -39,6 +40,8 @@ class Raw:
     wide_max: Any  # extremes of v over the whole window of the displacement [m/s]
     wide_min: Any
     friction_power: Any = None  # [W] over the last motion period, where the solver measures it
+    parts: RawParts | None = None  # of a machine that lists its bodies: it has no velocity and no segments of its own
+    observed: dict[str, Any] | None = None  # a user's own columns
 
 
 #: What every batch solver must find.
@@ -50,17 +53,22 @@ def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Ra
     cases = todo.cases
     T, free = np.broadcast_to(todo.span, (cases,)), spread(machine_of(todo.model).free_velocity, todo.labels)
     columns: dict[str, Any] = {}
+    coded: dict[str, list[CodedWords]] = {}
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last], free[first:last], mean_tolerance(method, todo.rtol)).items():
             if (first, last) == (0, cases):
                 columns[name] = values
                 continue
+            if isinstance(values, CodedWords):
+                coded.setdefault(name, []).append(values)
+                continue
             if name not in columns:
-                columns[name] = np.empty(cases, values.dtype)
+                columns[name] = np.empty((cases, *values.shape[1:]), values.dtype)
             elif values.itemsize > columns[name].itemsize:  # longer words
                 columns[name] = columns[name].astype(values.dtype)
             columns[name][first:last] = values
-    shaped = {name: values.reshape(todo.labels.shape) for name, values in columns.items()}
+    columns |= {name: first.joined(others) for name, (first, *others) in coded.items()}
+    shaped = {name: values.reshape((*todo.labels.shape, *values.shape[1:])) for name, values in columns.items()}
     tolerance = None if method == "exact" else todo.rtol
     return Summary(todo.model, todo.labels, shaped, dict(STATUS), provenance(todo, method, tolerance))
 
@@ -72,34 +80,36 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
         approached = np.where(good & (todo.model.period is not None), raw.limit / T, np.nan)
     steadiness = judged(velocity, approached, raw.period, free, tolerance) if todo.model.period is not None else np.full(len(T), UNKNOWN)
     lasting = steadiness == STEADY  # then the last motion period says all; else the extremes are those of the window of the mean
-    moving = (raw.v_max > 0) | (raw.v_min < 0)
-    floor = np.maximum(1e-12, todo.rtol if machine_of(todo.model).has_inner_states else 0.0) * abs(np.maximum(raw.v_max, -raw.v_min)) * T
-    typed = type_of(
-        raw.seg_count, raw.seg_time / T[:, None], raw.seg_code, raw.period, raw.margin_force, raw.displacement, todo.dwell, moving,
-        floor * raw.window,
-    )  # fmt: skip
-    typed["motion_type"] = np.where(good, typed["motion_type"], "unsolved")
-    for name in ("margin", "stick_fraction", "forward_fraction", "backward_fraction"):
-        typed[name] = np.where(good, typed[name], np.nan)
-    of_body = typed | {
-        "velocity_max": np.where(good, np.where(lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)), np.nan),
-        "velocity_min": np.where(good, np.where(lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)), np.nan),
-    }
+    rtol = todo.rtol if machine_of(todo.model).has_inner_states else 0.0
+    if raw.parts is None:
+        of_parts = _columns_of_one(raw, T, good, lasting, todo.dwell, rtol)
+    else:
+        of_parts = columns_of_parts(raw.parts, T, raw.window, raw.period, good, lasting, todo.dwell, rtol)
+        of_parts = of_only_parts(of_parts) if machine_of(todo.model).is_single else of_parts
+    power = of_parts.pop("friction_power", None)
     return {
         "mean_velocity": velocity,
-        **(of_body if machine_of(todo.model).is_single else {}),
+        **of_parts,
         "period": np.where(good, raw.period, 0),
         "displacement": raw.displacement,
-        **(
-            {}
-            if raw.friction_power is None or not machine_of(todo.model).is_single
-            else {"friction_power": np.where(good, raw.friction_power, np.nan)}
-        ),
+        **({} if power is None else {"friction_power": power}),
         "steadiness": steadiness.astype(np.int8),
         "settling_error": np.where(np.isfinite(approached), abs(velocity - approached), np.nan),
         "periods_run": raw.periods_run,
         "status": raw.status,
+        **{name: np.where(good, values, np.nan) for name, values in (raw.observed or {}).items()},
     }
+
+
+def _columns_of_one(raw: Raw, T: Any, good: Any, lasting: Any, dwell: float, rtol: float) -> dict[str, Any]:
+    """What is about the velocity and the contact of the only body."""
+    seg = raw.seg_count, raw.seg_time, raw.seg_code
+    found = typed(seg, T, raw.period, raw.margin_force, raw.displacement, (raw.v_max, raw.v_min), raw.window, dwell, rtol, good)
+    found["velocity_max"] = np.where(good, np.where(lasting, raw.v_max, np.maximum(raw.v_max, raw.wide_max)), np.nan)
+    found["velocity_min"] = np.where(good, np.where(lasting, raw.v_min, np.minimum(raw.v_min, raw.wide_min)), np.nan)
+    if raw.friction_power is not None:
+        found["friction_power"] = np.where(good, raw.friction_power, np.nan)
+    return found
 
 
 def _remedy(status: int) -> str:

@@ -32,6 +32,10 @@ class Method(Protocol):
     def names(self) -> tuple[str, ...]:
         """What ``method=`` may be for it to run."""
 
+    @property
+    def observes(self) -> bool:
+        """Whether it evaluates a user's functions of the state on the way."""
+
     def accepts(self, model: Any) -> str | None:
         """None where it solves a machine, or all of a batch; else why not."""
 
@@ -59,6 +63,7 @@ class ClosedArcs:
 
     title: str = "closed arcs"
     names: tuple[str, ...] = ("auto", "exact")
+    observes: bool = False
 
     def accepts(self, model: Any) -> str | None:
         """By the traced equations, which are taken apart into a sine and constants."""
@@ -79,6 +84,7 @@ class TaylorSteps:
 
     title: str = "Taylor steps"
     names: tuple[str, ...] = ("auto", "exact")
+    observes: bool = True
 
     def accepts(self, model: Any) -> str | None:
         """Laws that rest exactly."""
@@ -98,6 +104,7 @@ class Rosenbrock:
 
     title: str = "Rosenbrock steps"
     names: tuple[str, ...] = ("auto", "rodas4", "rodas5p")
+    observes: bool = True
 
     def accepts(self, model: Any) -> str | None:
         """Laws with inner states."""
@@ -116,6 +123,7 @@ class RungeKutta:
 
     title: str = "Runge-Kutta steps"
     names: tuple[str, ...] = ("rk4",)
+    observes: bool = False
 
     def accepts(self, model: Any) -> str | None:
         """One body on one contact, of what a plain script knows."""
@@ -143,6 +151,7 @@ class Judge:
 
     title: str = "SciPy"
     names: tuple[str, ...] = ("auto", "radau", "lsoda", "bdf", "dop853")
+    observes: bool = False
 
     def accepts(self, model: Any) -> str | None:
         """Everything."""
@@ -155,14 +164,17 @@ class Judge:
         return plain.solve(todo)
 
 
+_BLIND = "it evaluates no functions of the state: observe is for the compiled methods"
 #: In the order in which they are asked.
 ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), Rosenbrock(), RungeKutta(), Judge())
 #: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Rodas4 or Rodas5P by tolerance.
 METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
 
 
-def method_for(name: str, model: Any) -> Method:
+def method_for(name: str, model: Any, observed: bool = False) -> Method:
     """The first method of a name that takes a machine; `InputError` with what each says where none does.
+
+    With `observed` it evaluates a user's functions of the state.
 
     Examples
     --------
@@ -174,9 +186,11 @@ def method_for(name: str, model: Any) -> Method:
     said = {}
     for method in ALL:
         if name in method.names:
-            reason = method.accepts(model)
+            reason = _BLIND if observed and not method.observes else method.accepts(model)
             if reason is None:
                 return method
             said[method.title] = reason.partition("; type method=")[0]
+    if observed and all(reason == _BLIND for reason in said.values()):
+        raise InputError("solve", [f'observe is for the compiled methods; method = {name!r} is none of them; type method="auto"'])
     told = "; ".join(f"{title}: {reason}" for title, reason in said.items())
     raise InputError("solve", [f'method = {name!r} does not solve this {type(model).__name__}; {told}; type method="auto"'])

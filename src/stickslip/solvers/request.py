@@ -17,7 +17,9 @@ from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import law_of
 from stickslip.machine import is_machine, machine_of
+from stickslip.observables import Observable, checked
 from stickslip.solvers.starts import start_of_parts
+from stickslip.variables import VARIABLES
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
@@ -44,6 +46,7 @@ class Request:
     options: dict[str, Any]
     duration: float | None  # [s], where it was given
     span: Any  # time of one period [s]: the model's, or the duration if it has none; an array (cases,) for a summary of a periodic model
+    observe: tuple[tuple[str, Observable], ...] = ()
 
     @property
     def cases(self) -> int:
@@ -53,7 +56,7 @@ class Request:
 
 def request(
     model: Any, periods: Any, settle: Any, rtol: Any, start: Any, workers: Any, keep: Any, samples: Any, method: Any, slip_ratio: Any,
-    dwell: Any, progress: Any, options: dict[str, Any], duration: Any = None,
+    dwell: Any, progress: Any, options: dict[str, Any], duration: Any = None, observe: Any = None,
 ) -> Request:  # fmt: skip
     """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")
@@ -90,13 +93,16 @@ def request(
     problems.check()
     progress = told_of_progress(progress, "solve")
     keep = keep or ("summary" if labels.shape else "trajectory")
+    observed = checked("solve", observe, VARIABLES)
+    if observed and keep == "trajectory":
+        raise InputError("solve", ["observe makes columns of a batch, and this is one run; type run.at(t) for its columns at any time"])
     periods = int(periods)
     _check_size(keep, periods, int(samples))
     settled = periods // 2 if settle is None or auto else int(settle)
     return Request(
         model, labels, periods, settled, auto, float(rtol), states, dict(start or {}),
         int(workers), keep, int(samples), method, float(slip_ratio), float(dwell), progress, options,
-        None if duration is None else float(duration), _span(model, labels, keep, duration),
+        None if duration is None else float(duration), _span(model, labels, keep, duration), observed,
     )  # fmt: skip
 
 

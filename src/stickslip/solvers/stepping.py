@@ -15,6 +15,7 @@ from stickslip.layout import StateLayout
 from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.parts import RawParts
 from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
 from stickslip.solvers.tables import CaseTable
@@ -31,10 +32,11 @@ CHUNK = 4096
 def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Summary:
     """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
     check_period(todo.model)
-    kernel = lanes.kernel_of(todo.model, tableau, record=todo.cases == 1)
-    method, job, table = _method(tableau), _job(todo, rtol), CaseTable(todo.model, kernel, todo.start, todo.span)
+    kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1, todo.observe)
+    method, job = _method(tableau), _job(todo, rtol)
     if todo.keep == "summary":
-        return gather(todo, method, _parts(todo, kernel, table, job))
+        return gather(todo, method, _parts(todo, kernel, job))
+    table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
     if status > 1 and status != trace.LOST:
@@ -67,7 +69,7 @@ def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Sum
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
     table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, _job(todo, rtol))
-    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, table, slice(None)))])
+    summary = gather(todo, _method(tableau), [((0, todo.cases), _raw(results, kernel, table))])
     _, v, z = table.ends(results)
     return summary, results.end[:, 0], v[:, 0], z, results.memory
 
@@ -82,9 +84,9 @@ def _job(todo: Request, rtol: float) -> lanes.Job:
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
-def _parts(todo: Request, kernel: lanes.Kernel, table: CaseTable, job: lanes.Job) -> Any:
+def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
     """Raw results chunk by chunk, in order; threads share the chunks."""
-    bounds = _bounds(todo.cases, todo.workers)
+    bounds, span = _bounds(todo.cases, todo.workers), np.broadcast_to(todo.span, (todo.cases,))
     begun = [0] * len(bounds)
 
     def work(i: int) -> Raw:
@@ -95,7 +97,9 @@ def _parts(todo: Request, kernel: lanes.Kernel, table: CaseTable, job: lanes.Job
             if todo.progress is not None:
                 todo.progress(sum(begun), todo.cases)
 
-        return _raw(lanes.run(kernel, table.rows[first:last], table.start[first:last], job, progress=tell), table, slice(first, last))
+        cases = slice(first, last)
+        table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases)
+        return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
 
     if todo.workers == 1 or len(bounds) == 1:
         yield from zip(bounds, map(work, range(len(bounds))), strict=True)
@@ -110,13 +114,46 @@ def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:
     return [(i, min(i + size, cases)) for i in range(0, cases, size)]
 
 
-def _raw(r: lanes.Results, table: CaseTable, cases: slice) -> Raw:
-    offset, carried = table.offsets[cases, 0], table.carried[cases] * table.span[cases]
+def _raw(r: lanes.Results, kernel: lanes.Kernel, table: CaseTable, observe: Any = ()) -> Raw:
+    offset, carried = table.offsets[:, 0], table.carried * table.span
+    of_parts = None if r.parts is None else _raw_parts(r, kernel, table.offsets, carried * r.window)
     return Raw(
         displacement=r.displacement + carried * r.window, window=r.window, period=r.period, periods_run=r.periods_run, status=r.status,
-        v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count, seg_time=r.seg_time, seg_code=r.seg_code,
+        v_max=r.v_max + offset, v_min=r.v_min + offset, seg_count=r.seg_count[:, 0], seg_time=r.seg_time, seg_code=r.seg_code,
         margin_force=np.full(len(r.status), np.inf), limit=r.limit + carried,
-        wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power,
+        wide_max=r.wide_max + offset, wide_min=r.wide_min + offset, friction_power=r.friction_power, parts=of_parts,
+        observed={name: _reduced(r, each.reduce, f"u.{name}", table.span) for name, each in observe},
+    )  # fmt: skip
+
+
+def _reduced(r: lanes.Results, reduce: str, signal: str, span: Any) -> Any:
+    """A user's observable."""
+    assert r.parts is not None
+    values = r.parts.reduced[signal][:, {"max": 1, "min": 2, "last": 2}.get(reduce, 0)]
+    return values / (span * np.maximum(r.period, 1)) if reduce == "mean" else values
+
+
+def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: Any) -> RawParts:
+    """What lanes found of each body, contact and stop, by the names of their signals."""
+    found = r.parts
+    assert found is not None
+
+    def stacked(letters: str, which: int) -> Any:
+        """One number of all signals that begin with one of these letters; NaN of those that have another letter than the first."""
+        named = [name for name in kernel.signals if name[0] in letters]
+        columns = [found.reduced[name][:, which] if name[0] == letters[0] else np.full(len(r.status), np.nan) for name in named]
+        return np.stack(columns, axis=1) if columns else np.empty((len(r.status), 0))
+
+    beside = 0.0 if kernel.arms else offsets[:, list(kernel.bodies)]  # the states of lanes are less than the velocities by this
+    stops = {name: values[:, 0] for name, values in found.reduced.items() if name[0] in "JF"}
+    shape = (len(r.status), kernel.contacts, -1)
+    return RawParts(
+        displacement=found.moved[:, list(kernel.bodies)] + carried[:, None],
+        v_max=stacked("v", 1), v_min=stacked("v", 2), wide_max=found.wide_max + beside, wide_min=found.wide_min + beside,
+        slip_max=stacked("w", 1), slip_min=stacked("w", 2), slipped=stacked("w", 0), friction_work=stacked("P", 0),
+        seg_count=r.seg_count, seg_time=r.seg_time.reshape(shape), seg_code=r.seg_code.reshape(shape), margin_force=np.inf,
+        hits=np.stack(list(stops.values()), axis=1) if stops else np.empty((len(r.status), 0)),
+        impulse_max=stacked("JF", 1), stop_force_max=stacked("FJ", 1),
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from stickslip.friction.adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
 from stickslip.steadiness import outcome_of, window_count
 
-__all__ = ["NOTHING", "codes_of", "margin_force", "raw", "reduced", "segments_of"]
+__all__ = ["NOTHING", "codes_of", "margin_force", "over_window", "raw", "reduced", "segments_of"]
 
 SEGMENTS = 32  # most segments of one motion period
 
@@ -33,9 +33,13 @@ def codes_of(model: Any, v: Any, z: Any, mode: Any, slip_ratio: float, t: Any, x
 
 def reduced(model: Any, strobe: Any, settle: int, method: str, rtol: float) -> dict[str, Any]:
     """Period number, the displacement that is approached, and the displacement over the window: from (periods + 1, 1 + states), x first."""
-    period, limit = outcome_of(model, strobe, method, rtol)
-    count = window_count(len(strobe) - 1, settle, period)
-    return {"period": period, "limit": limit, "displacement": float(strobe[-1, 0] - strobe[-1 - count, 0]), "window": float(count)}
+    return over_window(strobe[:, 0], settle, *outcome_of(model, strobe, method, rtol))
+
+
+def over_window(x: Any, settle: int, period: int, limit: float) -> dict[str, Any]:
+    """The same from positions at the strobe points, where period number and limit are known."""
+    count = window_count(len(x) - 1, settle, period)
+    return {"period": period, "limit": limit, "displacement": float(x[-1] - x[-1 - count]), "window": float(count)}
 
 
 def margin_force(model: Any) -> float:
@@ -56,4 +60,5 @@ def segments_of(durations: Any, codes: Any) -> tuple[int, Any, Any]:
 
 def raw(cases: list[dict[str, Any]]) -> Raw:
     """The results of several cases, each a dict by the names of `Raw`, as one."""
-    return Raw(**{name: np.array([case[name] for case in cases]) for name in NEEDED})
+    found: dict[str, Any] = {name: np.array([case[name] for case in cases]) for name in NEEDED}
+    return Raw(**found, parts=cases[0].get("parts") if len(cases) == 1 else None)

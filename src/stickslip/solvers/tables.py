@@ -31,12 +31,22 @@ class CaseTable:
         Length of a period [s], one for all or one for each case.
     along : dict of arrays (cases,), optional
         Parts of a direction in the model's numbers, for the kernel of a tangent (see `stickslip.engine.tangent`).
+    which : slice, optional
+        The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
     """
 
-    def __init__(self, model: Any, kernel: lanes.Kernel, start: Array, span: Any, along: dict[str, Array] | None = None):
+    def __init__(
+        self,
+        model: Any,
+        kernel: lanes.Kernel,
+        start: Array,
+        span: Any,
+        along: dict[str, Array] | None = None,
+        which: slice = slice(None),
+    ):
         cases, own = len(start), dict(leaves(model))
         names = tuple(n for n in kernel.names if n in own)
-        rows = rows_of(model, names)
+        rows = rows_of(model, names, which)
         self.rows = np.array(np.broadcast_to(rows, (cases, rows.shape[1])), order="C")
         self.span = np.broadcast_to(span, (cases,))
         if len(names) < len(kernel.names):
@@ -46,7 +56,7 @@ class CaseTable:
         self.count = count = len(kernel.owners)
         offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
         owned = [0.0 if i is None else -offsets[i] for i in kernel.owners]
-        self.offsets = np.stack([_spread(offset, cases) for offset in owned], axis=1)
+        self.offsets = np.stack([_spread(offset, cases, which) for offset in owned], axis=1)
         self.cyclic = bool(kernel.layout.ways)
         steps = self.cyclic and not machine_of(model).has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
@@ -62,6 +72,7 @@ class CaseTable:
         return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]
 
 
-def _spread(value: Any, cases: int) -> Array:
-    """A number, or one for each case, for every case."""
-    return np.broadcast_to(np.asarray(value, float), (cases,))
+def _spread(value: Any, cases: int, which: slice) -> Array:
+    """A number, or one for each case of the model, for each of some cases."""
+    array = np.asarray(value, float)
+    return np.broadcast_to(array[which] if array.shape not in ((), (1,)) else array, (cases,))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -22,15 +23,22 @@ __all__ = [
     "TYPES",
     "UNDONE",
     "all_failed",
+    "base_of",
     "characters",
     "coded",
     "column_of",
     "described",
+    "dim_of",
     "empty",
     "filled",
     "flags",
+    "flattened",
     "from_characters",
+    "is_of_cases",
     "joined",
+    "kind_of",
+    "part_columns",
+    "stacked",
     "vacant",
     "words",
 ]  # fmt: skip
@@ -49,13 +57,58 @@ STATUSES: dict[int, str] = {
 _CODES = {"status": STATUSES, "steadiness": STEADINESS}
 #: Motion types in the order of their codes in files.
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
-#: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters.
+#: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters. What a machine of several parts
+#: has of each of them is kept as a column for each, by its number: "velocity_max.0".
 COLUMNS: dict[str, str] = {
     "mean_velocity": "f8", "motion_type": "U10", "pattern": "U32", "direction": "i1", "period": "i2", "margin": "f8",
     "stick_fraction": "f8", "forward_fraction": "f8", "backward_fraction": "f8", "velocity_max": "f8", "velocity_min": "f8",
-    "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8", "alpha_minus": "f8", "steadiness": "i1",
-    "settling_error": "f8", "periods_run": "i4", "status": "i1",
+    "body_velocity": "f8", "body_displacement": "f8", "slip_max": "f8", "slip_min": "f8", "friction_power": "f8", "hits": "i4",
+    "impulse_max": "f8", "stop_force_max": "f8", "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8",
+    "alpha_minus": "f8", "steadiness": "i1", "settling_error": "f8", "periods_run": "i4", "status": "i1",
 }  # fmt: skip
+
+
+def base_of(name: str) -> str:
+    """The column that the numbers of one body, contact or stop belong to; a column itself where it has none of them.
+
+    Examples
+    --------
+    >>> base_of("velocity_max.0"), base_of("mean_velocity")
+    ('velocity_max', 'mean_velocity')
+    """
+    base, dot, number = name.partition(".")
+    return base if dot and number.isdigit() and base in COLUMNS else name
+
+
+def part_columns(name: str, parts: dict[str, Any]) -> tuple[str, ...]:
+    """The columns in which that of a name is kept, given the names of the parts by dimension.
+
+    Examples
+    --------
+    >>> part_columns("velocity_max", {"body": ("head", "tail")}), part_columns("status", {"body": ("head", "tail")})
+    (('velocity_max.0', 'velocity_max.1'), ('status',))
+    """
+    dim = dim_of(name, parts)
+    return (name,) if dim is None else tuple(f"{name}.{i}" for i in range(len(parts[dim])))
+
+
+def dim_of(name: str, parts: dict[str, Any]) -> str | None:
+    """The dimension of parts that a column has; None where it has none."""
+    return next((dim for dim in VARIABLES[name].dims if dim in parts), None) if name in VARIABLES else None
+
+
+def flattened(name: str, values: Array, parts: dict[str, Any]) -> dict[str, Array]:
+    """A column of a batch (…, parts) as one for each part, flat; of a machine of one contact as it is."""
+    if dim_of(name, parts) is None:
+        return {name: np.ravel(values)}
+    table = np.asarray(values).reshape(-1, np.shape(values)[-1])
+    return {f"{name}.{i}": table[:, i] for i in range(table.shape[1])}
+
+
+def stacked(name: str, columns: dict[str, Array], parts: dict[str, Any]) -> Array:
+    """The opposite: (cases,), or (cases, parts)."""
+    kept = [columns[each] for each in part_columns(name, parts)]
+    return kept[0] if dim_of(name, parts) is None else np.stack(kept, axis=-1)
 
 
 def all_failed(status: Array) -> bool:
@@ -64,7 +117,7 @@ def all_failed(status: Array) -> bool:
 
 
 def column_of(what: str, grid: Any, name: str) -> Any:
-    """A column of a dataset; `InputError` of `what` where it is not there, as motion types are not of machines of several bodies.
+    """A column of a dataset that has one value for each case; `InputError` of `what` where it is not there, or there for each contact.
 
     Examples
     --------
@@ -72,26 +125,39 @@ def column_of(what: str, grid: Any, name: str) -> Any:
     >>> column_of("plot", xr.Dataset({"mean_velocity": ("case", [0.1])}), "mean_velocity").values.tolist()
     [0.1]
     """
-    if name in grid.variables:
+    if is_of_cases(grid, name):
         return grid[name]
-    has = ", ".join(str(n) for n in grid.data_vars)
-    why = f"the dataset has no {name}; it has {has}. Motion types and all that goes with them are those of one body on one contact"
-    raise InputError(what, [f"{why}; of machines of several bodies type ss.plot.velocity_map(grid), or ss.motion(run) of one run"])
+    if name not in grid.variables:
+        raise InputError(what, [f"the dataset has no {name}; it has {', '.join(str(n) for n in grid.data_vars)}; give one that has it"])
+    (dim,) = set(grid[name].dims) - set(grid["mean_velocity"].dims)
+    parts = grid[dim].values.tolist() if dim in grid.coords else range(grid.sizes[dim])
+    named = ", ".join(map(str, parts))
+    raise InputError(what, [f"the dataset has {name} of each {dim} ({named}); choose one: type grid.sel({dim}={parts[0]!r})"])
 
 
-def empty(count: int) -> dict[str, Array]:
+def is_of_cases(grid: Any, name: str) -> bool:
+    """Whether a dataset has a column with one value for each case, and not one for each body or contact."""
+    return name in grid.variables and set(grid[name].dims) <= set(grid["mean_velocity"].dims if "mean_velocity" in grid else grid.dims)
+
+
+def kind_of(name: str) -> str:
+    """Type of a column in memory."""
+    return COLUMNS.get(base_of(name), "f8")  # a user's own are numbers
+
+
+def empty(count: int, names: Iterable[str]) -> dict[str, Array]:
     """Columns of cases that have no result yet."""
-    return {name: _unknown(name, count) for name in COLUMNS}
+    return {name: _unknown(name, count) for name in names}
 
 
-def vacant(count: int) -> dict[str, Array]:
+def vacant(count: int, names: Iterable[str]) -> dict[str, Array]:
     """Columns to be written over, whatever they hold now; patterns are only as long as they have to be."""
-    return {name: np.empty(count, "U4" if name == "pattern" else kind) for name, kind in COLUMNS.items()}
+    return {name: np.empty(count, "U4" if base_of(name) == "pattern" else kind_of(name)) for name in names}
 
 
-def filled(columns: dict[str, Array], count: int) -> dict[str, Array]:
+def filled(columns: dict[str, Array], count: int, names: Iterable[str]) -> dict[str, Array]:
     """All columns, in order and in their types (patterns at most as long), of cases of which some columns are known."""
-    return {name: _typed(columns[name], kind) if name in columns else _unknown(name, count) for name, kind in COLUMNS.items()}
+    return {name: _typed(columns[name], kind_of(name)) if name in columns else _unknown(name, count) for name in names}
 
 
 def _typed(values: Array, kind: str) -> Array:
@@ -100,8 +166,9 @@ def _typed(values: Array, kind: str) -> Array:
 
 def _unknown(name: str, count: int) -> Array:
     """A column of cases that have no result yet."""
-    nothing = {"motion_type": TYPES[0], "status": UNDONE, "steadiness": UNKNOWN}.get(name, np.nan if COLUMNS[name] == "f8" else None)
-    return np.zeros(count, COLUMNS[name]) if nothing is None else np.full(count, nothing, COLUMNS[name])
+    base, kind = base_of(name), kind_of(name)
+    nothing = {"motion_type": TYPES[0], "status": UNDONE, "steadiness": UNKNOWN, "hits": -1}.get(base, np.nan if kind == "f8" else None)
+    return np.zeros(count, kind) if nothing is None else np.full(count, nothing, kind)
 
 
 def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
@@ -120,11 +187,12 @@ def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
 
 
 def _lacking(name: str, count: int, like: Array) -> Array:
-    return _unknown(name, count) if name in COLUMNS else np.full((count, *like.shape[1:]), np.nan)
+    return _unknown(name, count) if base_of(name) in COLUMNS else np.full((count, *like.shape[1:]), np.nan)
 
 
 def coded(name: str, values: Array) -> Array:
     """A column as it is written to a file."""
+    name = base_of(name)
     if name == "motion_type":
         found, place = np.unique(values, return_inverse=True)
         return np.array([TYPES.index(name) for name in found.tolist()], np.int8)[place].reshape(np.shape(values))
@@ -144,6 +212,7 @@ def words(name: str, values: Array) -> Array:
     >>> words("pattern", coded("pattern", np.array(["+0-0", "+-"]))).tolist()
     ['+0-0', '+-']
     """
+    name = base_of(name)
     if name == "motion_type":
         return np.array(TYPES, "U10")[values]
     if name == "pattern":
@@ -183,6 +252,7 @@ def from_characters(texts: Array, kept: str) -> Array:
 
 def flags(name: str) -> dict[str, Any]:
     """CF attributes of a column of codes: flag_values and flag_meanings, one word for each."""
+    name = base_of(name)
     if name == "motion_type":
         return {"flag_values": np.arange(len(TYPES), dtype=np.int8), "flag_meanings": " ".join(TYPES)}
     if name in _CODES:
@@ -196,6 +266,7 @@ def flags(name: str) -> dict[str, Any]:
 
 def described(name: str) -> dict[str, Any]:
     """Units, long name and symbol of a column; nothing of one that is not ours."""
+    name = base_of(name)
     variable = VARIABLES.get(name)
     if variable is None:
         return {}

@@ -13,12 +13,12 @@ from stickslip.jsontext import plain
 from stickslip.machine import machine_of
 from stickslip.presets import DIMENSIONLESS
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import COLUMNS, described
+from stickslip.sweeps.columns import COLUMNS, described, dim_of, stacked
 from stickslip.sweeps.naming import AXES
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.robots import shared_numbers
 
-__all__ = ["assembled", "attributes_of", "dataset", "labels_of", "maker_of", "provenance_of"]
+__all__ = ["about", "assembled", "attributes_of", "dataset", "labels_of", "labels_of_parts", "maker_of", "provenance_of", "with_units"]
 
 Array = Any
 WAYS = np.array(["up", "down"])
@@ -35,7 +35,9 @@ def provenance_of(plan: Plan) -> dict[str, Any]:
 
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
     versions |= {name: _version(name) for name in ("numba", "scipy", "xarray")}
-    settings = {**plan.options, **({"continue_along": plan.along} if plan.along else {})}
+    settings = {name: value for name, value in plan.options.items() if name != "observe"}
+    settings |= {"continue_along": plan.along} if plan.along else {}
+    settings |= {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.observed else {}
     sample = plan.sample
     kinds = {} if sample is None else {"law": machine_of(sample[0]).law_names, "model": type(sample[0]).__name__}
     return {"versions": versions, "settings": settings, "kinds": kinds, **plan.space.attributes}
@@ -88,11 +90,32 @@ def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: 
     """The columns, flat in the order of the results, as an `xarray.Dataset`."""
     from stickslip.sweeps.solving import kept_columns
 
-    kept = {name: (plan.dims, columns[name].reshape(plan.shape)) for name in kept_columns(plan)}
+    kept = {}
+    for name in kept_columns(plan):
+        values, dim = stacked(name, columns, plan.parts), dim_of(name, plan.parts)
+        kept[name] = ((*plan.dims, *([dim] if dim else [])), values.reshape((*plan.shape, *values.shape[1:])))
     attributes = {**attributes_of(plan), **{k: json.dumps(plain(v)) for k, v in more.items()}}
     if notes:
         attributes["notes"] = json.dumps(notes, ensure_ascii=False)
-    return assembled(kept, labels_of(plan), attributes)
+    found = assembled(kept, labels_of(plan) | labels_of_parts(plan.parts), attributes)
+    return with_units(found, {name: about(each) for name, each in (plan.options.get("observe") or {}).items()})
+
+
+def about(each: Any) -> dict[str, str]:
+    """Unit and meaning of a user's own column."""
+    return {"units": each.unit, "long_name": each.says}
+
+
+def with_units(grid: Any, observed: dict[str, dict[str, str]]) -> Any:
+    """The dataset, with what is known of a user's own columns on them."""
+    for name, told in observed.items():
+        grid[name].attrs.update(told)
+    return grid
+
+
+def labels_of_parts(parts: dict[str, Any]) -> dict[str, Column]:
+    """The names of bodies, contacts and stops as coordinates."""
+    return {dim: Column((dim,), np.array(names)) for dim, names in parts.items()}
 
 
 def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:

@@ -75,7 +75,7 @@ def followed(plan: Plan, k: int, workers: int, tell: Callable[[int], None] | Non
     """The columns of tile k: all its lines at once, from value to value up the axis, and down again."""
     lines = plan.points(k)
     count, steps = lines.shape
-    result, notes = empty(2 * lines.size), dict[str, int]()
+    result, notes = empty(2 * lines.size, plan.columns), dict[str, int]()
     whole = {name: values.reshape(count, 2, steps, *values.shape[1:]) for name, values in result.items()}
     ends: dict[Any, Array] = {}
     for n, (way, step) in enumerate([(0, s) for s in range(steps)] + [(1, s) for s in reversed(range(steps))]):
@@ -93,7 +93,7 @@ def _one_step(
     """All lines at one value of the axis; where a case fails, the next one starts as the study says."""
     first = plan.start_at(points)
     groups, refused = groups_of(plan.make, plan.space, points, first)
-    columns, after = empty(len(points)), dict[str, Any]()
+    columns, after = empty(len(points), plan.columns), dict[str, Any]()
     columns["status"][list(refused)] = BAD
     for sentence in refused.values():
         notes[sentence] = notes.get(sentence, 0) + 1

@@ -17,8 +17,8 @@ import numpy as np
 
 from stickslip.fields import is_array, leaves
 from stickslip.jsontext import plain
-from stickslip.sweeps.columns import COLUMNS
-from stickslip.sweeps.datasets import attributes_of, maker_of, provenance_of
+from stickslip.sweeps.columns import COLUMNS, kind_of, part_columns
+from stickslip.sweeps.datasets import about, attributes_of, maker_of, provenance_of
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.seals import SEAL, of_manifest
 from stickslip.sweeps.solving import kept_columns
@@ -48,11 +48,13 @@ def identity(plan: Plan) -> dict[str, str]:
     axes = {name: [list(c.dims), c.values] for name, c in plan.space.columns.items()}
     parts: dict[str, Any] = {f"axis {name}": digest(value) for name, value in axes.items()}
     parts |= {name: plain(value) for name, value in plan.space.fixed.items()}
-    parts |= {f"option {name}": value for name, value in plan.options.items()}
+    parts |= {f"option {name}": value for name, value in plan.options.items() if name != "observe"}
+    parts |= {f"observe {name}": each.fingerprint for name, each in (plan.options.get("observe") or {}).items()}
     parts |= {f"version of {name}": versions[name] for name in _DECISIVE}
     parts |= {"maker": maker_of(plan.make), "robot": _robot(plan), "start": digest(plan.start)}
     parts |= {"dimensions": " x ".join(f"{d} {n}" for d, n in zip(plan.dims, plan.shape, strict=True)) or "none"}
     parts |= {"continue_along": plan.along, "tile": plan.tile, "format": FORMAT, "columns": ", ".join(kept_columns(plan))}
+    parts |= {f"names of dimension {dim}": ", ".join(names) for dim, names in plan.parts.items()}
     return {name: value if isinstance(value, str) else json.dumps(value, default=str) for name, value in parts.items()}
 
 
@@ -127,7 +129,9 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "cases": plan.cases,
         "tiles": plan.tiles,
         "cases_per_tile": plan.bounds(0)[1] if plan.tiles else 0,
-        "columns": {name: COLUMNS[name] for name in kept_columns(plan)},
+        "columns": {each: kind_of(each) for name in kept_columns(plan) for each in part_columns(name, plan.parts)},
+        **({"observed": {name: about(each) for name, each in plan.options["observe"].items()}} if plan.observed else {}),
+        **({"parts": {dim: list(names) for dim, names in plan.parts.items()}} if plan.parts else {}),
         "attributes": attributes_of(plan),
         "provenance": provenance_of(plan),
         "begun": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
@@ -152,7 +156,11 @@ def flaw(found: Any) -> str | None:
     each, cases = found["cases_per_tile"], math.prod(found["shape"])
     if found["cases"] != cases or each < 0 or found["tiles"] != (-(-cases // each) if each else 0):
         return f"{cases} cases in {found['tiles']} tiles of {each} do not fit"
-    unknown = [name for name in found["columns"] if name not in COLUMNS]
+    parts = found.get("parts", {})
+    if not isinstance(parts, dict) or not all(isinstance(names, list) for names in parts.values()):
+        return f"parts is {parts!r}"
+    allowed = {each for name in COLUMNS for each in (name, *part_columns(name, parts))}
+    unknown = [name for name in found["columns"] if name not in allowed | set(found.get("observed", {}))]
     return f"it has columns that are not known: {', '.join(unknown)}" if unknown else None
 
 

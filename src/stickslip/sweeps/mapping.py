@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems
-from stickslip.sweeps.columns import BETWEEN, COLUMNS, all_failed, empty
+from stickslip.sweeps.columns import BETWEEN, all_failed, empty, part_columns
 from stickslip.sweeps.datasets import dataset, labels_of, provenance_of
 from stickslip.sweeps.planning import SOLVER, Plan, planned
 from stickslip.sweeps.progress import Watch
@@ -93,7 +94,7 @@ class _Refined:
 
     def __init__(self, plan: Plan, workers: int, watch: Watch):
         self.plan, self.workers, self.watch, self.shape = plan, workers, watch, plan.shape
-        self.columns = {name: values.reshape(self.shape) for name, values in empty(plan.cases).items()}
+        self.columns = {name: values.reshape(self.shape) for name, values in empty(plan.cases, plan.columns).items()}
         self.known = np.zeros(self.shape, bool)
         self.kind = np.full(self.shape, "", "U24")
         self.notes: dict[str, int] = {}
@@ -134,13 +135,15 @@ class _Refined:
                 found, notes = solved_points(self.plan, part, self.plan.start_at(part), self.workers, self._tell)
             except Cancelled:
                 return
-            for name in COLUMNS:
+            for name in self.columns:
                 self.columns[name].reshape(-1)[part] = found[name]
             for sentence, n in notes.items():
                 self.notes[sentence] = self.notes.get(sentence, 0) + n
-            words = [found["motion_type"], found["period"].astype("U4"), found["status"].astype("U4")]
-            words[2][found["status"] <= 1] = "ok"
-            self.kind.reshape(-1)[part] = np.char.add(np.char.add(words[0], words[1]), words[2])
+            words = [found[name] for name in part_columns("motion_type", self.plan.parts)]
+            words += [found["period"].astype("U4"), np.where(found["status"] <= 1, "ok", found["status"].astype("U4"))]
+            kinds = reduce(np.char.add, words)
+            self.kind = self.kind.astype(np.promote_types(self.kind.dtype, kinds.dtype))
+            self.kind.reshape(-1)[part] = kinds
             self.known.reshape(-1)[part] = True
             self.watch.finished(-1, found["status"])
 

@@ -15,8 +15,8 @@ from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, as_path
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.axes_file import read_labels
-from stickslip.sweeps.columns import COLUMNS, from_characters, words
-from stickslip.sweeps.datasets import assembled
+from stickslip.sweeps.columns import COLUMNS, base_of, dim_of, from_characters, kind_of, part_columns, stacked, words
+from stickslip.sweeps.datasets import assembled, labels_of_parts, with_units
 from stickslip.sweeps.folder import read_manifest
 from stickslip.sweeps.manifest import has_checksums
 from stickslip.sweeps.tiles import notes_of, read_tile
@@ -61,10 +61,14 @@ def open_study(folder: str | Path) -> xr.Dataset:
     told = read_manifest(folder)
     import xarray as xr
 
-    dims = tuple(told["dims"])
-    columns = {name: xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, told, name)))._data for name in told["columns"]}
-    grid = assembled({name: (dims, values) for name, values in columns.items()}, read_labels(folder, told), told["attributes"])
+    parts, columns = told.get("parts", {}), {}
+    for name in dict.fromkeys(map(base_of, told["columns"])):
+        dim = dim_of(name, parts)
+        dims = (*told["dims"], *([dim] if dim else []))
+        columns[name] = dims, xr.Variable(dims, indexing.LazilyIndexedArray(_Tiled(folder, told, name)))._data
+    grid = assembled(columns, read_labels(folder, told) | labels_of_parts(parts), told["attributes"])
     grid.attrs["provenance"] = json.dumps(told["provenance"])
+    with_units(grid, told.get("observed", {}))
     grid.attrs["study"] = told["study"]
     notes = notes_of(folder, told) | ({} if has_checksums(told) else {_OLD: told["cases"]})
     if notes:
@@ -112,25 +116,32 @@ class _Tiled(BackendArray):
 
     def __init__(self, folder: Path, told: dict[str, Any], name: str):
         self.folder, self.told, self.name = folder, told, name
-        self.shape = tuple(told["shape"])
-        self.dtype = np.dtype(COLUMNS[name])
+        self.parts = told.get("parts", {})
+        dim = dim_of(name, self.parts)
+        self.cases = tuple(told["shape"])
+        self.shape = (*self.cases, *([len(self.parts[dim])] if dim else []))
+        self.dtype = np.dtype(kind_of(name))
 
     def __getitem__(self, key: Any) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        ranges = [np.arange(n)[k] for n, k in zip(self.shape, key, strict=True)]
+        of_parts = key[len(self.cases) :]
+        ranges = [np.arange(n)[k] for n, k in zip(self.cases, key, strict=False)]
         shape = tuple(len(r) for r in ranges if np.ndim(r))
-        if not self.shape:
-            return self._values(np.zeros(1, np.int64))[0]
-        flat = np.ravel_multi_index(np.ix_(*map(np.atleast_1d, ranges)), self.shape).ravel()
-        return self._values(flat).reshape(shape)
+        if not self.cases:
+            return self._values(np.zeros(1, np.int64))[0][of_parts]
+        flat = np.ravel_multi_index(np.ix_(*map(np.atleast_1d, ranges)), self.cases).ravel()
+        values = self._values(flat)[(slice(None), *of_parts)]
+        return values.reshape((*shape, *values.shape[1:]))
 
     def _values(self, flat: Array) -> Array:
         """Values of some cases, given by their numbers."""
         each = max(int(self.told["cases_per_tile"]), 1)
-        result, tiles = np.empty(len(flat), self.dtype), flat // each
+        names = part_columns(self.name, self.parts)
+        result, tiles = np.empty((len(flat), *self.shape[len(self.cases) :]), self.dtype), flat // each
         for k in np.unique(tiles):
             at = np.flatnonzero(tiles == k)
-            result[at] = read_tile(self.folder, self.told, int(k), [self.name])[self.name][flat[at] - k * each]
+            found = read_tile(self.folder, self.told, int(k), [*names])
+            result[at] = stacked(self.name, found, self.parts)[flat[at] - k * each]
         return result

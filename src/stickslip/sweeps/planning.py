@@ -12,9 +12,11 @@ import numpy as np
 from stickslip.batch import Labels, spread
 from stickslip.errors import InputError, Problems
 from stickslip.machine import machine_of
+from stickslip.observables import checked
 from stickslip.sweeps.axes import Space, space_of
-from stickslip.sweeps.columns import COLUMNS
+from stickslip.sweeps.columns import COLUMNS, part_columns
 from stickslip.sweeps.robots import groups_of, refusals
+from stickslip.variables import VARIABLES
 
 __all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]
 
@@ -22,6 +24,7 @@ Array = Any
 #: Arguments of `solve` that a sweep passes on, and their defaults here.
 SOLVER: dict[str, Any] = {
     "periods": 200, "duration": None, "settle": "auto", "rtol": 1e-6, "method": "auto", "slip_ratio": 0.75, "dwell": 0.03,
+    "observe": None,
 }  # fmt: skip
 _LARGEST, _SMALLEST = 16384, 1024  # cases of a tile: some tens of milliseconds of work, a file of some megabytes
 _SLOW = 16  # cases of a tile where a case takes seconds
@@ -101,6 +104,21 @@ class Plan:
         return {name: value if np.ndim(value) == 0 else value[points] for name, value in self.start.items()}
 
     @cached_property
+    def parts(self) -> dict[str, tuple[str, ...]]:
+        """Names of the bodies, contacts and stops of the first machine by dimension; none of one body on one contact."""
+        return {} if self.sample is None else machine_of(self.sample[0]).part_names
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of its results as they are kept, those of parts one by one."""
+        return (*(each for name in COLUMNS for each in part_columns(name, self.parts)), *self.observed)
+
+    @property
+    def observed(self) -> tuple[str, ...]:
+        """Names of a user's own columns."""
+        return tuple(self.options.get("observe") or ())
+
+    @cached_property
     def sample(self) -> tuple[Any, dict[str, Any]] | None:
         """The first robot that can be made, and its start values; None if there is none."""
         for k in range(min(self.tiles, 4)):
@@ -126,6 +144,10 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     starts = _starts(start, space, problems)
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
+    _check_parts(plan)
+    checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts))
+    if plan.observed and along is not None:
+        raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
     _check_options(plan)
     return Plan(make, space, options, starts, along, int(tile) if tile else _tile(plan))
 
@@ -159,6 +181,14 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
         except ValueError as error:
             problems.add(f"start[{name!r}] does not fit the axes: {error}; allowed is a number or an array of shape {space.shape}")
     return found
+
+
+def _check_parts(plan: Plan) -> None:
+    """The dimensions of parts are no names for axes."""
+    problems = Problems("sweep")
+    for name in (n for n in dict.fromkeys([*plan.space.columns, *plan.space.dims]) if n in plan.parts):
+        problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")
+    problems.check()
 
 
 def _check_options(plan: Plan) -> None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
-from stickslip.sweeps.columns import all_failed
+from stickslip.sweeps.columns import all_failed, base_of
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
@@ -48,6 +48,7 @@ def sweep(
     client: Any = None,
     retries: int = 3,
     progress: Callable[[Progress], Any] | bool | None = None,
+    observe: dict[str, Any] | None = None,
     **axes: Any,
 ) -> xr.Dataset:
     """Solve a robot over a grid of its numbers, or over any other design.
@@ -67,6 +68,8 @@ def sweep(
         As for `solve`; `duration` instead of `periods` is for mechanisms that have no period. `settle` is "auto" here: a case ends when
         its strobe point repeats, at most after `periods`, and its mean velocity is that of the periodic motion. Robots with Coulomb
         friction and a harmonic drive do not even wait for that: their periodic motion is known by formula.
+    observe : dict of Observable, optional
+        Columns of your own by name: see `observable`.
     workers : int
         Threads. The results do not depend on it.
     start : dict
@@ -119,6 +122,7 @@ def sweep(
         "method": method,
         "slip_ratio": slip_ratio,
         "dwell": dwell,
+        "observe": observe,
     }
     plan = planned(make, designs, axes, start, continue_along, tile, **options)
     return carried_out(plan, tile, workers, out, resume, shard, client, retries, progress)
@@ -183,7 +187,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
     """All columns of a plan, in memory. An error that every case makes is raised."""
     from stickslip.sweeps.columns import empty, vacant
 
-    whole, notes, left = vacant(plan.cases), dict[str, int](), set(range(plan.tiles))
+    whole, notes, left = vacant(plan.cases, plan.columns), dict[str, int](), set(range(plan.tiles))
     for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):
         _put(whole, plan.bounds(k), columns)
         for sentence, n in told.items():
@@ -192,7 +196,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
         watch.finished(k, columns["status"])
     for k in left:  # the sweep was told to stop
         first, last = plan.bounds(k)
-        _put(whole, (first, last), empty(last - first))
+        _put(whole, (first, last), empty(last - first, plan.columns))
     if all_failed(whole["status"]):
         raise InputError("sweep", list(notes))
     return whole, notes
@@ -201,7 +205,7 @@ def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) 
 def _put(whole: dict[str, Array], bounds: tuple[int, int], columns: dict[str, Array]) -> None:
     first, last = bounds
     for name, values in columns.items():
-        if name == "pattern" and values.itemsize > whole[name].itemsize:
+        if base_of(name) == "pattern" and values.itemsize > whole[name].itemsize:
             whole[name] = whole[name].astype(values.dtype)
         whole[name][first:last] = values
 
@@ -211,6 +215,9 @@ def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, wat
     todo = list(todo)
     if client is not None:
         from stickslip.sweeps.cluster import tiles_from
+
+        if plan.observed:
+            raise InputError("sweep", ["observe and client cannot go together: functions are not sent to other machines; leave one out"])
 
         yield from tiles_from(plan, todo, client, retries, watch)
     elif workers == 1 or len(todo) < 2:

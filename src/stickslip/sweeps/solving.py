@@ -14,22 +14,22 @@ from stickslip.errors import InputError, StickslipError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
-from stickslip.solvers import orbits
+from stickslip.solvers import orbits, parts
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
-from stickslip.sweeps.columns import BAD, COLUMNS, END, FAILED, empty, filled, joined
+from stickslip.sweeps.columns import BAD, COLUMNS, END, FAILED, dim_of, empty, filled, flattened, joined
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
+from stickslip.variables import VARIABLES
 
 __all__ = ["Cancelled", "columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
 
 Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
-#: Columns that are about the velocity of one body or the friction of one contact: a machine of several has none of them.
-OF_ONE = (
-    "motion_type", "pattern", "direction", "margin", "stick_fraction", "forward_fraction", "backward_fraction", "velocity_max",
-    "velocity_min", "drive_power", "cost_of_transport", *ALPHAS,
-)  # fmt: skip
+#: Columns that only machines of one body on one contact have, and that only others have, which list their parts.
+OF_ONE = ("drive_power", "cost_of_transport", *ALPHAS)
+OF_SEVERAL = (*parts.OF_SEVERAL, "friction_power")
+_OTHER_PARTS = "its bodies, contacts or stops are not those of the first machine: only what is of the whole machine is kept"
 Tell = Callable[[int], None]  # cases begun
 Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
 
@@ -63,11 +63,16 @@ def solved_points(
             if tell is not None:
                 tell(before + count)
 
-        return columns_of_group(group, plan.options, workers, begun, notes)
+        columns = columns_of_group(group, plan.options, workers, begun, notes)
+        if machine_of(group.robot).part_names == plan.parts:
+            return columns
+        notes[_OTHER_PARTS] = notes.get(_OTHER_PARTS, 0) + len(group.at)
+        whole = {name for name in COLUMNS if not VARIABLES[name].dims} | set(plan.observed)
+        return {name: values for name, values in columns.items() if name in whole}
 
     if len(groups) == 1 and not refused:  # all points, in their order
-        return filled(found(groups[0]), len(points)), notes
-    result = empty(len(points))
+        return filled(found(groups[0]), len(points), plan.columns), notes
+    result = empty(len(points), plan.columns)
     result["status"][list(refused)] = BAD
     for group in groups:
         for name, values in found(group).items():
@@ -80,8 +85,9 @@ def kept_columns(plan: Plan) -> tuple[str, ...]:
     """Columns that say something about the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample[0]))
     several = plan.sample is not None and not machine_of(plan.sample[0]).is_single
-    left_out = (*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *(OF_ONE if several else ()))
-    return tuple(name for name in COLUMNS if name not in left_out)
+    left_out = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *(OF_ONE if several else OF_SEVERAL)}
+    without = {name for name in COLUMNS if several and VARIABLES[name].dims and dim_of(name, plan.parts) is None}  # it has no stops
+    return (*(name for name in COLUMNS if name not in left_out | without), *plan.observed)
 
 
 def _counted(sentences: Any) -> dict[str, int]:
@@ -147,11 +153,13 @@ def columns_of(
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from many starts
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
-    found = {name: many.columns[name] for name in COLUMNS if name in many.columns}
-    if machine_of(robot).is_single:
+    names = machine_of(robot).part_names
+    found = {name: many.columns[name] for name in COLUMNS if name in many.columns and (names or name not in OF_SEVERAL)}
+    found |= {name: many.columns[name] for name in options.get("observe") or ()}
+    if not names:
         found |= _power(robot, many.columns, more) | _alphas(robot)
     ends = {name: values for name, values in more.items() if name.startswith(END)}
-    return {name: np.ravel(values) for name, values in found.items()} | ends
+    return {each: of for name, values in found.items() for each, of in flattened(name, values, names).items()} | ends
 
 
 def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any) -> tuple[Any, dict[str, Array]]:
@@ -159,7 +167,7 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
     from stickslip.solvers import solve
 
     asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
-    if options["duration"] is None and options["method"] in ("auto", "exact"):
+    if options["duration"] is None and not options.get("observe") and options["method"] in ("auto", "exact"):
         todo = request(robot, samples=400, options={}, **asked)
         if orbits.applies(todo):
             return orbits.solve(todo)

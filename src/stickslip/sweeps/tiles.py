@@ -69,7 +69,7 @@ def tile_bytes(manifest: dict[str, Any], k: int, first: int, columns: dict[str, 
 def _template(study: str, names: tuple[str, ...], count: int) -> bytes:
     """A tile of this many cases without results: all but the numbers is the same in each, and slow to write."""
     variables: dict[str, Any] = {"case": (("case",), np.zeros(count, "i8"), {"long_name": "number of the case, from 0, in C order"})}
-    blank = empty(count)
+    blank = empty(count, names)
     for name in names:
         values = coded(name, blank[name])
         attrs = {n: v for n, v in described(name).items() if n != "flag_meanings"}
@@ -94,7 +94,7 @@ def _read(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) -> d
 
 
 def _decoded(name: str, variable: Any, count: int) -> Array:
-    like = coded(name, empty(1)[name])
+    like = coded(name, empty(1, [name])[name])
     if variable.shape != (count, *like.shape[1:]) or variable.dtype != like.dtype:
         raise Damaged(f"{name} has shape {variable.shape} and type {variable.dtype}")
     return words(name, variable[...])
@@ -121,7 +121,7 @@ def read_tile(folder: Path, manifest: dict[str, Any], k: int, names: list[str]) 
         return _read(folder, manifest, k, names)
     except FileNotFoundError:
         first, last = _cases(manifest, k)
-        return {name: values for name, values in empty(last - first).items() if name in names}
+        return empty(last - first, names)
     except Damaged as error:
         what = f"{str(file_of(folder, k))!r} is damaged ({error})"
         raise InputError("study", [f"{what}; delete it and resume the sweep (resume=True, --resume), which computes it again"]) from None

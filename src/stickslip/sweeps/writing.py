@@ -16,7 +16,7 @@ from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.columns import COLUMNS, STATUSES, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
 
-__all__ = ["FORMATS", "blocks_of", "export"]
+__all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]
 
 Array = Any
 _ROWS = 65536  # cases at a time
@@ -52,6 +52,8 @@ def export(study: Any, path: str | Path) -> Path:
     if write is None:
         raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])
     data = _opened(study)
+    if target.suffix.lower() in (".csv", ".parquet"):
+        data = one_row_a_case(data)
     with moved_into_place(target, unwritable("export")) as beside:
         write(data, beside)
     return target
@@ -147,7 +149,7 @@ def _netcdf(data: Any, path: Path) -> None:
 
 def _column(file: Any, name: str, values: Any) -> None:
     """One of our columns, its words as codes."""
-    kind = coded(name, empty(1)[name])
+    kind = coded(name, empty(1, [name])[name])
     more = ("character",) if kind.ndim > 1 else ()
     made = file.create_variable(name, (*values.dims, *more), kind.dtype)
     made.attrs.update({n: v for n, v in described(name).items() if n != "flag_meanings"} | flags(name))
@@ -196,6 +198,20 @@ def _cells(values: Array) -> Array:
 
 
 # ---- rows ----
+def one_row_a_case(data: Any) -> Any:
+    """A dataset in which what there is of each body, contact and stop of a sweep is a column for each, by its name."""
+    if not _is_sweep(data):
+        return data
+    dims = data["mean_velocity"].dims
+    found = data.drop_vars([n for n in data.variables if not set(data[n].dims) <= set(dims)])
+    for name in map(str, data.data_vars):
+        further = [dim for dim in data[name].dims if dim not in dims]
+        if len(further) == 1 and further[0] in data.coords:
+            parts = enumerate(data[further[0]].values.tolist())
+            found = found.assign({f"{name}.{part}": data[name].isel({further[0]: i}, drop=True) for i, part in parts})
+    return found
+
+
 def _rows(data: Any) -> Iterator[dict[str, Array]]:
     """Coordinates and columns of some cases at a time, flat."""
     dims = _dims(data)

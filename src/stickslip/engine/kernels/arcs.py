@@ -217,6 +217,8 @@ def land_lane(lane, S, W, budget, D):
     for m in range(ORDER - 1, -1, -1):
         travel = fma(travel, part, S[at_k + m * L] / (m + 1))
     S[D[F_TOP] + lane] = extremum(S, at_k, part)
+    if D[F_FIRED] >= 0:
+        S[D[F_FIRED] + lane] = guard
     bad = False
     for i in range(states):
         y = at_theta(S, at_k + i * (ORDER + 1) * L, part)

@@ -2,11 +2,12 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 
-# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status
+# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, and of
+# each contact how many segments there are
 CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
 # columns of K (lane): the last two observed points, window, work of friction while recording and how long,
 # displacement approached, extremes at the ends of the steps in the window
-TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, XBEGIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN = range(18)
+TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN = range(17)
 SEGS = 32
 FINISHED, REPEATED = 0, 1
 

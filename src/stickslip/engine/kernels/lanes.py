@@ -11,8 +11,8 @@
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
 
-@njit(void(int64, int64, f1, i2, f2, f2, f2, f2, i1), **OPTIONS)
-def take(lane, case, S, N, K, XS, PARAM, START, D):
+@njit(void(int64, int64, f1, i2, f2, f2, f2, i1), **OPTIONS)
+def take(lane, case, S, N, K, PARAM, START, D):
     """Put a case into a lane."""
     L = D[LANES]
     c = np.empty(D[CONSTANTS])
@@ -35,9 +35,9 @@ def take(lane, case, S, N, K, XS, PARAM, START, D):
     set_flags(lane, S, PARAM[case], D[SET_VALUED] == 1, D)
     if D[CARRIED] > 0 and D[SET_VALUED] == 1:
         settle_changes(lane, S, PARAM[case], D)
-    for j in range(9):
+    for j in range(N.shape[1]):
         N[lane, j] = 0
-    for j in range(18):
+    for j in range(K.shape[1]):
         K[lane, j] = 0.0
     K[lane, LIMIT], K[lane, WIDE_MAX], K[lane, WIDE_MIN] = math.nan, -math.inf, math.inf
     N[lane, CASE] = case
@@ -58,8 +58,8 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
-@njit(void(int64, f1, i2, f2, f3, f2, i2, i1), **OPTIONS)
-def finish(lane, S, N, K, RING, OUT, COUNT, D):
+@njit(void(int64, f1, i2, f2, f3, f3, f2, i2, f3, i1), **OPTIONS)
+def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     """Write a case's results."""
     L = D[LANES]
     case = N[lane, CASE]
@@ -80,14 +80,18 @@ def finish(lane, S, N, K, RING, OUT, COUNT, D):
     COUNT[case, 0] = N[lane, STATUS]
     COUNT[case, 1] = N[lane, NUMBER]
     COUNT[case, 2] = N[lane, DONE]
-    COUNT[case, 3] = N[lane, SEGMENTS]
-    COUNT[case, 4] = np.int64(S[D[F_NACC] + lane])
-    COUNT[case, 5] = np.int64(S[D[F_NREJ] + lane])
+    COUNT[case, 3] = np.int64(S[D[F_NACC] + lane])
+    COUNT[case, 4] = np.int64(S[D[F_NREJ] + lane])
+    for i in range(SEGMENTS, N.shape[1]):
+        COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
+    for s in range(NOTED.shape[1] if D[SIGNALS] > 0 else 0):
+        for j in range(3):
+            NOTED[case, s, j] = FOUND[lane, s, j]
     N[lane, CASE] = -1
 
 
-@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f2, i1), **OPTIONS)
-def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
+@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **OPTIONS)
+def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is wanting."""
     L = D[LANES]
     N[lane, DONE] += 1
@@ -109,13 +113,14 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
     for m in range(D[KEPT_MODES]):
         RING[lane, k % KEPT, 1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
     if k >= settle and k < settle + LONGEST:
-        XS[lane, k - settle] = x
+        keep_places(lane, k - settle, S, XS, D)
     count = min(k - 1, KEPT - 1)  # the start is not among them
     if N[lane, TARGET] > 0:
         if k < N[lane, TARGET]:
             return 0
         if auto and N[lane, NUMBER] > 0:
-            K[lane, DISPLACEMENT] = x - K[lane, XBEGIN]
+            K[lane, DISPLACEMENT] = x - XS[lane, LONGEST, 0]
+            keep_moved(lane, LONGEST, S, N, XS, OUT, D)
             K[lane, WINDOW] = N[lane, NUMBER]
             K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 10.0 * rtol, 3.0 * rtol)[1]
         return 1
@@ -128,11 +133,11 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
                 N[lane, NUMBER] = p
                 N[lane, STATUS] = REPEATED
                 N[lane, TARGET] = k + p
-                K[lane, XBEGIN] = x
-                begin_record(lane, N, K, S, D)
+                keep_places(lane, LONGEST, S, XS, D)
+                begin_record(lane, N, K, FOUND, S, D)
         return 0
     if k == periods - 1 and not auto:
-        begin_record(lane, N, K, S, D)
+        begin_record(lane, N, K, FOUND, S, D)
     if k < periods:
         return 0
     p, K[lane, LIMIT] = outcome(RING[lane], k, count, LONGEST, scale, 30.0 * rtol, 30.0 * rtol)
@@ -141,26 +146,32 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D):
     first = (periods - settle) % whole
     if auto or first >= LONGEST or first >= periods - settle:
         first = 0
-    K[lane, DISPLACEMENT] = x - (XS[lane, first])
+    K[lane, DISPLACEMENT] = x - XS[lane, first, 0]
+    keep_moved(lane, first, S, N, XS, OUT, D)
     K[lane, WINDOW] = periods - settle - first
     if p <= 1 and not auto:
         return 1
     N[lane, TARGET] = k + whole
-    K[lane, XBEGIN] = x
-    begin_record(lane, N, K, S, D)
+    keep_places(lane, LONGEST, S, XS, D)
+    begin_record(lane, N, K, FOUND, S, D)
     return 0
 
 
-@njit(boolean(int64, int64, int64, f1, i2, f2, f2, i1, f2, f2, i1), **OPTIONS)
-def next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
+@njit(boolean(int64, int64, int64, f1, i2, f2, f3, f2, f3, i1, f2, f2, i1), **OPTIONS)
+def next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
     """Put the next case into an idle lane, if there is one."""
     if CURSOR[0] >= CURSOR[1]:
         return False
-    take(lane, CURSOR[0], S, N, K, XS, PARAM, START, D)
+    take(lane, CURSOR[0], S, N, K, PARAM, START, D)
     CURSOR[0] += 1
-    XS[lane, 0] = way_of(lane, S, D)
+    keep_places(lane, 0, S, XS, D)
+    if D[SIGNALS] > 0:
+        hold(lane, S, HELD, D)
+        begin_signals(lane, FOUND, D)
+        for b in range(D[BODIES]):
+            FOUND[lane, D[SIGNALS] + b, LARGEST], FOUND[lane, D[SIGNALS] + b, SMALLEST] = -math.inf, math.inf
     if periods == 1 and not auto:
-        begin_record(lane, N, K, S, D)
+        begin_record(lane, N, K, FOUND, S, D)
     return True
 
 
@@ -185,11 +196,18 @@ def keep_piece(S, N, CURSOR, PIECES, D):
     CURSOR[2] += 1
 
 
-@njit(void(float64, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
-def watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
+@njit(void(float64, f1, i2, f2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
+def watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
     """Note what the last step of every recording lane did; status 7 when the last observation is made."""
     for lane in range(D[LANES]):
         if N[lane, RECORDING] == 0 or N[lane, CASE] < 0:
+            continue
+        if D[SIGNALS] > 0:
+            if N[lane, CLOSING] == 1:
+                S[D[F_STAT] + lane] = 7.0
+            elif S[D[F_T] + lane] != S[D[F_T0] + lane]:
+                reduce_step(lane, slip_ratio, S, PARAM[N[lane, CASE]], N, HELD, FOUND, ROOM, SEGT, SEGC, D)
+            hold(lane, S, HELD, D)
             continue
         if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
             K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
@@ -207,8 +225,8 @@ def watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
             N[lane, FRESH] = 1
 
 
-@njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
-def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PARAM, SEGT, SEGC, D):
+@njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f3, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
+def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D):
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
     jumped, within, done, before = False, False, 0, np.empty(D[CARRIED])
     if D[BREAKS] > 0:
@@ -220,7 +238,7 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PAR
         if D[CARRIED] > 0:
             shift_changes(lane, within, D[SET_VALUED] == 1 and jumped, before, S, PARAM[N[lane, CASE]], D)
     if not within:
-        done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, D)
+        done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
         S[D[F_T] + lane] = 0.0
     if D[BREAKS] > 0:
         set_flags(lane, S, PARAM[N[lane, CASE]], D[SET_VALUED] == 1 and jumped, D)
@@ -231,19 +249,25 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PAR
             K[lane, TP] = 0.0
         if done == 1:
             N[lane, CLOSING] = 1
+    if D[SIGNALS] > 0:
+        hold(lane, S, HELD, D)
 
 
-@njit(int64(f1, i2, f2, f3, f2, i1, f2, f2, f2, i2, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1), **CALLED)
+@njit(
+    int64(f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1),
+    **CALLED,
+)
 def advance(
-    S, N, K, RING, XS, CURSOR, PARAM, START, OUT, COUNT, SEGT, SEGC, PIECES, periods, settle, auto, rtol, slip_ratio, budget, calls, D
-):
+    S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT, SEGC, PIECES, periods, settle, auto, rtol,
+    slip_ratio, budget, calls, D,
+):  # fmt: skip
     """Up to `calls` vector steps. Returns the number of lanes at work; CURSOR[2] counts the pieces written."""
     L = D[LANES]
     active = 0
     recording = 0
     pieces_wanted = PIECES.shape[0] > 0
     for lane in range(L):
-        if N[lane, CASE] >= 0 or next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
+        if N[lane, CASE] >= 0 or next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
             active += 1
             recording += N[lane, RECORDING]
     for _ in range(calls):
@@ -257,13 +281,17 @@ def advance(
         if pieces_wanted and S[D[F_T]] != S[D[F_T0]]:
             keep_piece(S, N, CURSOR, PIECES, D)
         if recording > 0:
-            watch(slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
+            watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
         for lane in range(L):
             stat = S[D[F_STAT] + lane]
             if N[lane, DONE] >= settle:
                 v = S[D[F_Y] + lane]
                 K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
-                if D[F_TOP] >= 0:  # the extremum within the step
+                if D[SIGNALS] > 0:
+                    widen(lane, S, PARAM[max(N[lane, CASE], 0)], HELD, FOUND, ROOM, D)
+                    if D[ARMS] == 1:
+                        hold(lane, S, HELD, D)
+                elif D[F_TOP] >= 0:  # the extremum within the step
                     v = S[D[F_TOP] + lane]
                     K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
             if stat < 0.5:
@@ -276,15 +304,16 @@ def advance(
                 continue
             if stat == 1.0:
                 was = N[lane, RECORDING]
-                arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, PARAM, SEGT, SEGC, D)
+                arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D)
                 recording += N[lane, RECORDING] - was
                 continue
             if stat != 7.0:
                 N[lane, STATUS] = np.int64(stat)
-                N[lane, SEGMENTS] = 0
+                for i in range(SEGMENTS, N.shape[1]):
+                    N[lane, i] = 0
             recording -= N[lane, RECORDING]
-            finish(lane, S, N, K, RING, OUT, COUNT, D)
-            if next_case(lane, periods, auto, S, N, K, XS, CURSOR, PARAM, START, D):
+            finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D)
+            if next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
                 recording += N[lane, RECORDING]
             else:
                 active -= 1

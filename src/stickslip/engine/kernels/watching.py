@@ -2,12 +2,29 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 
+# FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for
+# each body the extremes of its velocity over the window.
+TOTAL, LARGEST, SMALLEST = range(3)
+MEAN, MOST, LEAST, COUNTED, LAST, AT_GUARD = 1, 2, 4, 8, 16, 64
 
-@njit(void(int64, i2, f2, f1, i1), **OPTIONS)
-def begin_record(lane, N, K, S, D):
+
+@njit(void(int64, f3, i1), **OPTIONS)
+def begin_signals(lane, FOUND, D):
+    """Nothing is known of the signals yet."""
+    for s in range(D[SIGNALS]):
+        kind = D[D[KINDS] + s]
+        FOUND[lane, s, TOTAL] = 0.0
+        FOUND[lane, s, LARGEST] = 0.0 if kind >= AT_GUARD else -math.inf
+        FOUND[lane, s, SMALLEST] = math.nan if kind & COUNTED else math.inf
+
+
+@njit(void(int64, i2, f2, f3, f1, i1), **OPTIONS)
+def begin_record(lane, N, K, FOUND, S, D):
     """Start to observe the motion from the lane's present point."""
+    begin_signals(lane, FOUND, D)
     N[lane, RECORDING] = 1
-    N[lane, SEGMENTS] = 0
+    for i in range(SEGMENTS, N.shape[1]):
+        N[lane, i] = 0
     N[lane, FRESH] = 2
     K[lane, TP] = S[D[F_T] + lane]
     K[lane, VP] = S[D[F_Y] + lane]
@@ -18,21 +35,21 @@ def begin_record(lane, N, K, S, D):
     K[lane, LASTED] = 0.0
 
 
-@njit(void(int64, int64, float64, i2, f2, b2), **OPTIONS)
-def add_segment(lane, code, length, N, SEGT, SEGC):
-    """Append a stretch of one code, or lengthen the last one."""
-    case = N[lane, CASE]
-    n = N[lane, SEGMENTS]
+@njit(void(int64, int64, int64, float64, i2, f2, b2), **OPTIONS)
+def add_segment(lane, i, code, length, N, SEGT, SEGC):
+    """Append a stretch of one code to those of contact i, or lengthen the last one."""
+    case, first = N[lane, CASE], i * SEGS
+    n = N[lane, SEGMENTS + i]
     if length <= 0.0 or n < 0:
         return
-    if n > 0 and SEGC[case, n - 1] == code:
-        SEGT[case, n - 1] += length
+    if n > 0 and SEGC[case, first + n - 1] == code:
+        SEGT[case, first + n - 1] += length
     elif n == SEGS:
-        N[lane, SEGMENTS] = -1
+        N[lane, SEGMENTS + i] = -1
     else:
-        SEGC[case, n] = code
-        SEGT[case, n] = length
-        N[lane, SEGMENTS] = n + 1
+        SEGC[case, first + n] = code
+        SEGT[case, first + n] = length
+        N[lane, SEGMENTS + i] = n + 1
 
 
 @njit(void(int64, float64, float64, float64, float64, i2, f2, f2, b2, i1), **OPTIONS)
@@ -46,10 +63,10 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
         side = np.int64(bq)
         if b == bq and v != 0.0 and (ratio >= slip_ratio) != slips:
             part = (slip_ratio - rq) / (ratio - rq)
-            add_segment(lane, 2 * side if slips else side, part * dt, N, SEGT, SEGC)
-            add_segment(lane, side if slips else 2 * side, (1.0 - part) * dt, N, SEGT, SEGC)
+            add_segment(lane, 0, 2 * side if slips else side, part * dt, N, SEGT, SEGC)
+            add_segment(lane, 0, side if slips else 2 * side, (1.0 - part) * dt, N, SEGT, SEGC)
         else:
-            add_segment(lane, 2 * side if slips else side, dt, N, SEGT, SEGC)
+            add_segment(lane, 0, 2 * side if slips else side, dt, N, SEGT, SEGC)
         top = v
         aq = K[lane, AQ]
         if D[F_TOP] < 0 and aq * acceleration < 0.0:  # an extremum of v between: the cubic's

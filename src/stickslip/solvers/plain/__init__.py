@@ -14,8 +14,10 @@ from typing import Any
 from stickslip.batch import rows_of
 from stickslip.errors import SolveError
 from stickslip.fields import leaves, replace_leaf
+from stickslip.machine import machine_of
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
+from stickslip.solvers.parts import nothing as no_parts
 from stickslip.solvers.plain.marching import march
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES
@@ -41,15 +43,22 @@ def _case(todo: Request, i: int) -> Any:
     return replace_leaf(todo.model, dict(zip(names, map(float, rows_of(todo.model, names)[i]), strict=True)))
 
 
+def _nothing(model: Any) -> dict[str, Any]:
+    """Results of a case that could not be solved."""
+    names = machine_of(model).part_names
+    parts = {"parts": no_parts(*(len(names.get(dim, ())) for dim in ("body", "contact", "stop")))} if names else {}
+    return {**strobes.NOTHING, **parts}
+
+
 def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], Raw]]:
     """Raw results case by case; a case that fails has a status."""
     for i in range(todo.cases):
         model = _case(todo, i)
         try:
             pieces, _, status = march(todo, model, i)
-            found = {**strobes.NOTHING, "status": status} if status else reduced(todo, model, pieces, i)
+            found = {**_nothing(model), "status": status} if status else reduced(todo, model, pieces, i)
         except SolveError:
-            found = {**strobes.NOTHING, "status": 3}
+            found = {**_nothing(model), "status": 3}
         yield (i, i + 1), strobes.raw([found])
         if todo.progress is not None:
             todo.progress(i + 1, todo.cases)

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers import strobes
+from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request
 from stickslip.trajectory import Trajectory
 
@@ -20,6 +22,8 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     """Raw results of one case."""
     T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
     run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
+    if not machine_of(model).is_single:
+        return reduced_parts(todo, run)
     strobe = _strobe(run)
     found = strobes.reduced(model, strobe, todo.settle, todo.method, todo.rtol)
     period = found["period"]

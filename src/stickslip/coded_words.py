@@ -1,0 +1,62 @@
+"""Columns of words as codes and a table: those of every contact of a million machines would take gigabytes as text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+__all__ = ["CodedWords"]
+
+
+@dataclass(frozen=True, eq=False)
+class CodedWords:
+    """Words of any shape; `numpy.asarray` gives them as text.
+
+    Parameters
+    ----------
+    codes : array of int
+    table : tuple of str
+        The word of each code.
+
+    Examples
+    --------
+    >>> words = CodedWords(np.array([[0, 1], [1, 1]], np.uint8), ("rest", "II"))
+    >>> np.asarray(words).tolist(), words.shape
+    ([['rest', 'II'], ['II', 'II']], (2, 2))
+    """
+
+    codes: Any
+    table: tuple[str, ...]
+
+    @classmethod
+    def of(cls, words: Any) -> CodedWords:
+        """Words that are given as text."""
+        table, codes = np.unique(words, return_inverse=True)
+        return cls(codes.reshape(np.shape(words)).astype(np.min_scalar_type(len(table))), tuple(table.tolist()))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the codes."""
+        return tuple(self.codes.shape)
+
+    def reshape(self, shape: tuple[int, ...]) -> CodedWords:
+        """The same words in another shape."""
+        return CodedWords(self.codes.reshape(shape), self.table)
+
+    def joined(self, others: list[CodedWords]) -> CodedWords:
+        """These words and others after them, along the first axis."""
+        parts = [self, *others]
+        table = tuple(dict.fromkeys(word for part in parts for word in part.table))
+        codes = np.empty((sum(part.shape[0] for part in parts), *self.shape[1:]), np.min_scalar_type(len(table)))
+        first = 0
+        for part in parts:
+            new = np.array([table.index(word) for word in part.table], codes.dtype)
+            codes[first : first + part.shape[0]] = new[part.codes]
+            first += part.shape[0]
+        return CodedWords(codes, table)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        found = np.array(self.table or ("",))[self.codes]
+        return found if dtype is None else found.astype(dtype)

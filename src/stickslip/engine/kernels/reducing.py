@@ -1,0 +1,236 @@
+"""What is made on the way of the signals of several bodies and contacts, over the dense output of each step; text before lanes.py."""
+# ruff: noqa: F821
+# mypy: ignore-errors
+#
+# Signals are functions of a law's kernel (`engine/observed.py`): slip ratios first, then what is reduced into FOUND[lane] (watching.py).
+# HELD[lane] has the flags, modes and clocks with which the present step began. ROOM is where a step is looked at: a row for each of its
+# instants, then some other place, the states there, and a row for each state with its values at all the instants.
+
+ELSEWHERE, STATES_THERE, EACH_STATE = 8, 9, 10  # rows of ROOM
+
+
+@njit(void(int64, f1, f2, i1), **OPTIONS)
+def hold(lane, S, HELD, D):
+    """Keep the flags, modes and clocks that hold in the step to come."""
+    L, n = D[LANES], D[SIGNS]
+    for k in range(n):
+        HELD[lane, k] = S[D[F_B] + k * L + lane]
+    for k in range(D[MODES]):
+        HELD[lane, n + k] = S[D[F_MODE] + k * L + lane]
+    for k in range(D[CLOCKS]):
+        HELD[lane, n + D[MODES] + k] = S[D[F_CLK] + k * L + lane]
+
+
+@njit(float64(int64, int64, float64, f1, i1), **OPTIONS)
+def state_at(lane, i, theta, S, D):
+    """A state at a part of the last step."""
+    L, degree = D[LANES], D[DEGREE]
+    at = D[F_K] + i * (degree + 1) * L + lane
+    value = S[at + degree * L]
+    for m in range(degree - 1, -1, -1):
+        value = fma(value, theta, S[at + m * L])
+    return value
+
+
+@njit(void(int64, f1, int64, f1, f1, f2, f2, i1), **OPTIONS)
+def look_at_all(lane, at, count, S, row, HELD, ROOM, D):
+    """All signals at several parts of the last step, each into its row of ROOM."""
+    L, degree = D[LANES], D[DEGREE]
+    for k in range(D[LOOKED]):
+        i = D[D[LOOKED_AT] + k]
+        first, values = D[F_K] + i * (degree + 1) * L + lane, ROOM[EACH_STATE + i]
+        for j in range(8):
+            values[j] = S[first + degree * L]
+        for m in range(degree - 1, -1, -1):
+            c = S[first + m * L]
+            for j in range(8):
+                values[j] = fma(values[j], at[j], c)
+    for j in range(count):
+        for k in range(D[LOOKED]):
+            i = D[D[LOOKED_AT] + k]
+            ROOM[STATES_THERE, i] = ROOM[EACH_STATE + i, j]
+        t = fma(at[j], S[D[F_HH] + lane], S[D[F_T0] + lane])
+        call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[j])
+
+
+@njit(void(int64, float64, int64, f1, f1, f2, f2, i1), **OPTIONS)
+def look_at(lane, theta, to, S, row, HELD, ROOM, D):
+    """All signals at a part of the last step, into a row of ROOM."""
+    for k in range(D[LOOKED]):
+        i = D[D[LOOKED_AT] + k]
+        ROOM[STATES_THERE, i] = state_at(lane, i, theta, S, D)
+    t = fma(theta, S[D[F_HH] + lane], S[D[F_T0] + lane])
+    call_signals(D[AT_SIGNALS], row, t, ROOM[STATES_THERE], HELD[lane], ROOM[to])
+
+
+@njit(float64(int64, int64, float64, f1, f1, f2, f2, i1), **OPTIONS)
+def signal_at(lane, k, theta, S, row, HELD, ROOM, D):
+    """One signal at a part of the last step; by its polynomial if it is a state."""
+    i = D[D[STATE_OF] + k - D[RATIOS]] if k >= D[RATIOS] else -1
+    if i >= 0:
+        return state_at(lane, i, theta, S, D)
+    look_at(lane, theta, ELSEWHERE, S, row, HELD, ROOM, D)
+    return ROOM[ELSEWHERE, k]
+
+
+@njit(float64(int64, int64, float64, float64, float64, float64, float64, float64, float64, f1, f1, f2, f2, i1), **OPTIONS)
+def highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D):
+    """The largest value of a signal times `sign` between a and c, from one in the middle that is not below them: parabolas."""
+    width = 1e-8 * (c - a)
+    for _ in range(16):
+        p, q = (b - a) * (vb - vc), (b - c) * (vb - va)
+        x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p != q else 0.5 * (b + c)
+        if abs(x - b) <= width or not (x > a and x < c):
+            break
+        v = sign * signal_at(lane, k, x, S, row, HELD, ROOM, D)
+        if v >= vb:
+            a, va, c, vc = (b, vb, c, vc) if x > b else (a, va, b, vb)
+            b, vb = x, v
+        elif x > b:
+            c, vc = x, v
+        else:
+            a, va = x, v
+    return vb
+
+
+@njit(float64(int64, int64, float64, float64, float64, float64, float64, f1, f1, f2, f2, i1), **OPTIONS)
+def crossing(lane, k, level, a, b, va, vb, S, row, HELD, ROOM, D):
+    """Where a signal passes a level between a and b: regula falsi, with the end that stays weighed down."""
+    fa, fb, x = va - level, vb - level, b
+    for _ in range(60):
+        x = b - fb * (b - a) / (fb - fa)
+        if not (x > a and x < b):
+            x = 0.5 * (a + b)
+        f = signal_at(lane, k, x, S, row, HELD, ROOM, D) - level
+        if f == 0.0 or b - a <= 1e-12:
+            break
+        if (f > 0.0) == (fb > 0.0):
+            b, fb, fa = x, f, 0.5 * fa
+        else:
+            a, fa, fb = x, f, 0.5 * fb
+    return x
+
+
+@njit(void(int64, float64, float64, f1, int64, f1, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
+def add_stretches(lane, slip_ratio, h, at, count, S, row, N, HELD, ROOM, SEGT, SEGC, D):
+    """Lengthen the stretches of every contact by the last step, cut where a slip ratio passes its threshold."""
+    for i in range(D[CONTACTS]):
+        side = np.int64(HELD[lane, D[D[SIDES] + i]])
+        if D[RATIOS] == 0:
+            add_segment(lane, i, 2 * side, at[count - 1] * h, N, SEGT, SEGC)
+            continue
+        begin, slips = 0.0, ROOM[0, i] >= slip_ratio
+        for j in range(1, count):
+            if (ROOM[j, i] >= slip_ratio) != slips:
+                x = crossing(lane, i, slip_ratio, at[j - 1], at[j], ROOM[j - 1, i], ROOM[j, i], S, row, HELD, ROOM, D)
+                add_segment(lane, i, 2 * side if slips else side, (x - begin) * h, N, SEGT, SEGC)
+                begin, slips = x, not slips
+        add_segment(lane, i, 2 * side if slips else side, (at[count - 1] - begin) * h, N, SEGT, SEGC)
+
+
+@njit(float64(int64, int64, float64, float64, f1, int64, f1, f1, f2, f2, i1), **OPTIONS)
+def largest(lane, k, sign, known, at, count, S, row, HELD, ROOM, D):
+    """The largest value of a signal times `sign` in the last step, or what is known if that is more."""
+    for j in range(count):
+        known = max(known, sign * ROOM[j, k])
+    for j in range(1, count - 1):
+        a, b, c = at[j - 1], at[j], at[j + 1]
+        va, vb, vc = sign * ROOM[j - 1, k], sign * ROOM[j, k], sign * ROOM[j + 1, k]
+        if max(va, vb, vc) + 3.0 * (max(va, vb, vc) - min(va, vb, vc)) <= known:  # no parabola through them reaches it
+            continue
+        if not (vb >= va and vb >= vc):  # next to an end of the step it may rise and fall between two nodes
+            p, q = (b - a) * (vb - vc), (b - c) * (vb - va)
+            x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p > q else b
+            if j == 1 and va > vb and x > a and x < b:
+                b, c, vc = x, b, vb
+            elif j == count - 2 and vc > vb and x > b and x < c:
+                a, b, va = b, x, vb
+            else:
+                continue
+            vb = sign * signal_at(lane, k, b, S, row, HELD, ROOM, D)
+            if not (vb >= va and vb >= vc):
+                continue
+        known = max(known, highest(lane, k, sign, a, b, c, va, vb, vc, S, row, HELD, ROOM, D))
+    return known
+
+
+@njit(void(int64, float64, f1, f1, i2, f2, f3, f2, f2, b2, i1), **OPTIONS)
+def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
+    """Add what the last step of a lane did to all that is noted."""
+    h = S[D[F_HH] + lane]
+    part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / h
+    if S[D[F_STAT] + lane] == 1.0:
+        part = 1.0
+    few = D[DEGREE] < 8
+    inside = FEW_NODES.shape[0] if few else MANY_NODES.shape[0]
+    count = inside + 2
+    at = np.zeros(8)
+    at[count - 1] = part
+    for j in range(inside):
+        at[j + 1] = part * (FEW_NODES[j] if few else MANY_NODES[j])
+    look_at_all(lane, at, count, S, row, HELD, ROOM, D)
+    add_stretches(lane, slip_ratio, h, at, count, S, row, N, HELD, ROOM, SEGT, SEGC, D)
+    for s in range(D[SIGNALS]):
+        k, kind = D[RATIOS] + s, D[D[KINDS] + s]
+        if kind >= AT_GUARD:
+            if S[D[F_FIRED] + lane] == kind - AT_GUARD:
+                FOUND[lane, s, TOTAL] += 1.0
+                FOUND[lane, s, LARGEST] = max(FOUND[lane, s, LARGEST], ROOM[count - 1, k])
+            continue
+        if kind & MEAN:
+            total = 0.0
+            for j in range(inside):
+                total += (FEW_WEIGHTS[j] if few else MANY_WEIGHTS[j]) * ROOM[j + 1, k]
+            FOUND[lane, s, TOTAL] += part * h * total
+        if kind & COUNTED:  # how often it begins to be more than zero
+            last = FOUND[lane, s, SMALLEST]
+            for j in range(count):
+                if last == 0.0 and ROOM[j, k] > 0.0:
+                    FOUND[lane, s, TOTAL] += 1.0
+                last = max(ROOM[j, k], 0.0)
+            FOUND[lane, s, SMALLEST] = last
+        if kind & LAST:
+            FOUND[lane, s, SMALLEST] = ROOM[count - 1, k]
+        if kind & MOST:
+            FOUND[lane, s, LARGEST] = largest(lane, k, 1.0, FOUND[lane, s, LARGEST], at, count, S, row, HELD, ROOM, D)
+        if kind & LEAST:
+            FOUND[lane, s, SMALLEST] = -largest(lane, k, -1.0, -FOUND[lane, s, SMALLEST], at, count, S, row, HELD, ROOM, D)
+
+
+@njit(void(int64, f1, f1, f2, f3, f2, i1), **OPTIONS)
+def widen(lane, S, row, HELD, FOUND, ROOM, D):
+    """Extremes of the bodies' velocities at the end of a step in the window."""
+    first = D[SIGNALS]
+    if D[ARMS] == 1:
+        part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
+        look_at(lane, part, ELSEWHERE, S, row, HELD, ROOM, D)
+    for b in range(D[BODIES]):
+        told = ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
+        v = told if D[ARMS] == 1 else S[D[F_Y] + D[D[BODY_MOVES] + b] * D[LANES] + lane]
+        FOUND[lane, first + b, LARGEST] = max(FOUND[lane, first + b, LARGEST], v)
+        FOUND[lane, first + b, SMALLEST] = min(FOUND[lane, first + b, SMALLEST], v)
+
+
+@njit(float64(int64, int64, f1, i1), **OPTIONS)
+def place_of(lane, p, S, D):
+    """Place 0 is the position of the body, or of the centre of mass; place 1 + j that of coordinate j."""
+    L, j = D[LANES], p - 1
+    if p == 0:
+        return way_of(lane, S, D)
+    if D[CYCLIC] == 0:
+        return S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane]
+    return S[D[F_X] + lane] + (S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane] if j > 0 else 0.0)
+
+
+@njit(void(int64, int64, f1, f3, i1), **OPTIONS)
+def keep_places(lane, row, S, XS, D):
+    """Where everything is, as a row of XS."""
+    for p in range(D[PLACES]):
+        XS[lane, row, p] = place_of(lane, p, S, D)
+
+
+@njit(void(int64, int64, f1, i2, f3, f2, i1), **OPTIONS)
+def keep_moved(lane, row, S, N, XS, OUT, D):
+    """How far each coordinate went since a row of XS was kept."""
+    for p in range(1, D[PLACES]):
+        OUT[N[lane, CASE], 8 + D[STATES] + D[KEPT_MODES] + p] = place_of(lane, p, S, D) - XS[lane, row, p]

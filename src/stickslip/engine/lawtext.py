@@ -1,0 +1,89 @@
+"""What a law's kernel has beside its step: numbers of a case, flags, modes and guards at an instant, and the force that is applied."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from stickslip.engine import driver
+from stickslip.engine.steptext import straight
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import System
+from stickslip.engine.values import needed_by
+from stickslip.engine.write import Writer
+
+__all__ = ["force", "looks", "prelude"]
+
+
+def prelude(eq: System, nodes: list[Any]) -> str:
+    """Once per case: everything that depends on its numbers alone."""
+    w = Writer(prefix="p")
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)}
+    ends = [w.value(node, bind) for node in nodes]
+    lines = [*w.lines, *(f"c[{i}] = {end}" for i, end in enumerate(ends))]
+    return (
+        straight("numbers_of", "row, c", lines)
+        + f"""
+
+@njit("{driver.FUNCTIONS["prelude"]}", **OPTIONS)
+def prelude(row, c):
+    numbers_of(row, c)
+"""
+    )
+
+
+def looks(eq: System) -> str:
+    """What a lane holds, from its time and state: flags of the clocks, modes, values of the guards; and what passing rest does."""
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
+    bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
+    sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
+    writers = [Writer(prefix=letter) for letter in "pqrsuw"]
+    for k, clock in enumerate(eq.clocks):
+        writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
+    for k in _flags_in(eq.first_modes):
+        writers[1].line(f"b{k}", f"-1.0 if {writers[1].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+    news = [f"mode[{i}] = {writers[1].value(new, bind | sides)}" for i, new in enumerate(eq.first_modes)]
+    for k, guard in enumerate(eq.guards):
+        writers[2].line(f"out[{k}]", f"1.0 * {writers[2].value(guard, bind | sides)}")
+        if k < eq.signs:
+            writers[2].line(f"b{k}", f"-1.0 if out[{k}] < 0.0 else 1.0")
+    passed = []
+    if eq.dynamic and 0 in eq.switches:
+        w, switch = writers[3], eq.switches[0]
+        w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
+        passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
+        active = switch.states[: eq.states - eq.passive]
+        given = {i: new for i, new in enumerate(active) if new is not None} | eq.forgetting
+        passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in given.items()]
+    for k in _flags_in(eq.carried):
+        writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+    for i, rate in enumerate(eq.carried):
+        writers[4].line(f"out[{i}]", f"1.0 * {writers[4].value(rate, bind | sides)}")
+    resting = [f"y[{i}] = {writers[5].value(new, bind)}" for i, new in eq.settled.items()]
+    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting), strict=True)
+    takes, parts = "row, t, y, clock, mode, out", []
+    calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
+    for what, (name, before, after) in enumerate(bodies):
+        if before or after:
+            parts.append(straight(name.lower(), takes, [*before, *after]))
+            calls += [f"    if what == {what}:", f"        {name.lower()}({takes})"]
+    return "\n".join([*parts, *calls, "    return"])
+
+
+def _flags_in(roots: Iterable[Sym]) -> list[int]:
+    """The guards whose flags some expressions need, those that others need first."""
+    return sorted(int(node.name[1:]) for node in needed_by(roots) if node.op == "flag" and re.fullmatch(r"b\d+", node.name))
+
+
+def force(eq: System, degree: int) -> str:
+    """The force that all but friction offer, by time; the nodes on which its work is summed."""
+    tables = [
+        f"{name} = np.array({values!r})" for name, values in zip(("NODES", "WEIGHTS"), driver.gauss(4 if degree < 8 else 10), strict=True)
+    ]
+    bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"}
+    bind |= {f"clk{k}": f"S[F_CLK + {k} * L + lane]" for k in range(len(eq.clocks))}
+    w = Writer(prefix="p")
+    value = "math.nan" if eq.offered is None else w.value(eq.offered, bind)
+    head = ['@njit("float64(int64, float64[::1], float64[::1], float64)", **OPTIONS)', "def force(lane, S, row, t):"]
+    return "\n".join([*tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"])])

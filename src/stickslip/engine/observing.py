@@ -1,0 +1,139 @@
+"""A user's observable, called with symbols: what it may ask of the state of a machine, and the signal that comes out."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+from stickslip.engine.assembly import Assembly
+from stickslip.engine.coupled import sliding_both_ways
+from stickslip.engine.symbols import Sym, TraceError
+from stickslip.engine.system import System
+from stickslip.errors import InputError
+
+__all__ = ["WAY", "observed_node"]
+
+#: Name of the way of the reference body, which no step of a machine has whose positions count as differences only.
+WAY = "way"
+
+
+class _State:
+    """The state of a machine, in symbols."""
+
+    def __init__(self, parts: Assembly, eq: System):
+        m = self._m = parts.m
+        self._parts, self._eq = parts, eq
+        self.t, self.model = m.t, m.model
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"s has no {name!r}; it has t, model, {', '.join(_KNOWN)}")
+
+    def _given(self, values: Any) -> Any:
+        """Of one body on one contact a number; a tuple of several."""
+        values = tuple(map(self._m.lift, values))
+        return values[0] if self._m.single else values
+
+    @cached_property
+    def x(self) -> Any:
+        """Positions of the bodies."""
+        m = self._m
+        way = m.graph.variable(WAY)
+        return self._given(m.equations.positions(m.t, tuple(way + place for place in m.places) if m.cyclic else m.places))
+
+    @cached_property
+    def v(self) -> Any:
+        """Velocities of the bodies."""
+        return self._given(self._m.equations.velocities(self._m.t, self._m.v))
+
+    @cached_property
+    def acceleration(self) -> Any:
+        """Accelerations of the bodies."""
+        return self._given(self._m.equations.accelerations_of_bodies(self._m.t, self._eq.f[: self._eq.coordinates]))
+
+    @cached_property
+    def slip(self) -> Any:
+        """Slip velocities of the contacts."""
+        return self._given(self._m.slips)
+
+    @cached_property
+    def load(self) -> Any:
+        """Normal forces on the contacts."""
+        return self._given(self._m.loads)
+
+    @cached_property
+    def friction_force(self) -> Any:
+        """Friction forces of the contacts."""
+        return self._given(_friction(self._parts, i) for i in range(len(self._m.laws)))
+
+    @cached_property
+    def z(self) -> Any:
+        """Inner states of the laws: a number where a law has one, a tuple where it has several."""
+        inner = [tuple(self._eq.y[k] for k in contact.inner) for contact in self._eq.contacts]
+        found = tuple(each[0] if len(each) == 1 else each for each in inner)
+        return found[0] if self._m.single else found
+
+    @cached_property
+    def bodies(self) -> dict[str, Any]:
+        """x, v and acceleration of each body by its name."""
+        return self._by_name(self._m.equations.bodies, ("x", "v", "acceleration"))
+
+    @cached_property
+    def contacts(self) -> dict[str, Any]:
+        """slip, load and z of each contact by its name, and its friction force."""
+        return self._by_name(self._m.equations.contacts, ("slip", "load", "z"), friction_force=True)
+
+    def _by_name(self, names: Any, columns: tuple[str, ...], friction_force: bool = False) -> dict[str, Any]:
+        single = self._m.single
+        found = {}
+        for i, name in enumerate(names):
+            own = {column: getattr(self, column) if single else getattr(self, column)[i] for column in columns}
+            found[name] = _Contact(self._parts, i, **own) if friction_force else SimpleNamespace(**own)
+        return found
+
+
+_KNOWN = tuple(name for name in vars(_State) if not name.startswith("_"))
+
+
+class _Contact(SimpleNamespace):
+    """One contact; its friction force is made when it is asked for, because not every contact at rest has one of its own."""
+
+    def __init__(self, parts: Assembly, number: int, **columns: Any):
+        super().__init__(**columns)
+        self._of = parts, number
+
+    @property
+    def friction_force(self) -> Any:
+        """Friction force."""
+        return _friction(*self._of)
+
+
+def _friction(parts: Assembly, i: int) -> Sym:
+    """Friction force of a contact, also at rest."""
+    m = parts.m
+    if i in parts.forces:
+        return m.lift(parts.forces[i])
+    if len(m.feet(i)) > 1:
+        raise TraceError("several contacts hold one body, and at rest only their sum is known; observe slip, load or v")
+    forwards, backwards = sliding_both_ways(parts, i)
+    j = next(k for k, g in enumerate(m.directions[i]) if g)
+    held = m.graph.derivative(m.slips[i] - m.y[j], m.t)
+    holding = m.lift(m.equations.masses[j]) * (m.accelerations({})[j] + held)
+    return m.graph.by_side(parts.modes[i], forwards, backwards, holding)
+
+
+def observed_node(name: str, function: Any, parts: Assembly, eq: System) -> Sym:
+    """The expression of an observable; `InputError` with the reason where it cannot be traced."""
+    graph = parts.m.graph
+    hint = "it is called once, with symbols: write it with + - * / ** and stickslip.maths, without if, and return one number"
+    try:
+        found = function(_State(parts, eq))
+        node = found if isinstance(found, Sym) else graph.constant(float(found))
+    except (TraceError, AttributeError, TypeError, ValueError, KeyError, IndexError) as error:
+        told = f"no part is called {error}, or has this number" if isinstance(error, KeyError | IndexError) else str(error)
+        raise InputError("observe", [f"{name}: {told}; {hint}"]) from error
+    if graph.derivative(node, graph.variable(WAY)) is not graph.constant(0.0):
+        raise InputError(
+            "observe", [f"{name} depends on how far the machine went, which its steps count apart; observe v, or differences of positions"]
+        )
+    return node

@@ -1,0 +1,125 @@
+"""A user's own columns of a batch: a function of the state, and what is made of it over the motion period."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.errors import InputError, Problems
+
+__all__ = ["REDUCTIONS", "Observable", "checked", "observable"]
+
+#: What can be made of a function of the state over the last motion period, in words.
+REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest value", "max": "largest value", "last": "value at the end"}
+
+
+@dataclass(frozen=True, eq=False)
+class Observable:
+    """A function of the state, and what is made of it over the last motion period; made by `observable`.
+
+    Parameters
+    ----------
+    function : callable
+        Of the state, in symbols.
+    reduce : str
+        One of `REDUCTIONS`.
+    unit : str
+        Unit of the result.
+
+    Examples
+    --------
+    >>> Observable(lambda s: s.v, "max", "m/s").says
+    'largest value over the last motion period of an observable'
+    """
+
+    function: Callable[[Any], Any]
+    reduce: str
+    unit: str
+
+    @property
+    def says(self) -> str:
+        """What the column holds."""
+        name = getattr(self.function, "__name__", "<lambda>")
+        return f"{REDUCTIONS[self.reduce]} over the last motion period of {'an observable' if name == '<lambda>' else name}"
+
+    @property
+    def fingerprint(self) -> str:
+        """The same in every process for the same function: by its code, its constants and what it closes over."""
+        return f"{self.reduce} [{self.unit}] {hashlib.sha256(repr(_content(self.function)).encode()).hexdigest()[:16]}"
+
+
+def _content(thing: Any) -> Any:
+    code = getattr(thing, "__code__", None) or (thing if hasattr(thing, "co_code") else None)
+    if code is None:
+        return repr(thing)
+    within = [_content(each) for each in code.co_consts]
+    closed = [repr(cell.cell_contents) for cell in getattr(thing, "__closure__", None) or ()]
+    return code.co_code, code.co_names, within, closed, repr(getattr(thing, "__defaults__", None))
+
+
+def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str = "1") -> Observable:
+    """A column of your own for `sweep`, `map` and batches of `solve`: ``observe={"name": observable(...)}``.
+
+    Parameters
+    ----------
+    function : callable
+        What is observed, of a state ``s``: ``s.t``, ``s.x``, ``s.v``, ``s.acceleration`` of the body, ``s.slip``, ``s.load``,
+        ``s.friction_force``, ``s.z`` of the contact, and ``s.model`` with its numbers. Of a machine that lists parts these are tuples in
+        its order, and ``s.bodies[name].v``, ``s.contacts[name].slip`` are those of one. It is called once, with symbols: write it with
+        + - * / ** and the functions of `stickslip.maths`, without ``if``. A condition of its own (``where``, ``abs``) ends no step: where
+        one changes within a step, the mean is known to a part of that step.
+    reduce : {"mean", "integral", "min", "max", "last"}
+        What is made of it over the last motion period (the last drive period where none was found).
+    unit : str
+        Unit of the result.
+
+    Returns
+    -------
+    Observable
+
+    Raises
+    ------
+    InputError
+        If an argument is of another kind. A function that cannot be traced is refused where it is used.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> square = ss.observable(lambda s: s.v**2, reduce="mean", unit="m^2/s^2")
+    >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[3e-4, 6e-4], tilt_deg=1.7, law="coulomb", observe={"v_square": square})
+    >>> (1e6 * grid.v_square.values).round(3).tolist(), grid.v_square.attrs["units"]
+    ([0.037, 51.602], 'm^2/s^2')
+    """
+    problems = Problems("observable")
+    if not callable(function):
+        problems.add(f"function = {function!r}; allowed is a function of the state; type for example lambda s: s.v**2")
+    if not (isinstance(reduce, str) and reduce in REDUCTIONS):
+        problems.add(f"reduce = {reduce!r}; allowed is one of {', '.join(REDUCTIONS)}")
+    if not isinstance(unit, str):
+        problems.add(f'unit = {unit!r}; allowed is text; type for example unit="m/s"')
+    problems.check()
+    return Observable(function, reduce, unit)
+
+
+def checked(what: str, observe: Any, taken: Any = ()) -> tuple[tuple[str, Observable], ...]:
+    """Observables by name; `InputError` where one is none, or has a name that is taken.
+
+    Examples
+    --------
+    >>> checked("sweep", {"square": observable(lambda s: s.v**2)})[0][0]
+    'square'
+    """
+    if observe is None:
+        return ()
+    if not isinstance(observe, dict):
+        raise InputError(what, [f"observe = {observe!r}; allowed is a dict; type for example observe=dict(square=ss.observable(...))"])
+    problems = Problems(what)
+    for name, each in observe.items():
+        if not (isinstance(name, str) and name.isidentifier()) or name in taken:
+            problems.add(f"observe has {name!r}; allowed is a name of letters that no column and no axis has")
+        if not isinstance(each, Observable):
+            problems.add(f"observe[{name!r}] = {each!r}; type ss.observable(lambda s: s.v**2) for one")
+    problems.check()
+    return tuple(observe.items())

@@ -1,0 +1,94 @@
+"""From the dense output of one case of a machine of several parts to its row of a summary."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.machine import machine_of
+from stickslip.solvers import strobes
+from stickslip.solvers.parts import RawParts
+from stickslip.solvers.request import Request
+from stickslip.steadiness import repetition_of, window_count
+from stickslip.trajectory import Trajectory
+
+__all__ = ["reduced_parts"]
+
+Array = Any
+_LOOKS = 5000  # per period
+
+
+def reduced_parts(todo: Request, run: Trajectory) -> dict[str, Any]:
+    """Raw results of one case; what is of bodies, contacts and stops is sampled over the last motion period."""
+    way, period, limit = (np.zeros(2), 0, np.nan) if run.model.period is None else repetition_of(run)
+    settle = todo.periods - period if todo.auto and period else todo.settle
+    if run.model.period is None:
+        x = run.at(run.pieces.t[[0, -1]])["x"]
+        found = {**strobes.NOTHING, "displacement": run.steadiness.mean_velocity * float(np.ptp(run.pieces.t[[0, -1]])), "window": 1.0}
+    else:
+        x = run.strobe_x
+        found = {**strobes.NOTHING, **strobes.over_window(way, settle, period, limit)}
+    count = window_count(len(x) - 1, settle, period)
+    parts = _parts(todo, run, period or 1, x[-1] - x[-1 - count])
+    return {**found, "status": 0, "periods_run": todo.periods, "parts": parts}
+
+
+def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) -> RawParts:
+    """What the parts did in the last drive periods."""
+    end, span = float(run.pieces.t[-1]), periods * float(np.ravel(todo.span)[0] if run.model.period is None else run.model.period)
+    t = end - span * (1 - (np.arange(_LOOKS * periods) + 0.5) / (_LOOKS * periods))
+    at, machine = run.at(t), machine_of(run.model)
+    v, slip, step = at["v"], at["slip"], span / len(t)
+    segments = [strobes.segments_of(np.full(len(t), step), codes) for codes in _codes(todo, run, at).T]
+    number, time, code = (np.array([each[k] for each in segments])[None] for k in range(3))
+    hits = _hits(run, end - span)
+    stops = [name for name, _ in machine.mechanics.named_stops]
+    return RawParts(
+        displacement=displacement[None], v_max=v.max(axis=0)[None], v_min=v.min(axis=0)[None], wide_max=v.max(axis=0)[None],
+        wide_min=v.min(axis=0)[None], slip_max=slip.max(axis=0)[None], slip_min=slip.min(axis=0)[None],
+        slipped=slip.sum(axis=0)[None] * step, friction_work=(at["friction_force"] * slip).sum(axis=0)[None] * step,
+        seg_count=number, seg_time=time, seg_code=code, margin_force=np.nan,
+        hits=np.array([[hits.get(name, (0, 0.0))[0] for name in stops]], float),
+        impulse_max=np.array([[hits[name][1] if name in hits else np.nan for name in stops]]),
+        stop_force_max=np.full((1, len(stops)), np.nan),
+    )  # fmt: skip
+
+
+def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
+    """What each contact does at sampled instants (see `stickslip.segments`)."""
+    mode, slip, load = at["mode"].astype(int), at["slip"], at["load"]
+    codes = 2 * mode
+    for i, law in enumerate(machine_of(run.model).laws):
+        if law.states:
+            least = 1e-9 * float(machine_of(run.model).velocity_scale)
+            held = mode[:, i] * np.maximum(mode[:, i] * slip[:, i], least)
+            layout = run.pieces.layout.contacts[i]
+            memory = tuple(run.pieces.memory[run._index(at["t"])][:, list(layout.memory)].T)
+            z = np.asarray(at["z"]).reshape(len(mode), len(mode[0]), -1)[:, i, : law.states]
+            ratio = 1 - np.asarray(law.rate(held, tuple(z.T), load[:, i], memory)[0]) / held
+            codes[:, i] = mode[:, i] * np.where(ratio >= todo.slip_ratio, 2, 1)
+    return codes
+
+
+def _hits(run: Trajectory, since: float) -> dict[str, tuple[int, float]]:
+    """By name of a stop with restitution how often it was hit, and the greatest impulse [N s]."""
+    mechanics = machine_of(run.model).mechanics
+    speeds: dict[str, list[float]] = {name: [] for name, stop in mechanics.named_stops if stop.part.restitution is not None}
+    for event in run.events:
+        if event.kind == "hit" and event.t > since and event.velocity is not None:
+            speeds[_hit(run, event)].append(-event.velocity)
+    found = {}
+    for name, stop in mechanics.named_stops:
+        if name in speeds:
+            inverse = sum(h * h / float(m) for h, m in zip(stop.direction, mechanics.masses, strict=True))
+            found[name] = len(speeds[name]), (1 + float(stop.part.restitution)) * max(speeds[name], default=0.0) / inverse
+    return found
+
+
+def _hit(run: Trajectory, event: Any) -> str:
+    """The stop that was hit: of several between the same two bodies the one whose gap is closed."""
+    mechanics = machine_of(run.model).mechanics
+    q = mechanics.coordinates_of(tuple(run.at(event.t)["x"]))
+    gaps = {name: abs(float(stop.gap(event.t, q))) for name, stop in mechanics.named_stops if stop.name == event.part}
+    return min(gaps, key=lambda name: gaps[name])
