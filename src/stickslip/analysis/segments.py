@@ -15,7 +15,18 @@ from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
 
-__all__ = ["Intervals", "Segments", "Watched", "WatchedOf", "elastic_segments", "intervals_of", "raw_segments", "shares", "slip_ratio_at", "type_of"]
+__all__ = [
+    "Intervals",
+    "Segments",
+    "Watched",
+    "WatchedOf",
+    "elastic_segments",
+    "intervals_of",
+    "raw_segments",
+    "shares",
+    "slip_ratio_at",
+    "type_of",
+]
 
 Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected

@@ -35,7 +35,9 @@ class _Parts(SeveralBodies):
         super().__init__(model)
         self.index = dict(zip(self.bodies, indices(self.bodies), strict=True))
         self.x, self.v = _states(list(self.index.values()))
-        self.pulls = [(ends, part, _pull(self.index, ends, [e for e, _ in self.elastic[:k]])) for k, (ends, part) in enumerate(self.elastic)]
+        self.pulls = [
+            (ends, part, _pull(self.index, ends, [e for e, _ in self.elastic[:k]])) for k, (ends, part) in enumerate(self.elastic)
+        ]
         self.elastic = [(ends, _Pull(letter)) for ends, _, letter in self.pulls]
 
     def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
@@ -109,7 +111,13 @@ def _inertia(mechanics: Any, c: int, own: list[str]) -> str:
     for name, index in zip(mechanics.bodies, own, strict=True):
         if mechanics.coordinate_of(name) == c:
             mass = bare(mechanics.masses[c] if parts is None else parts[name].mass)
-            factor = "" if mass == 1 else rf"\left({text_of(mass)}\right) " if mass.is_Add else text_of(mass) + (r" \, " if "mathrm" in text_of(mass) else " ")
+            factor = (
+                ""
+                if mass == 1
+                else rf"\left({text_of(mass)}\right) "
+                if mass.is_Add
+                else text_of(mass) + (r" \, " if "mathrm" in text_of(mass) else " ")
+            )
             terms.append(rf"{factor}\ddot {subscripted('x', index)}")
     return " + ".join(terms)
 
@@ -120,7 +128,7 @@ def _of_links(mechanics: _Parts) -> list[str]:
     lines = []
     for ends, part, letter in mechanics.pulls:
         distance, rate = mechanics.distance(ends, mechanics.x), mechanics.distance(ends, mechanics.v)
-        lines.append(f"{text_of(letter)} &= {_tension(part, distance, rate, str(bare(letter))[1:].lstrip(chr(39)))}")
+        lines += _tension(part, distance, rate, text_of(letter))
     for (first, second), link in mechanics.told:
         start = mechanics.parts[first].position - mechanics.parts[second].position
         distance = mechanics.distance((first, second), mechanics.x)
@@ -135,15 +143,16 @@ def _of_links(mechanics: _Parts) -> list[str]:
     return lines
 
 
-def _tension(part: Any, distance: Any, rate: Any, marks: str) -> str:
-    """The formula of a tension; where it distinguishes cases, in the distance d, which is said beside it."""
+def _tension(part: Any, distance: Any, rate: Any, letter: str) -> list[str]:
+    """The formula of a tension; where it distinguishes cases, in the distance d, which has a line of its own."""
     import sympy
 
     force = bare(part.force(distance, rate))
     if not force.has(sympy.Piecewise):
-        return text_of(force)
-    d, moving = (symbol(letter + marks, real=True) for letter in ("d", r"\dot d"))
-    return f"{text_of(part.force(d, moving))}, && {bare(d)} = {text_of(distance)}"
+        return [f"{letter} &= {text_of(force)}"]
+    marks = letter[1:].lstrip("'")
+    d, moving = (symbol(own + marks, real=True) for own in ("d", r"\dot d"))
+    return [f"{letter} &= {text_of(part.force(d, moving))}", f"{text_of(d)} &= {text_of(distance)}"]
 
 
 def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:

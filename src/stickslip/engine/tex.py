@@ -249,7 +249,11 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
     if own and "_" in own and (place or owner):
         letter = f"{{{own}}}"
-    return (subscripted(letter, index, place), subscripted(letter, index, place, owner), subscripted(_upright(" ".join(words)), place)), number
+    return (
+        subscripted(letter, index, place),
+        subscripted(letter, index, place, owner),
+        subscripted(_upright(" ".join(words)), place),
+    ), number
 
 
 def _own_symbol(record: Any, places: list[str]) -> str:
