@@ -239,6 +239,12 @@ def _phase(c):
     assert ss.plot.phase(c.run()).get_ylabel().startswith("velocity")
 
 
+def _contacts(c):
+    run = c.run()
+    ax = ss.plot.contacts(run)
+    assert [label.get_text() for label in ax.get_yticklabels()][: len(run.contacts)] == list(run.contacts) and ax.collections
+
+
 def _strobe(c):
     assert len(ss.strobe(c.run()).v)
 
@@ -256,9 +262,11 @@ def _mirrored(c):
 
 
 def _explorer(c):
-    from stickslip.explorer.opened import state_of
+    from stickslip.explorer.machines import Shown, picture
 
-    assert state_of(c.machine).track
+    found = picture(Shown(c.machine, options=c.length), True, c.machine, lambda done, whole: None)
+    assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run().bodies)
+    assert [row["name"] for row in found["picture"]["rows"]][: len(c.run().contacts)] == list(c.run().contacts) and found["facts"]
 
 
 def _command(c):
@@ -287,6 +295,6 @@ every_door = {
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
     "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
     "CSV": _csv, "report": _report, "plot.velocity": _velocity,
-    "plot.forces": _forces, "plot.phase": _phase, "ss.strobe": _strobe, "ss.spectrum": _spectrum, "ss.latex": _latex,
+    "plot.forces": _forces, "plot.phase": _phase, "plot.contacts": _contacts, "ss.strobe": _strobe, "ss.spectrum": _spectrum, "ss.latex": _latex,
     "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
 }  # fmt: skip

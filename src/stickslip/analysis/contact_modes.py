@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,7 @@ def _signs(edges: Array, code: Array, dwell: float) -> Array:
     """+1, 0, -1 of segments: elastic ones that last together, or that the run's ends cut off, are stuck; others go with their velocity."""
     signs, elastic = np.sign(code), abs(code) == 1
     bounds = np.flatnonzero(np.diff(elastic.astype(int), prepend=2, append=2))
-    for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+    for a, b in itertools.pairwise(bounds):
         if elastic[a] and (edges[b] - edges[a] >= dwell or a == 0 or b == len(code)):
             signs[a:b] = 0
     return signs

@@ -157,15 +157,16 @@ def _tension(part: Any, distance: Any, rate: Any, letter: str) -> list[str]:
 
 def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
-    own, t = indices(mechanics.contacts), symbol("t", real=True)
-    x, v = _states(indices(mechanics.bodies))
+    own, t, bodies = indices(mechanics.contacts), symbol("t", real=True), indices(mechanics.bodies)
+    x, v = _states(bodies)
     given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x), own, strict=True))
     blocks = []
     for lines_of in (_slip_lines, _load_lines, _law_lines):
         found = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
             alone = lines_of(law.law, bare(slip), bare(load), index, v)
-            generic = lines_of(*_renumbered(letters, law.law, slip, load, index), _states(["i" if n == index else n for n in indices(mechanics.bodies)])[1])  # fmt: skip
+            turned = _states(["i" if each == index else each for each in bodies])[1]
+            generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
             found.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
         blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in found.items() if alone]
     return _told_once(blocks)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from typing import Any
+
+from stickslip.fields import told_by_field
 
 __all__ = ["Letters", "Tex", "bare", "indices", "letters_of", "spread", "subscripted", "symbol", "text_of"]
 
@@ -225,18 +227,22 @@ def letters_of(record: Any, names: Iterable[str]) -> Letters:
 
     Numbers of tuples count from one. Names that would share a letter say whose they are, or are spelled out.
     """
-    names = list(names)
-    ways = [_ways(record, name) for name in names]
-    texts: dict[str, str] = {}
+    ways = {name: _ways(record, name) for name in names}
+    chosen: dict[str, str] = {}
     for place in range(3):
-        tried = [way[place].replace("%s", number) for way, number in ways]
-        for name, text in zip(names, tried, strict=True):
-            if name not in texts and (place == 2 or (tried.count(text) == 1 and text not in _TAKEN and text not in texts.values())):
-                texts[name] = text
-    symbols = {name: symbol(texts[name]) for name in names}
-    forms = {name: next(way for way in forms if way.replace("%s", number) == texts[name]) for name, (forms, number) in zip(names, ways, strict=True)}  # fmt: skip
-    numbered = {bare(symbols[name]): (forms[name], number) for name, (_, number) in zip(names, ways, strict=True) if number}
+        tried = {name: forms[place].replace("%s", number) for name, (forms, number) in ways.items()}
+        for name, text in tried.items():
+            is_own = list(tried.values()).count(text) == 1 and text not in _TAKEN and text not in _printed(chosen, ways)
+            if name not in chosen and (is_own or place == 2):
+                chosen[name] = ways[name][0][place]
+    symbols = {name: symbol(form.replace("%s", ways[name][1])) for name, form in chosen.items()}
+    numbered = {bare(symbols[name]): (chosen[name], number) for name, (_, number) in ways.items() if number}
     return Letters(symbols, numbered)
+
+
+def _printed(chosen: dict[str, str], ways: dict[str, Any]) -> set[str]:
+    """How the letters that were chosen print."""
+    return {form.replace("%s", ways[name][1]) for name, form in chosen.items()}
 
 
 def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
@@ -244,7 +250,7 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     places = name.split(".")
     words, number = [p for p in places if not p.isdigit()], ",".join(str(int(p) + 1) for p in places if p.isdigit())
     place = "%s" if number else ""
-    own = _own_symbol(record, places)
+    own = str(told_by_field(record, name).get("symbol", ""))
     letter, index = (own, "") if own else _letter(words[-1])
     owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
     if own and "_" in own and (place or owner):
@@ -254,15 +260,3 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
         subscripted(letter, index, place, owner),
         subscripted(_upright(" ".join(words)), place),
     ), number
-
-
-def _own_symbol(record: Any, places: list[str]) -> str:
-    """What a field's metadata gives as its symbol, or nothing."""
-    told = ""
-    for place in places:
-        if place.isdigit():
-            record = record[int(place)] if isinstance(record, tuple) else None
-            continue
-        found = {f.name: f.metadata for f in fields(record)} if is_dataclass(record) else {}
-        told, record = found.get(place, {}).get("symbol", ""), getattr(record, place, None)
-    return str(told)

@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.machine import machine_of
 
-__all__ = ["facts", "tables"]
+__all__ = ["facts", "mean_of", "tables"]
 
 Row = tuple[str, ...]
 
@@ -31,6 +31,14 @@ def joules(work: float) -> str:
 
     factor, unit = prefix(work)
     return f"{factor * work:.6g} {unit}J".replace("-", "−")
+
+
+def mean_of(run: Any, body: str | None = None) -> float:
+    """Mean velocity of the centre of mass or of a body [m/s]; what is rounding of a machine that stays where it is counts as 0."""
+    from stickslip.analysis.steady import mean_velocity
+
+    mean = float(mean_velocity(run, body=body))
+    return mean if abs(mean) > 1e-12 * float(machine_of(run.model).velocity_scale) else 0.0
 
 
 def _of_robot(run: Any) -> list[tuple[str, str]]:
@@ -88,12 +96,11 @@ def _of_bench(run: Any) -> list[tuple[str, str]]:
 # ---- several bodies ----
 def _of_machine(run: Any) -> list[tuple[str, str]]:
     from stickslip.analysis.motion import motion
-    from stickslip.analysis.steady import mean_velocity
 
     law = machine_of(run.model).law_names
     found = [
         ("machine", f"{type(run.model).__name__} with {run.pieces.layout.says}" + (f", {law} friction" if law else "")),
-        ("mean velocity of the centre of mass", millimetres(mean_velocity(run))),
+        ("mean velocity of the centre of mass", millimetres(mean_of(run))),
     ]
     if run.model.period is not None:
         m = motion(run)
@@ -132,14 +139,13 @@ def tables(run: Any) -> list[dict[str, Any]]:
 
 
 def _bodies(run: Any) -> tuple[str, Row, list[Row]]:
-    from stickslip.analysis.steady import mean_velocity
     from stickslip.report.moving import shown_span
 
     start, parts = shown_span(run)[0], machine_of(run.model).mechanics.parts  # type: ignore[attr-defined]
     rows = []
     for name, body in run.bodies.items():
         v = body.v[run.t >= start]
-        rows.append((name, f"{float(parts[name].mass):.6g} kg", millimetres(mean_velocity(run, body=name)), millimetres(v.min(), v.max())))
+        rows.append((name, f"{float(parts[name].mass):.6g} kg", millimetres(mean_of(run, name)), millimetres(v.min(), v.max())))
     return "The bodies.", ("body", "mass", "mean velocity", "velocity"), rows
 
 

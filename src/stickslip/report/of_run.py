@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.fields import leaves, told_by_field
 from stickslip.machine import machine_of
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
@@ -13,14 +14,14 @@ from stickslip.report.facts import facts, tables
 from stickslip.report.html import page
 from stickslip.report.moving import moments
 
-__all__ = ["UNITLESS", "numbers", "run_page", "sources"]
+__all__ = ["UNITLESS", "meaning_of", "numbers", "numbers_of", "run_page", "sources"]
 
 #: The remark on a page about robots whose units are all 1.
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 #: Numbers of mechanisms whose names mean something else in a robot.
 _OF_MECHANISMS = {
     "damping": ("damping c", "N s/m"), "load": ("normal force", "N"), "force": ("amplitude of the force F", "N"),
-    "bias": ("constant part of the force F_0", "N"),
+    "bias": ("constant part of the force F_0", "N"), "length": ("length at rest", "m"), "phases": ("phase of the drive", "rad"),
 }  # fmt: skip
 
 
@@ -49,8 +50,6 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
     >>> "<h1>The rig on 1.7 degrees</h1>" in text, "https:" in text.split("<main")[0]
     (True, False)
     """
-    from stickslip.fields import leaves
-
     is_robot = machine_of(run.model).drive is not None
     return page(
         "run.html",
@@ -63,7 +62,7 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
         library=chart_library(),
         moments=moments(run),
         tex=_equations(run.model),
-        numbers=numbers(leaves(run.model), mechanism=not is_robot),
+        numbers=numbers_of(run.model),
         notes=[*run.notes, *([UNITLESS] if dimensionless else [])],
         toml=_toml(run),
         command=command,
@@ -107,14 +106,33 @@ def _equations(model: Any) -> str:
 
 def numbers(named: Iterable[tuple[str, Any]], units: bool = True, mechanism: bool = False) -> list[tuple[str, str, str]]:
     """Name, value with its unit, and meaning of the numbers of a robot or mechanism; the unit is that of the docs' page on notation."""
-    from stickslip.sweeps.naming import AXES
-
-    known = _OF_MECHANISMS if mechanism else {}
     found = []
     for name, value in named:
-        meaning, unit = known.get(name) or AXES.get(name.rstrip("0123456789.").rpartition(".")[2], ("", ""))
-        found.append((name, f"{float(value):.10g} {unit if units and unit != '1' else ''}".rstrip(), meaning))
+        meaning, unit = meaning_of(name, mechanism)
+        found.append((name, f"{float(value):.10g} {unit if units else ''}".rstrip(), meaning))
     return found
+
+
+def numbers_of(model: Any) -> list[tuple[str, str, str]]:
+    """The same of any machine; of one that a user wrote, its own fields have the words and units that their metadata say."""
+    machine, found = machine_of(model), []
+    for name, value in leaves(model):
+        (row,) = numbers([(name, value)], mechanism=machine.drive is None)
+        told = told_by_field(model, name)
+        if "." not in name and not machine.is_single:
+            row = (name, f"{float(value):.10g} {told.get('unit', '')}".rstrip(), str(told.get("label", "")))
+        found.append(row)
+    return found
+
+
+def meaning_of(name: str, mechanism: bool = False) -> tuple[str, str]:
+    """What a number is called and its unit, by its dotted name; nothing where nobody knows."""
+    from stickslip.sweeps.naming import AXES
+
+    kind = name.rstrip("0123456789.").rpartition(".")[2]
+    own = _OF_MECHANISMS.get(kind) if mechanism and ".drive." not in f".{name}" else None
+    meaning, unit = own or AXES.get(kind, ("", ""))
+    return meaning, unit if unit != "1" else ""
 
 
 def _toml(run: Any) -> str:
@@ -137,8 +155,6 @@ def sources(model: Any) -> list[str]:
     """The references that the docstrings of a machine and of its parts name, each once."""
     import inspect
     import re
-
-    from stickslip.fields import leaves
 
     found: dict[str, None] = {}
     for cls in dict.fromkeys(value for name, value in leaves(model, kinds=True) if name.endswith("__class__")):
