@@ -12,6 +12,6 @@ from stickslip.plot.style import publication
 from stickslip.plot.tracked import attractors
 
 __all__ = [
-    "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted", "forces",
-    "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
+    "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted",
+    "forces", "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
 ]  # fmt: skip

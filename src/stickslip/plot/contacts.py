@@ -13,7 +13,8 @@ __all__ = ["MODES", "contacts", "hits"]
 
 #: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, and a stop that is pressed.
 MODES: dict[int, tuple[str, str, str]] = {
-    1: ("forwards", COLOURS[0], ""), -1: ("backwards", COLOURS[1], "////"), 0: ("sticks", SHADE, ""), 2: ("stop pressed", COLOURS[2], "...."),
+    1: ("forwards", COLOURS[0], ""), -1: ("backwards", COLOURS[1], "////"), 0: ("sticks", SHADE, ""),
+    2: ("stop pressed", COLOURS[2], "...."),
 }  # fmt: skip
 _ROW, _AROUND = 0.27, 0.75  # inches
 

@@ -99,7 +99,7 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
 
 
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
-    """Where the only contact sticks: exactly under a set-valued law, by the rule of `motion` under one with inner states that slides too."""
+    """Where the only contact sticks: exactly under a set-valued law, by the rule of `motion` under one with inner states."""
     (stretches,) = contact_modes(run, start, end).values()
     always = all(sign == 0 for _, _, sign in stretches)
     return [] if always and law_of(run.model).dynamic else [(a, b) for a, b, sign in stretches if sign == 0]
