@@ -176,6 +176,17 @@ def test_stops_have_rows_of_their_own():
     assert set(marks.get_ydata()) == {1}
 
 
+def test_a_stop_to_the_ground_is_not_taken_for_the_contact_of_its_body():
+    @dataclass(frozen=True, eq=False)
+    class Walled(Capsule):
+        def stops(self):
+            return {("capsule", None): ss.Stop(gap=0.001, stiffness=2e3)}
+
+    ax = ss.plot.contacts(ss.solve(Walled(300.0, DRY), periods=6), periods=6)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["capsule", "capsule (stop)"]
+    assert {row for row, word in _bars(ax) if word == "stop pressed"} == {1}
+
+
 def test_a_contact_that_is_lost_has_a_cross():
     lifted = ss.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=205.0), amplitude=2e-2, phase=3.44)
     run = ss.solve(every_machine["Robot"][0].replace(drive=lifted), periods=3)

@@ -11,10 +11,11 @@ from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.segments import Watched, WatchedOf, clipped, elastic_segments
 from stickslip.machine import machine_of
 
-__all__ = ["Stretch", "contact_modes", "pressed_stops", "watched_contacts"]
+__all__ = ["PRESSED", "Stretch", "contact_modes", "hits", "pressed_stops", "stop_rows", "watched_contacts"]
 
 Array = Any
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
+PRESSED = 2  # what stands for the sign while a stop is pressed
 _GRID, _HALVINGS = 4096, 50
 _ROUNDING = 1e-12  # of a span: what is shorter is no stretch
 
@@ -110,3 +111,25 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     edges = np.concatenate([[start] if closed[0] else [], high, [end] if closed[-1] else []])
     return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
+    """Hits within a span on each stop that throws bodies back, by the bodies that meet: times [s] and rates of the gap [m/s]."""
+    machine = machine_of(run.model)
+    found: dict[str, list[tuple[float, float]]] = {} if machine.is_single else {stop.name: [] for stop in machine.mechanics.stops}
+    for event in run.events:
+        if event.kind == "hit" and start <= event.t <= end:
+            found[event.part].append((event.t, float(event.velocity)))
+    return found
+
+
+def stop_rows(run: Any, start: float, end: float) -> dict[str, tuple[list[Stretch], list[float]]]:
+    """For each stop, by a name that no contact has, when it is pressed (sign 2) and when it is hit [s]."""
+    pressed, struck = pressed_stops(run, start, end), hits(run, start, end)
+    return {
+        f"{name} (stop)" if name in run.contacts else name: (
+            [(a, b, PRESSED) for a, b in pressed.get(name, [])],
+            [t for t, _ in struck.get(name, [])],
+        )
+        for name in dict.fromkeys([*pressed, *struck])
+    }

@@ -30,6 +30,7 @@ SAMPLES, LONGEST = 256, 8
 def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> bytes:
     """The bytes that answer a request, `shown` being the server's machine; what is wrong with its numbers is an answer too."""
     head = {"channel": asked.channel, "id": asked.id}
+    found: tuple[dict[str, Any], dict[str, Any]]
     try:
         if asked.machine is not None:
             found = _machine(asked, kernels, stop, shown), {}

@@ -31,11 +31,17 @@ def effort(robot: Any) -> tuple[Any, Any]:
     >>> round(float(swings), 1), decays
     (11.5, 0.0)
     """
-    import numpy as np
-
     period = machine_of(robot).time_scale or 1.0
     found = [_of_contact(law, mass, period) for law, mass in _contacts(machine_of(robot).mechanics)]
-    return tuple(functools.reduce(np.maximum, of, 0.0) if len(of) != 1 else of[0] for of in zip(*found, strict=True)) or (0.0, 0.0)
+    swings, decays = ([each[k] for each in found] for k in (0, 1))
+    return _largest(swings), _largest(decays)
+
+
+def _largest(values: list[Any]) -> Any:
+    """The largest for each case; 0 where there is no contact."""
+    import numpy as np
+
+    return functools.reduce(np.maximum, values) if values else 0.0
 
 
 def _contacts(mechanics: Mechanics) -> Iterator[tuple[LawAdapter, Any]]:

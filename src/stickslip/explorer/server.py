@@ -295,10 +295,10 @@ def server_of(
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
         timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # who asks is who connected, whatever a header says
     )  # fmt: skip
-    shown = f"[{host}]" if ":" in host else host
+    name = f"[{host}]" if ":" in host else host
     _check_port(host, port)
     query = f"?token={token}" if token else ""
-    return _Server(config, lambda taken: tell(f"http://{shown}:{taken}/{query}"))
+    return _Server(config, lambda taken: tell(f"http://{name}:{taken}/{query}"))
 
 
 def _check_port(host: str, port: int) -> None:

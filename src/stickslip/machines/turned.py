@@ -43,7 +43,7 @@ class Turned(Machine):
         return getattr(self.machine, name)
 
     @property
-    def period(self) -> Any:  # type: ignore[override]
+    def period(self) -> Any:
         """That of the machine [s]."""
         return self.machine.period
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.analysis.contact_modes import contact_modes, pressed_stops
+from stickslip.analysis.contact_modes import contact_modes, stop_rows
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.plot.runs import only_run, span, time_axis
 from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, prefix, publication
 
-__all__ = ["MODES", "contacts", "hits"]
+__all__ = ["MODES", "contacts"]
 
 #: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, and a stop that is pressed.
 MODES: dict[int, tuple[str, str, str]] = {
@@ -50,34 +50,19 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
     """
     run = only_run(run)
     start, end = span(run, periods, duration)
-    modes, pressed, struck = contact_modes(run, start, end), pressed_stops(run, start, end), hits(run, start, end)
-    rows = [*modes, *(name for name in dict.fromkeys([*pressed, *struck]))]
-    bars = {**{name: list(stretches) for name, stretches in modes.items()}}
-    for name, touched in pressed.items():
-        bars.setdefault(name, []).extend((a, b, 2) for a, b in touched)
+    modes, stops = contact_modes(run, start, end), stop_rows(run, start, end)
+    rows, bars = [*modes, *stops], {**modes, **{name: pressed for name, (pressed, _) in stops.items()}}
     time, seconds = prefix(end - start)
     with publication():
         ax = _axes(ax, len(rows))
         shown = _bars(ax, rows, bars, start, time)
-        marks = _marks(ax, rows, {name: [t for t, _ in each] for name, each in struck.items()}, _lost(run, start, end), start, time)
+        marks = _marks(ax, rows, {name: struck for name, (_, struck) in stops.items()}, _lost(run, start, end), start, time)
         ax.set_yticks(range(len(rows)), rows)
         ax.set_ylim(len(rows) - 0.5, -0.5)
         ax.tick_params(axis="y", length=0)
         time_axis(ax, run, (start, end), time, seconds)
         legend_above(ax, handles=[*shown, *marks], ncols=len(shown) + len(marks), columnspacing=1.2, handlelength=1.6)
         return ax
-
-
-def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
-    """Hits within a span on each stop that throws bodies back, by the bodies that meet: times [s] and rates of the gap [m/s]."""
-    from stickslip.machine import machine_of
-
-    machine = machine_of(run.model)
-    found: dict[str, list[tuple[float, float]]] = {} if machine.is_single else {stop.name: [] for stop in machine.mechanics.stops}
-    for event in run.events:
-        if event.kind == "hit" and start <= event.t <= end:
-            found[event.part].append((event.t, float(event.velocity)))
-    return found
 
 
 def _lost(run: Any, start: float, end: float) -> dict[str, list[float]]:

@@ -103,7 +103,7 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
         ("mean velocity of the centre of mass", millimetres(mean_of(run))),
     ]
     if run.model.period is not None:
-        m = motion(run)
+        m: Any = motion(run)
         found += [
             ("repeats after [drive periods]", _repeats(m.period)),
             ("contacts that never move", ", ".join(m.anchored) or "none"),
@@ -142,7 +142,7 @@ def _bodies(run: Any) -> tuple[str, Row, list[Row]]:
     from stickslip.report.moving import shown_span
 
     start, parts = shown_span(run)[0], machine_of(run.model).mechanics.parts  # type: ignore[attr-defined]
-    rows = []
+    rows: list[Row] = []
     for name, body in run.bodies.items():
         v = body.v[run.t >= start]
         rows.append((name, f"{float(parts[name].mass):.6g} kg", millimetres(mean_of(run, name)), millimetres(v.min(), v.max())))
@@ -167,7 +167,10 @@ def _contacts(run: Any) -> list[tuple[str, Row, list[Row]]]:
 def _motions(run: Any) -> dict[str, Row]:
     from stickslip.analysis.motion import motion
 
-    return {name: (m.type, m.pattern.replace("-", "−")) for name, m in motion(run).contacts.items()} if run.model.period is not None else {}
+    if run.model.period is None:
+        return {}
+    found: Any = motion(run)
+    return {name: (m.type, m.pattern.replace("-", "−")) for name, m in found.contacts.items()}
 
 
 def _losses(run: Any, which: str) -> dict[str, str]:
@@ -183,7 +186,7 @@ def _losses(run: Any, which: str) -> dict[str, str]:
 
 def _links(run: Any) -> list[tuple[str, Row, list[Row]]]:
     """What links and stops take, and how often stops are hit."""
-    from stickslip.plot.contacts import hits
+    from stickslip.analysis.contact_modes import hits
     from stickslip.report.moving import shown_span
 
     struck = hits(run, *shown_span(run))

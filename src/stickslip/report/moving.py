@@ -136,14 +136,16 @@ def _links(model: Any) -> list[list[int]]:
 
 # ---- contacts ----
 def _rows(run: Any, start: float, end: float, factor: float) -> list[dict[str, Any]]:
-    from stickslip.analysis.contact_modes import contact_modes, pressed_stops
-    from stickslip.plot.contacts import hits
+    """A row for each contact, and one for each stop."""
+    from stickslip.analysis.contact_modes import contact_modes, stop_rows
 
-    rows = {name: {"name": name, "stretches": stretches, "hits": []} for name, stretches in contact_modes(run, start, end).items()}
-    for name, touched in pressed_stops(run, start, end).items():
-        rows.setdefault(name, {"name": name, "stretches": [], "hits": []})["stretches"] += [(a, b, 2) for a, b in touched]
-    for name, struck in hits(run, start, end).items():
-        rows.setdefault(name, {"name": name, "stretches": [], "hits": []})["hits"] += _plain(factor * (t - start) for t, _ in struck)
-    for row in rows.values():
-        row["stretches"] = [[*_plain((factor * (a - start), factor * (b - start))), sign] for a, b, sign in row["stretches"]]
-    return list(rows.values())
+    found: dict[str, tuple[list[Any], list[float]]] = {name: (of, []) for name, of in contact_modes(run, start, end).items()}
+    found |= stop_rows(run, start, end)
+    return [
+        {
+            "name": name,
+            "stretches": [[*_plain((factor * (a - start), factor * (b - start))), sign] for a, b, sign in stretches],
+            "hits": _plain(factor * (t - start) for t in struck),
+        }
+        for name, (stretches, struck) in found.items()
+    ]
