@@ -33,7 +33,7 @@ def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]
     >>> run = ss.solve(ss.Chain.example(), periods=20)
     >>> found = contact_modes(run, run.t[-1] - run.period_time, run.t[-1])
     >>> {name: [sign for _, _, sign in stretches] for name, stretches in found.items()}
-    {'module 1': [1, -1, 1], 'module 2': [0, -1, 0, 1, 0]}
+    {'module 1': [-1, 1, -1], 'module 2': [1, 0, -1, 0, 1]}
     """
     return {name: _stretches(watched, start, end) for name, watched in watched_contacts(run).items()}
 
