@@ -16,7 +16,7 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
 from stickslip.maths import sin
 from stickslip.report.mathml import mathml
-from test_mirrored_machines import Everything, Prescribed
+from test_mirrored_machines import WORM, Everything, Prescribed
 
 DROPPED = ss.Chain((SHAKEN, SHAKEN.replace(drive=ss.TwoPhase(stroke=0.01, u1=0.654, u2=0.654))), ss.Rigid())
 MACHINES = {
@@ -25,6 +25,7 @@ MACHINES = {
     "prescribed": Prescribed(ss.Harmonic(2e-3, 60.0), ss.Coulomb(0.1, 0.3)),
     "five": ss.Chain((SHAKEN,) * 5, ss.Spring(1200.0, 0.4)),
     "one": SHAKEN,
+    "worm": WORM,
 }
 
 

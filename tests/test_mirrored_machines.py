@@ -12,6 +12,7 @@ from stickslip.maths import cos, pi, sin
 from stickslip.mirroring import _unmirrored
 
 LINKS = (ss.Spring(900.0, 0.3, 0.02), ss.Spring(1200.0, 0.4))
+WORM = ss.Chain(ss.Bodies(0.05, 3, ss.Coulomb(0.1, 0.3)), ss.Gait(ss.Harmonic(2e-3, frequency=2.0), lag=2 * pi / 3))
 LOPSIDED = SHAKEN.replace(track=ss.Incline(0.03))
 
 
@@ -94,6 +95,8 @@ class Prescribed(ss.Machine):
         every_machine["a machine of your own"][0],
         Everything(300.0, STICTION),
         Prescribed(ss.Harmonic(2e-3, 60.0), ss.Coulomb(0.1, 0.3)),
+        WORM,
+        ss.Chain(ss.Bodies((0.05, 0.04, 0.03), 3, ss.Coulomb(0.1, 0.3)), (ss.Rigid(), ss.Gait(ss.Harmonic(2e-3, 12.0), lag=0.7))),
     ],
     ids=lambda machine: type(machine).__name__,
 )  # fmt: skip
@@ -101,7 +104,7 @@ def test_a_machine_in_the_mirror_is_the_machine_the_other_way(machine):
     """Over a few periods, in which rounding grows by less than the tolerance; bodies of a chain change places."""
     length = {"duration": 6.0} if machine.period is None else {"periods": 3}
     run, image = ss.solve(machine, **length), ss.solve(ss.mirrored(machine), **length)
-    order = slice(None, None, -1) if isinstance(machine, ss.Chain) else slice(None)
+    order = slice(None, None, -1) if isinstance(ss.mirrored(machine), ss.Chain) else slice(None)
     t = np.linspace(0.0, run.pieces.t[-1], 200)
     here, there = run.at(t), image.at(t)
     for name in ("v", "friction_force", "acceleration"):
@@ -115,7 +118,7 @@ def test_a_machine_in_the_mirror_is_the_machine_the_other_way(machine):
 
 def _named(part, machine):
     """The name in the mirror: of a chain counted from the other end; of a stop with its ends exchanged."""
-    if isinstance(machine, ss.Chain):
+    if isinstance(ss.mirrored(machine), ss.Chain):
         return f"module {len(machine.modules) + 1 - int(part.rpartition(' ')[2])}"
     first, dash, second = part.partition("-")
     return f"{second}-{first}" if dash else part
@@ -132,6 +135,12 @@ def test_a_chain_stays_a_chain_that_a_file_can_hold():
     image = ss.mirrored(chain)
     assert [m.body_mass for m in image.modules] == [0.05, SHAKEN.body_mass] and image.phases == (1.0, 0.0)
     assert ss.Chain.from_toml(image.to_toml()) == image
+
+
+def test_plain_bodies_in_the_mirror_change_places():
+    row = ss.Chain(ss.Bodies((0.05, 0.04), 2, ss.Coulomb(0.1, 0.3)), ss.Spring(900.0))
+    image = ss.mirrored(row)
+    assert image.modules.mass == (0.04, 0.05) and image.modules.friction == ss.Coulomb(0.3, 0.1) and ss.mirrored(image) == row
 
 
 def test_a_bench_whose_equations_were_changed_is_refused():

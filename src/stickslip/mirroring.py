@@ -22,7 +22,7 @@ def mirrored(robot: Model) -> Any:
     """The mirror image of a robot or machine: it moves as the other does, in the other direction.
 
     Drives and applied forces are turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill. The
-    last module of a chain becomes its head; of every other machine the bodies keep their names.
+    last module of a chain becomes its head; of every other machine, and of a chain with a gait, the bodies keep their names.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     dict
         t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
         track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass; rows with the
-        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies.
+        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies with whether they give way.
     """
     import numpy as np
 
@@ -125,13 +125,14 @@ def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str,
 
 
 def _links(model: Any) -> list[list[int]]:
-    """Pairs of bodies that a link joins, by their numbers; the ground is -1."""
+    """Pairs of bodies that a link joins, by their numbers, and whether it gives way; the ground is -1."""
     machine = machine_of(model)
     if machine.is_single:
         return []
     mechanics: Any = machine.mechanics
     number = {None: -1, **{name: i for i, name in enumerate(mechanics.bodies)}}
-    return [[number[a], number[b]] for a, b in dict.fromkeys(model.links())]
+    joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.told]
+    return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in model.links()]
 
 
 # ---- contacts ----

@@ -42,7 +42,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       shape.style.fill = colour(i);
       return { shape, at: (k) => home(b) + zoom * b.x[k], half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
     });
-    shapes.springs = m.links.map(([a, b]) => [a, b, make("polyline", { class: "spring" }, stage)]);
+    shapes.springs = m.links.map(([a, b, gives]) => [a, b, gives, make("polyline", { class: "spring" }, stage)]);
     const one = zoom > 0 ? 10 ** Math.floor(Math.log10(120 / zoom)) : 1;
     make("line", { x1: W - 10 - one * zoom, x2: W - 10, y1: 12, y2: 12, class: "scale" }, stage);
     names.replaceChildren(...m.bodies.map((b, i) => {
@@ -105,7 +105,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   }
 
   // ---- one instant ----
-  function spring([a, b, path]) {
+  function spring([a, b, gives, path]) {
     const k = Number(when.value), ends = [a, b].filter((i) => i >= 0).map((i) => shapes[i]).sort((p, q) => p.at(k) - q.at(k)), [p, q] = ends;
     let x0 = 0, y0 = p.y, x1 = p.at(k) - p.half, y1 = p.y; // from the wall at the left
     if (q && p.storey === q.storey) [x0, y0, x1, y1] = [p.at(k) + p.half, p.y, q.at(k) - q.half, q.y];
@@ -115,7 +115,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     }
     const way = Math.hypot(x1 - x0, y1 - y0) || 1, [nx, ny] = [(y0 - y1) / way, (x1 - x0) / way];
     path.setAttribute("points", Array.from({ length: 13 }, (_, i) => {
-      const s = i / 12, off = i > 1 && i < 11 ? (i % 2 ? 5 : -5) : 0;
+      const s = i / 12, off = gives && i > 1 && i < 11 ? (i % 2 ? 5 : -5) : 0;
       return `${(x0 + s * (x1 - x0) + off * nx).toFixed(1)},${(y0 + s * (y1 - y0) + off * ny).toFixed(1)}`;
     }).join(" "));
   }
