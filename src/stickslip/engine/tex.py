@@ -17,7 +17,8 @@ _GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "the
 _LETTERS = {
     "body_mass": "M", "inner_mass": "m", "gravity": "g", "amplitude": "A", "tilt": r"\theta", "load": "N",
     "mass": "m", "stiffness": "k", "damping": "c", "bias": "P_{0}", "speed": "u", "force": "P", "length": r"\ell",
-    "amplitudes": "A", "phase": r"\varphi", "phases": r"\varphi", "lag": r"\delta", "period": "T", "stroke": "L", "cosines": "a", "sines": "b",
+    "amplitudes": "A", "phase": r"\varphi", "phases": r"\varphi", "lag": r"\delta", "period": "T", "stroke": "L",
+    "cosines": "a", "sines": "b",
 }  # fmt: skip
 _TAKEN = ("t", "x", "v", "R", "w", "F")  # the letters of an equation of motion
 

@@ -37,8 +37,12 @@ def mean_of(run: Any, body: str | None = None) -> float:
     """Mean velocity of the centre of mass or of a body [m/s]; what is rounding of a machine that stays where it is counts as 0."""
     from stickslip.analysis.steady import mean_velocity
 
-    mean = float(mean_velocity(run, body=body))
-    return mean if abs(mean) > 1e-12 * float(machine_of(run.model).velocity_scale) else 0.0
+    return _told(run, float(mean_velocity(run, body=body)))
+
+
+def _told(run: Any, v: float) -> float:
+    """A velocity; 0 where it is rounding."""
+    return v if abs(v) > 1e-11 * float(machine_of(run.model).velocity_scale) else 0.0
 
 
 def _of_robot(run: Any) -> list[tuple[str, str]]:
@@ -145,7 +149,14 @@ def _bodies(run: Any) -> tuple[str, Row, list[Row]]:
     rows: list[Row] = []
     for name, body in run.bodies.items():
         v = body.v[run.t >= start]
-        rows.append((name, f"{float(parts[name].mass):.6g} kg", millimetres(mean_of(run, name)), millimetres(v.min(), v.max())))
+        rows.append(
+            (
+                name,
+                f"{float(parts[name].mass):.6g} kg",
+                millimetres(mean_of(run, name)),
+                millimetres(*(_told(run, float(end)) for end in (v.min(), v.max()))),
+            )
+        )
     return "The bodies.", ("body", "mass", "mean velocity", "velocity"), rows
 
 

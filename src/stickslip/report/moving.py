@@ -28,7 +28,8 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     dict
         t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
         track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass; rows with the
-        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies with whether they give way.
+        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies
+        with whether they give way.
     """
     import numpy as np
 

@@ -64,7 +64,8 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
 
   function graphs() {
     lines.replaceChildren();
-    const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), low = Math.min(0, ...all), high = Math.max(0, ...all), size = TALL - 16;
+    const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), size = TALL - 16;
+    const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => (Math.abs(v) < 1e-9 * (ends[1] - ends[0]) ? 0 : v)); // rounding is 0
     up = (v) => 8 + (size * (high - v)) / (high - low || 1);
     const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${told(high, 3)} mm/s`), bottom = el("small", "", told(low, 3));
     svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${told(low, 3)} to ${told(high, 3)} mm/s`);
