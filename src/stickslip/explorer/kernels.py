@@ -98,11 +98,12 @@ class Kernels:
         """Call this, from another thread, whenever a kernel has become ready."""
         self._listeners.append(tell)
 
-    def begin(self, later: Iterable[State] = (), shown: Shown | None = None) -> None:
+    def begin_with(self, shown: Shown) -> None:
+        """Prepare what the page of a machine shows."""
+        self.ready(shown, "", shown.model, False)
+
+    def begin(self, later: Iterable[State] = ()) -> None:
         """Prepare what the page shows at first, and when nothing else is to be done what it may show next."""
-        if shown is not None:
-            self.ready(shown, "", shown.model, False)
-            return
         with self._changed:
             if self._beside:
                 wishes = [(many, s, law) for s in later for law in s.laws for many in (False, True)]

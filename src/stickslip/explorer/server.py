@@ -210,7 +210,10 @@ def application(
         app.state.workshop = Workshop(kernels, workers, shown)
         app.state.exporting, app.state.limits = asyncio.Semaphore(2), limits
         app.state.uploads = Uploads(limits)
-        kernels.begin((state(preset["state"]) for preset in PRESETS.values()), shown)
+        if shown is None:
+            kernels.begin(state(preset["state"]) for preset in PRESETS.values())
+        else:
+            kernels.begin_with(shown)
         yield
         app.state.workshop.close()
         app.state.uploads.close()
