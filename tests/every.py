@@ -168,7 +168,8 @@ def _energy(c):
 
 
 def _check(c):
-    assert ss.check(c.machine, periods=2, rk4_steps=()).digits >= 2
+    length = {"periods": 2} if c.machine.period is not None else c.length
+    assert ss.check(c.machine, **length, rk4_steps=()).digits >= 2
 
 
 def _periodic_mean_velocity(c):
@@ -242,12 +243,23 @@ def _phase(c):
     assert ss.plot.phase(c.run()).get_ylabel().startswith("velocity")
 
 
+def _contacts(c):
+    run = c.run()
+    ax = ss.plot.contacts(run)
+    assert [label.get_text() for label in ax.get_yticklabels()][: len(run.contacts)] == list(run.contacts) and ax.collections
+
+
 def _strobe(c):
     assert len(ss.strobe(c.run()).v)
 
 
 def _spectrum(c):
-    assert ss.spectrum(c.run()) is not None
+    run = c.run()
+    lines = ss.spectrum(run)
+    assert lines.amplitude.dims == (("body", "order") if c.several else ("order",))
+    last = ss.spectrum(run, body=len(run.bodies) - 1)
+    assert np.array_equal(last.amplitude, lines.amplitude.isel(body=-1) if c.several else lines.amplitude)
+    assert ss.plot.spectrum(last).get_xlabel()
 
 
 def _latex(c):
@@ -255,13 +267,20 @@ def _latex(c):
 
 
 def _mirrored(c):
-    assert np.isclose(ss.mean_velocity(ss.solve(ss.mirrored(c.machine), **c.length)), -ss.mean_velocity(c.run()), rtol=1e-9)
+    run, image = c.run(), ss.solve(ss.mirrored(c.machine), **c.length)
+    end = run.pieces.t[-1]
+    there = image.at(end)["v"]
+    assert np.allclose(there[::-1] if isinstance(c.machine, ss.Chain) else there, -run.at(end)["v"], rtol=1e-6, atol=1e-9)
+    assert np.isclose(ss.mean_velocity(image), -ss.mean_velocity(run), rtol=1e-9)
+    assert ss.mirrored(ss.mirrored(c.machine)) == c.machine
 
 
 def _explorer(c):
-    from stickslip.explorer.opened import state_of
+    from stickslip.explorer.machines import Shown, picture
 
-    assert state_of(c.machine).track
+    found = picture(Shown(c.machine, options=c.length), True, c.machine, lambda done, whole: None)
+    assert [body["name"] for body in found["picture"]["bodies"] if body["v"]] == list(c.run().bodies)
+    assert [row["name"] for row in found["picture"]["rows"]][: len(c.run().contacts)] == list(c.run().contacts) and found["facts"]
 
 
 def _command(c):
@@ -290,6 +309,7 @@ every_door = {
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
     "to_toml, from_toml": _toml, "run.save, ss.load": _save, "run.to_xarray": _xarray,
     "CSV": _csv, "report": _report, "plot.velocity": _velocity,
-    "plot.forces": _forces, "plot.phase": _phase, "ss.strobe": _strobe, "ss.spectrum": _spectrum, "ss.latex": _latex,
+    "plot.forces": _forces, "plot.phase": _phase, "plot.contacts": _contacts, "ss.strobe": _strobe,
+    "ss.spectrum": _spectrum, "ss.latex": _latex,
     "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
 }  # fmt: skip

@@ -120,10 +120,17 @@ def test_a_robot_with_impulses_is_checked():
     assert told.digits >= 6 and "'rk4' does not solve this Robot; Runge-Kutta steps: it knows robots without" in told.judges[-1].remark
 
 
-def test_what_has_no_period_is_told_what_to_type():
+def test_what_has_no_period_is_judged_over_a_duration():
     bench = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
-    with pytest.raises(ss.InputError, match=r"BlockOnBelt has no period, .* type for example ss\.solve\(bench, duration=60\.0\)"):
+    with pytest.raises(ss.InputError, match=r"BlockOnBelt has no period, .*; type duration=60\.0"):
         check(bench)
+    with pytest.raises(ss.InputError, match=r"duration = 3\.0, and Robot has a period; type periods=200"):
+        check(kinds.robot("coulomb", "harmonic"), duration=3.0)
+    told = check(bench, duration=20.0, rk4_steps=(2000,))
+    assert told.mean_velocity == ss.mean_velocity(ss.solve(bench, duration=20.0))
+    assert told.digits >= 8  # dop853 at 1e-11, some hundred steps
+    assert {judge.name for judge in told.judges if judge.counts} == {"exact arcs", "scipy dop853"}
+    assert "hold for a run of this length only" in told.verdict and "largest work of the run" in str(told)
 
 
 @pytest.mark.parametrize(

@@ -395,3 +395,29 @@ def test_the_monodromy_matrix_of_random_machines_is_the_slope_of_their_maps(seed
         slope, twice = (difference_jacobian(machine, state, periods, step=step) for step in (1e-6, 2e-6))
         sizes = at.scales / at.scales[:, None]
         assert np.max(abs(matrix - slope) * sizes) < DIFFERENCES + np.max(abs(twice - slope) * sizes)
+
+
+def test_lines_of_several_are_those_of_each_and_add_up_to_its_power():
+    """Parseval over one motion period; and equal modules have the lines of one robot alone."""
+    robot = module()
+    alone = ss.spectrum(ss.solve(robot, periods=60))
+    run = ss.solve(chain(0.0, 0.0), periods=60)
+    both = ss.spectrum(run)
+    assert both.amplitude.dims == ("body", "order") and both.body.values.tolist() == ["module 1", "module 2"]
+    for name in run.bodies:
+        own = ss.spectrum(run, body=name)
+        assert np.array_equal(own.amplitude, both.amplitude.sel(body=name)) and np.array_equal(own.phase, both.phase.sel(body=name))
+        assert own.amplitude.values == pytest.approx(alone.amplitude.values, abs=1e-9 * float(alone.amplitude.max()))
+    R = ss.spectrum(run, "friction_force", contact=1, harmonics=400)
+    assert R.amplitude.attrs["units"] == "N" and R.amplitude.dims == ("order",)
+    t = run.strobe_times[-2] + (np.arange(20000) + 0.5) * run.period_time / 20000
+    square = np.mean(run.at(t)["friction_force"][:, 1] ** 2)
+    power = float(R.amplitude[0] ** 2 + 0.5 * (R.amplitude[1:] ** 2).sum())
+    assert power == pytest.approx(square, rel=2e-3)  # the lines beyond 400 of a force that jumps: some 1/(pi^2 400)
+    for asked, said in [
+        ({"body": "module 3"}, "allowed are 'module 1', 'module 2' or 0 to 1"),
+        ({"contact": 0}, "contact = 0, but v is a column of each body; type body='module 1'"),
+        ({"column": "vv"}, "is no column"),
+    ]:
+        with pytest.raises(ss.InputError, match=said):
+            ss.spectrum(run, **asked)

@@ -45,14 +45,14 @@ def test_the_robots_of_the_paper_keep_their_tilt(name):
 def test_the_study_file_of_a_page_opens_the_page_again(tmp_path):
     asked = replace(DEFAULT, drive="recorded", law="stribeck", also=(), values=DEFAULT.values | {"tilt_deg": -3.0, "mu0": 0.2, "f0": 0.33})
     (tmp_path / "study.toml").write_bytes(export("study.toml", asked))
-    told = parse_qs(_opened(str(tmp_path / "study.toml"), []).removeprefix("#"))
+    told = parse_qs(_opened(str(tmp_path / "study.toml"), [])[0].removeprefix("#"))
     assert told["drive"] == ["recorded"] and told["law"] == ["stribeck"] and told["track"] == ["folded"]
     assert [float(told[n][0]) for n in ("tilt_deg", "mu0", "f0")] == pytest.approx([-3.0, 0.2, 0.33], rel=1e-12)
     assert len(told["shape"][0].split(",")) == 10
 
 
 def test_words_set_numbers():
-    told = parse_qs(_opened("piezo_rig", ["law=coulomb", "tilt_deg=1.7", "amplitude=6e-4"]).removeprefix("#"))
+    told = parse_qs(_opened("piezo_rig", ["law=coulomb", "tilt_deg=1.7", "amplitude=6e-4"])[0].removeprefix("#"))
     assert told["law"] == ["coulomb"] and float(told["amplitude"][0]) == 6e-4
 
 

@@ -154,6 +154,7 @@ def examples():
         # pictures
         "plot.velocity": (ss.plot.velocity, {"run": run, "periods": 2, "ax": None, "labels": None, "duration": None}),
         "plot.phase": (ss.plot.phase, {"run": run, "periods": 2, "ax": None, "labels": None}),
+        "plot.contacts": (ss.plot.contacts, {"run": run, "periods": 2, "ax": None, "duration": None}),
         "plot.forces": (ss.plot.forces, {"run": run, "periods": 2, "ax": None, "duration": None}),
         "plot.bench": (ss.plot.bench, {"found": bench, "figure": None}), "plot.bifurcation": (ss.plot.bifurcation, {"diagram": diagram,
              "observable": "v", "ax": None}),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -11,6 +13,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from every import DRY, Capsule, every_machine
 from runs import coulomb_run, lugre_run
 
 
@@ -126,3 +129,86 @@ def test_branches_of_limit_cycles_are_drawn_by_how_long_they_take():
     still = ss.plot.continuation(branch, observable="mean_velocity")
     assert still.get_ylabel() == "mean velocity $V$ (m/s)" and not np.nansum(abs(still.lines[0].get_ydata()))  # 0, not its rounding
     assert ss.plot.continuation(branch, observable="x").get_ylabel() == "turning point of the spring $x$ (mm)"
+
+
+def _bars(ax):
+    """Start and end of the bars of each row, by the word that stands for their colour in the legend."""
+    named = {p.get_facecolor(): p.get_label() for p in ax.get_legend().get_patches()}
+    found = {}
+    for bars in ax.collections:
+        (colour,) = bars.get_facecolor()
+        for path in bars.get_paths():
+            (left, low), (right, high) = path.get_extents().get_points()
+            found.setdefault((round((low + high) / 2), named[tuple(colour)]), []).append((left, right))
+    return found
+
+
+def test_the_bars_of_contacts_are_the_stretches_of_their_motion():
+    """Under a set-valued law and under one with inner states: parts of the last period as `motion` tells them."""
+    for name in ("Chain, set-valued laws", "Chain, LuGre"):
+        run = ss.solve(every_machine[name][0], periods=60)
+        ax = ss.plot.contacts(run, periods=1)
+        bars, whole = _bars(ax), ax.get_xlim()[1]
+        for row, told in enumerate(ss.motion(run).contacts.values()):
+            shares = {"forwards": told.forward_fraction, "backwards": told.backward_fraction, "sticks": told.stick_fraction}
+            for word, share in shares.items():
+                length = sum(b - a for a, b in bars.get((row, word), [])) / whole
+                assert length == pytest.approx(share, abs=2e-5), (name, row, word)  # two periods of a run that settles
+
+
+def test_stops_have_rows_of_their_own():
+    @dataclass(frozen=True, eq=False)
+    class Struck(Capsule):
+        def stops(self):
+            return {("hammer", "capsule"): ss.Stop(gap=self.gap, restitution=0.4)}
+
+    soft, hard = (ss.solve(cls(300.0, DRY), periods=40) for cls in (Capsule, Struck))
+    ax = ss.plot.contacts(soft)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["capsule", "hammer-capsule"]
+    start = soft.strobe_times[-1] - 3 * soft.period_time
+    for a, b in _bars(ax)[1, "stop pressed"]:
+        ends = soft.at(start + 1e-3 * np.array([a, b]))["x"]
+        assert ends[:, 1] - ends[:, 0] == pytest.approx(soft.model.gap, rel=1e-9)  # bisected to rounding
+    ax = ss.plot.contacts(hard)
+    (marks,) = [line for line in ax.lines if line.get_label() == "hit"]
+    start = hard.strobe_times[-1] - 3 * hard.period_time
+    assert 1e-3 * marks.get_xdata() + start == pytest.approx([e.t for e in hard.events if e.kind == "hit" and e.t >= start], rel=1e-12)
+    assert set(marks.get_ydata()) == {1}
+
+
+def test_a_stop_to_the_ground_is_not_taken_for_the_contact_of_its_body():
+    @dataclass(frozen=True, eq=False)
+    class Walled(Capsule):
+        def stops(self):
+            return {("capsule", None): ss.Stop(gap=0.001, stiffness=2e3)}
+
+    ax = ss.plot.contacts(ss.solve(Walled(300.0, DRY), periods=6), periods=6)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["capsule", "capsule (stop)"]
+    assert {row for row, word in _bars(ax) if word == "stop pressed"} == {1}
+
+
+def test_a_contact_that_is_lost_has_a_cross():
+    lifted = ss.VerticalVibration(ss.Harmonic(amplitude=6e-4, omega=205.0), amplitude=2e-2, phase=3.44)
+    run = ss.solve(every_machine["Robot"][0].replace(drive=lifted), periods=3)
+    assert run.lost_contact
+    (mark,) = [line for line in ss.plot.contacts(run).lines if line.get_label() == "contact lost"]
+    assert mark.get_xdata()[0] == pytest.approx(ss.plot.contacts(run).get_xlim()[1])
+
+
+def test_contacts_of_a_bench_that_nothing_drives_are_shown_over_its_run():
+    run = ss.solve(belt(), duration=20.0)
+    bars = _bars(ss.plot.contacts(run))
+    share = {word: sum(b - a for a, b in of) / 20.0 for (_, word), of in bars.items()}
+    lengths, modes = np.diff(run.pieces.t), run.pieces.mode[:, 0]
+    assert share == pytest.approx({"sticks": lengths[modes == 0].sum() / 20.0, "backwards": lengths[modes == -1].sum() / 20.0}, rel=1e-6)
+    with pytest.raises(ss.InputError, match="allowed is a Trajectory"):
+        ss.plot.contacts([run, run])
+
+
+def test_a_spectrum_of_several_is_drawn_one_by_one():
+    run = ss.solve(every_machine["a machine of your own"][0], periods=12)
+    lines = ss.spectrum(run)
+    with pytest.raises(ss.InputError, match=r"the dimension body; allowed is one; type ss\.plot\.spectrum\(lines\.sel\(body='head'\)\)"):
+        ss.plot.spectrum(lines)
+    assert ss.plot.spectrum(lines.sel(body="head")).get_yscale() == "log"
+    assert ss.plot.spectrum(lines.sel(body="sledge")).get_yscale() == "linear"  # it never moves

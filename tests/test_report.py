@@ -3,20 +3,33 @@
 import contextlib
 import json
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from every import DRY, Capsule, every_machine
 from explorers import chromium
 from stickslip.cli import main
 from stickslip.report import run_page, study_page, write
 from stickslip.report.fastest import run_again
 from stickslip.report.html import outside_addresses
-from stickslip.report.of_run import moments
+from stickslip.report.moving import moments
 from stickslip.report.run_charts import forces, velocity
 from stickslip.report.study_charts import along, cuts
+
+CHAIN, CAPSULE = every_machine["Chain, set-valued laws"][0], every_machine["capsule with an elastic stop"][0]
+
+
+@dataclass(frozen=True, eq=False)
+class Thrown(Capsule):
+    """The capsule with a stop that throws the hammer back."""
+
+    def stops(self):
+        return {("hammer", "capsule"): ss.Stop(gap=self.gap, restitution=0.4)}
+
 
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 
@@ -35,9 +48,11 @@ def test_the_page_of_a_run_says_its_motion_and_every_number_with_its_unit(run):
 
 def test_the_moving_picture_is_the_last_motion_period(run):
     found = moments(run)
+    body, inner = found["bodies"]
     assert found["t"][-1] == pytest.approx(1e3 * run.period_time, rel=1e-5)
-    assert found["x"][-1] - found["x"][0] == pytest.approx(1e3 * ss.mean_velocity(run) * run.period_time, rel=1e-4)
-    assert max(found["v"]) == pytest.approx(1e3 * run.v.max(), rel=1e-3)  # 480 instants see the crest to (pi/480)^2 of it
+    assert body["x"][-1] - body["x"][0] == pytest.approx(1e3 * ss.mean_velocity(run) * run.period_time, rel=1e-4)
+    assert max(inner["x"]) - min(inner["x"]) == pytest.approx(2e3 * run.model.drive.amplitude, rel=0.2)  # the body moves less than that
+    assert max(body["v"]) == pytest.approx(1e3 * run.v.max(), rel=1e-3)  # 480 instants see the crest to (pi/480)^2 of it
     assert json.loads(re.search(r'id="moments">(.*?)</script>', run_page(run, "x"))[1]) == found
 
 
@@ -95,11 +110,12 @@ def browser():
 
 
 @pytest.fixture(scope="module")
-def pages(run, tmp_path_factory):
+def pages(run, machines, tmp_path_factory):
     """A run's page and a study's page as files."""
     folder = tmp_path_factory.mktemp("pages")
     plane = ss.sweep(ss.presets.coulomb_robot, alpha_plus=np.linspace(0.2, 1.2, 11), alpha_minus=[0.5, 0.9])
-    return [write(folder / "run.html", run_page(run, "Run")), write(folder / "study.html", study_page(plane, "Study"))]
+    of_machines = [write(folder / f"{name}.html", run_page(made, name)) for name, made in machines.items()]
+    return [write(folder / "run.html", run_page(run, "Run")), write(folder / "study.html", study_page(plane, "Study")), *of_machines]
 
 
 def opened(browser, path, **options):
@@ -249,12 +265,61 @@ def test_a_mechanism_that_nothing_drives_has_a_page_and_a_figure(tmp_path, capsy
     assert main(["run", str(file), "--figure", str(tmp_path / "belt.png")]) == 0 and (tmp_path / "belt.png").stat().st_size > 10_000
     assert main(["report", str(file), "--out", str(tmp_path / "belt.html")]) == 0
     text = (tmp_path / "belt.html").read_text()
-    assert "One run of one mechanism" in text and "duration = 20.0" in text and 'id="moments"' not in text
+    assert "One run of one mechanism" in text and "duration = 20.0" in text and 'id="moments"' in text
     assert text.count("data:image/svg+xml") == 3 and outside_addresses(text) == []
     assert "0.1 m/s" in text and "0 N s/m" in text and "beam" not in text.split("<main")[1].split("<script")[0]
     charts = json.loads(re.search(r'id="charts">(.*?)</script>', text)[1])
     assert charts[0]["across"] == ["time t", "s"] and charts[0]["x"][-1] == 20.0
     assert min(charts[1]["curves"][0]["y"]) == pytest.approx(-1500, rel=1e-4)  # mN: where it breaks away
+
+
+@pytest.fixture(scope="module")
+def machines():
+    """Runs of a chain, of a capsule with an elastic stop, and of one whose stop throws back."""
+    chain, capsule, thrown = (ss.solve(m, periods=40) for m in (CHAIN, CAPSULE, Thrown(300.0, DRY)))
+    return {"chain": chain, "capsule": capsule, "thrown": thrown}
+
+
+def test_a_machine_of_several_bodies_has_a_page_with_a_row_for_each_of_its_parts(machines):
+    for name, run in machines.items():
+        text = run_page(run, name)
+        for part in [*run.bodies, *run.contacts, *ss.energy(run).damping_of]:
+            assert f'<th scope="row">{part}</th>' in text, part
+        for body in run.bodies:
+            told = f"{1e3 * ss.mean_velocity(run, body=body):.6g} mm/s".replace("-", "−")
+            assert told in text, body
+        assert "One run of one machine" in text and outside_addresses(text) == [] and 'id="equations"' in text
+        assert text.count("data:image/svg+xml") == 4  # velocity, contacts, forces, phase
+
+
+def test_the_losses_on_a_page_add_up_to_the_works(machines):
+    for run in machines.values():
+        balance = ss.energy(run)
+        for of, whole in ((balance.friction_of, balance.friction), (balance.damping_of, balance.damping)):
+            assert sum(of.values()) == pytest.approx(whole, rel=1e-12)
+
+
+def test_the_moving_picture_of_a_machine_has_its_bodies_contacts_and_stops(machines):
+    for run in machines.values():
+        T, end = run.period_time, float(run.strobe_times[-1])
+        found = moments(run, (end - T, end))
+        assert [body["name"] for body in found["bodies"]] == list(run.bodies)
+        for i, body in enumerate(found["bodies"]):
+            way = run.at(end)["x"][i] - run.at(end - T)["x"][i]
+            assert body["x"][-1] == pytest.approx(1e3 * way, abs=1e-4 * max(map(abs, body["x"])))
+        for row in found["rows"][: len(run.contacts)]:
+            stuck = sum(b - a for a, b, sign in row["stretches"] if sign == 0) / (1e3 * T)
+            assert stuck == pytest.approx(ss.motion(run).contacts[row["name"]].stick_fraction, abs=1e-5)  # six digits of a time
+    run = machines["thrown"]
+    struck = moments(run, tuple(run.strobe_times[-2:]))["rows"][-1]
+    assert len(struck["hits"]) == sum(e.kind == "hit" and e.t > run.strobe_times[-2] for e in run.events) > 0
+    run = machines["capsule"]
+    pressed = moments(run, tuple(run.strobe_times[-2:]))["rows"][-1]
+    assert pressed["stretches"]
+    for a, b, sign in pressed["stretches"]:
+        x = run.at(run.strobe_times[-2] + 1e-3 * np.array([a, 0.5 * (a + b), b]))["x"]
+        depth = x[:, 1] - x[:, 0] - run.model.gap
+        assert sign == 2 and depth[1] > 0 and abs(depth[[0, 2]]).max() < 1e-5 * run.model.gap  # at six digits of a time
 
 
 def test_a_forced_oscillator_has_a_page():

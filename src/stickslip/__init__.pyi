@@ -145,6 +145,7 @@ from .mechanisms import (
     ForcedOscillator as ForcedOscillator,
     PulledMass as PulledMass,
 )
+from .mirroring import mirrored as mirrored
 from .nondimensional import (
     DimensionlessRobot as DimensionlessRobot,
     dimensionless as dimensionless,
@@ -157,10 +158,7 @@ from .records import (
     Record as Record,
     read as read,
 )
-from .robot import (
-    Robot as Robot,
-    mirrored as mirrored,
-)
+from .robot import Robot as Robot
 from .solvers import solve as solve
 from .sweeps import (
     Progress as Progress,

@@ -119,7 +119,8 @@ class Check:
         return "\n".join([*lines, "", self._balance(), self.verdict, *self._remarks()])
 
     def _balance(self) -> str:
-        return f"energy balance: worst residual {self.energy:.1e} of the drive's work in a period"
+        of = "the drive's work in a period" if self.judges[0].periods else "the largest work of the run"
+        return f"energy balance: worst residual {self.energy:.1e} of {of}"
 
     def _remarks(self) -> list[str]:
         fixed = any(judge.name == RK4 and judge.periods for judge in self.judges)
@@ -146,17 +147,19 @@ def check(
     rk4_steps: tuple[int, ...] = RK4_STEPS,
     scipy: bool = True,
     progress: Callable[[str, int, int], None] | bool | None = None,
+    duration: float | None = None,
 ) -> Check:
     """Let several methods solve one robot and say how many digits of its mean velocity are certain.
 
-    The answer is the mean velocity over the second half of `periods`. Beside it stand tighter tolerances of the same solver, one of
-    scipy's integrators on the same law in plain Python over a few periods, for Coulomb friction the closed formula of the periodic
-    motion, and classical Runge-Kutta with fixed steps. The last does not count: it shows what a hand-written script would say.
+    The answer is the mean velocity over the second half of `periods`, or over a whole run that has no period. Beside it stand tighter
+    tolerances of the same solver, one of scipy's integrators on the same law in plain Python over a few periods, for Coulomb friction the
+    closed formula of the periodic motion, and classical Runge-Kutta with fixed steps. The last does not count: it shows what a
+    hand-written script would say.
 
     Parameters
     ----------
-    robot : Robot or ForcedOscillator
-        One of them, no batch. What has no period has no mean over periods either: that is refused.
+    robot : Robot, mechanism or machine
+        One of them, no batch.
     periods : int
         Drive periods.
     rtol : float
@@ -169,6 +172,8 @@ def check(
         Whether to ask scipy, which takes most of the time.
     progress : callable or bool, optional
         True for a line on the terminal, or what is called with (who is asked, how many were asked, how many there are).
+    duration : float, optional
+        How long a run of what has no period is [s]; its answer is the mean velocity over all of it, from its start.
 
     Returns
     -------
@@ -181,8 +186,8 @@ def check(
     >>> f"{sure.mean_velocity:.6f} m/s", sure.digits >= 8
     ('0.002015 m/s', True)
     """
-    _check_arguments(robot, rk4_steps)
-    court = _Court(robot, periods, start)
+    _check_arguments(robot, rk4_steps, duration)
+    court = _Court(robot, periods, start, duration)
     dynamic = machine_of(robot).has_inner_states
     tell = _told(progress, 1 + scipy + len(rk4_steps))
     tell("our own methods")
@@ -205,19 +210,17 @@ def check(
     return Check(answer, best, uncertainty, digits, period, balance, tuple(judges), tuple(run.notes), verdict)
 
 
-def _check_arguments(robot: Any, rk4_steps: Any) -> None:
+def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
     """Refuse what no judge can be asked about, all at once."""
     problems, name = Problems("check"), type(robot).__name__
     if not is_machine(robot):
         problems.add(f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
     elif shape_of(robot):
         problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")
-    elif robot.period is None:
-        problems.add(
-            f"{name} has no period, and the judges compare means over drive periods; allowed is a Robot or a ForcedOscillator; "
-            "type for example ss.solve(bench, duration=60.0), and beside it the same with "
-            f'method="{SCIPY[machine_of(robot).has_inner_states][0]}"'
-        )
+    elif robot.period is None and duration is None:
+        problems.add(f"{name} has no period, so periods does not say how long to run; type duration=60.0 [s]")
+    elif robot.period is not None and duration is not None:
+        problems.add(f"duration = {duration!r}, and {name} has a period; type periods=200")
     if not isinstance(rk4_steps, (tuple, list)) or not all(map(rk4.allows, rk4_steps)):
         example = f"({rk4_steps},)" if rk4.allows(rk4_steps) else "(2000, 10000)"
         problems.add(f"rk4_steps = {rk4_steps!r}; allowed is a tuple, each {rk4.ALLOWED}; type for example rk4_steps={example}")
@@ -238,8 +241,13 @@ def _skipped(name: str, setting: str, why: str) -> Judge:
 class _Court:
     """Calls the judges one by one."""
 
-    def __init__(self, robot: Any, periods: int, start: dict[str, Any] | None):
-        self.robot, self.periods, self.start = robot, periods, start
+    def __init__(self, robot: Any, periods: int, start: dict[str, Any] | None, duration: float | None = None):
+        self.robot, self.periods, self.start, self.duration = robot, periods if duration is None else 0, start, duration
+
+    def solved(self, periods: int, **options: Any) -> Any:
+        """A run over so many drive periods, or over the whole time of what has none."""
+        length = {"periods": periods} if self.duration is None else {"duration": self.duration}
+        return solve(self.robot, **{**length, **options}, start=self.start)
 
     def judge(
         self, name: str, setting: str, reference: float | None,
@@ -249,7 +257,7 @@ class _Court:
         begin = time.perf_counter()
         periods = periods or self.periods
         try:
-            value = mean_velocity(solve(self.robot, periods=periods, start=self.start, **options))
+            value = mean_velocity(self.solved(periods, **options))
         except SolveError as error:
             return Judge(name, setting, periods, math.nan, math.nan, time.perf_counter() - begin, False, str(error).split(";")[0])
         except InputError as error:  # the first run took these arguments: it is the method that cannot
@@ -259,9 +267,9 @@ class _Court:
 
     def answer(self, **options: Any) -> tuple[Any, float]:
         """The run that is judged, and the seconds it took; what has to be compiled for it is compiled before."""
-        solve(self.robot, periods=1, start=self.start, **options)
+        self.solved(1, **options, **({} if self.duration is None else {"duration": 1e-3 * self.duration}))
         begin = time.perf_counter()
-        return solve(self.robot, periods=self.periods, start=self.start, **options), time.perf_counter() - begin
+        return self.solved(self.periods, **options), time.perf_counter() - begin
 
     def ladder(self, rtol: float) -> tuple[Any, list[Judge]]:
         """The answer and the same at tighter tolerances; the tightest is the reference of the others."""
@@ -302,6 +310,6 @@ class _Court:
         """An integrator that is not ours, over fewer periods, against our own tight run of the same length."""
         periods = min(periods, self.periods)
         own = self.judge("", "", None, periods=periods, rtol=tight)
-        remark = f"against the reference over the same {periods} periods" if periods < self.periods else ""
+        remark = f"against the reference over the same {periods} periods" if 0 < periods < self.periods else ""
         name, setting = f"scipy {method}", f"rtol {rtol:.0e}"
         return self.judge(name, setting, own.mean_velocity, periods=periods, remark=remark, method=method, rtol=rtol)

@@ -58,10 +58,10 @@ class OneContactNeeded(InputError, AttributeError):
     --------
     >>> import stickslip as ss
     >>> try:
-    ...     ss.latex(ss.Chain.example())
+    ...     ss.dimensionless(ss.Chain.example())
     ... except ss.InputError as error:
-    ...     print(str(error)[:87])
-    latex: Chain has no law of its own, because it lists its bodies and contacts; allowed a
+    ...     print(str(error)[:89])
+    dimensionless: Chain has no friction of its own, because it lists its bodies and contacts
     """
 
     @classmethod

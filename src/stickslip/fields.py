@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
@@ -437,6 +437,25 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
             yield from ((f"{prefix}{name}.{i}", v) for i, v in enumerate(value))
         elif (holds != "kind" and value is not None) or kinds:
             yield prefix + name, value
+
+
+def told_by_field(record: Any, name: str) -> Mapping[str, Any]:
+    """The metadata of the field that a dotted name stands for; nothing where it is part of a tuple of numbers without a field of its own.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> dict(told_by_field(ss.Chain.example(), "link.stiffness"))
+    {'example': '1200.0'}
+    """
+    told: Mapping[str, Any] = {}
+    for place in name.split("."):
+        if place.isdigit():
+            record = record[int(place)] if isinstance(record, tuple) else record
+            continue
+        own = {f.name: f.metadata for f in dataclasses.fields(record)} if dataclasses.is_dataclass(record) else {}
+        told, record = own.get(place, {}), getattr(record, place, None)
+    return told
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:

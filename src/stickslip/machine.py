@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -108,6 +109,11 @@ class MachineAdapter:
         mechanics = self.mechanics
         moves_with = [mechanics.coordinate_of(name) for name in mechanics.bodies]
         return tuple((instant, np.array(jumps, float)[moves_with]) for instant, jumps in mechanics.jumps)
+
+    @property
+    def mirror_image(self) -> Callable[[], Any] | None:
+        """What makes its mirror image, where it says one itself."""
+        return getattr(self.model, "mirrored", None)
 
     @property
     def time_scale(self) -> Any:

@@ -6,18 +6,17 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.arguments import Model, explains_arguments
+from stickslip.arguments import explains_arguments
 from stickslip.batch import check_shape, shape_of
 from stickslip.drives.adapter import NEEDS, drive_of, lacking
-from stickslip.drives.turned import Reversed
-from stickslip.errors import InputError, Problems
+from stickslip.errors import Problems
 from stickslip.fields import Frozen, leaves, positive
 from stickslip.forces import check_law
-from stickslip.friction.adapter import law_of, mirrored as mirrored_law
+from stickslip.friction.adapter import law_of
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level, grip_of
 
-__all__ = ["Robot", "mirrored"]
+__all__ = ["Robot"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,71 +218,3 @@ def _lifted(robot: Robot) -> list[str]:
     least = float(np.min([np.min(robot.load(robot.period * (k / 64), 0.0)) for k in range(64)]))
     remark = f"vertical vibration takes the body off the track: its load falls to {least:.4g} N; a run ends where the contact is lost"
     return [remark] if least <= 0 else []
-
-
-@explains_arguments
-def mirrored(robot: Model) -> Robot:
-    """The mirror image of a robot: it moves as the robot does, in the other direction.
-
-    Its drive is turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill.
-
-    Parameters
-    ----------
-    robot : Robot
-        Its law either has a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or is the same both ways.
-
-    Returns
-    -------
-    Robot
-        A new one. What is mirrored twice is the robot again.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb", incline="gravity")
-    >>> turned = ss.mirrored(robot)
-    >>> turned.track.tilt == -robot.track.tilt, turned.acceleration(0.01, 0.0, 0.0, 0.0) == -robot.acceleration(0.01, 0.0, 0.0, 0.0)
-    (True, True)
-    """
-    if not _has_what_is_mirrored(robot):
-        why = f"{type(robot).__name__} has no drive on a track that could be turned round"
-        raise InputError("mirrored", [f"{why}; allowed is a Robot; of another machine write the mirror image by hand"])
-    drive = robot.drive.drive if isinstance(robot.drive, Reversed) else Reversed(robot.drive)
-    found = dataclasses.replace(robot, drive=drive, friction=mirrored_law(robot.friction), track=_uphill(robot.track))
-    wrong = _unmirrored(robot, found)
-    if wrong:
-        why = f"the mirror image of its parts is not its mirror image: {wrong} is another one"
-        raise InputError(
-            type(robot).__name__, [f"{why}; allowed are robots whose drive, friction and track say all; write the mirror image by hand"]
-        )
-    return found
-
-
-def _has_what_is_mirrored(robot: Any) -> bool:
-    return all(hasattr(robot, name) for name in ("drive", "friction", "track"))
-
-
-def _unmirrored(robot: Robot, found: Robot) -> str:
-    """What of a robot is not mirrored by its parts, asked at a few instants; "" where all is."""
-    law, other, T = law_of(robot), law_of(found), robot.period
-    for s, v in ((0.13, 0.02), (0.57, 3e-4), (0.81, -7e-3)):
-        N, back = robot.load(s * T, 0.0), found.load(s * T, 0.0)
-        a, b = robot.acceleration(s * T, 0.0, v, 0.1 * N), found.acceleration(s * T, 0.0, -v, -0.1 * N)
-        if not _opposite(N, -back):
-            return "the load"
-        if not _opposite(a, b, robot.gravity):
-            return "the acceleration"
-        if not law.dynamic and not _opposite(law.sliding(v, N), other.sliding(-v, N), N):
-            return "the sliding friction"
-    return ""
-
-
-def _opposite(a: Any, b: Any, size: Any = 0.0) -> bool:
-    return not _any(abs(a + b) > 1e-9 * (abs(a) + size))
-
-
-def _uphill(track: Any) -> Any:
-    """A track with downhill and uphill exchanged."""
-    if hasattr(track, "track"):
-        return dataclasses.replace(track, track=_uphill(track.track))
-    return dataclasses.replace(track, tilt=-track.tilt) if hasattr(track, "tilt") else track

@@ -62,7 +62,8 @@ class SeveralBodies(Mechanics):
         self.elastic = [(ends, link) for ends, each in links.items() for link in each if _is_elastic(link)]
         self.told = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
         walls = [(ends, stop) for ends, each in model.stops().items() for stop in _several(each)]
-        self.elastic += [(ends, stop) for ends, stop in walls if stop.restitution is None]
+        self.elastic_stops = [(ends, stop) for ends, stop in walls if stop.restitution is None]
+        self.elastic += self.elastic_stops
         self.groups, self.arms = _groups(self.bodies, self.told)
         self.coordinate = {name: c for c, group in enumerate(self.groups) for name in group}
         self.named_stops = _named([Stopper(self, ends, stop) for ends, stop in walls])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -54,6 +54,10 @@ class Energy:
         mechanism [-]; 0 if nothing is.
     settle : int
         How many periods belong to settling.
+    friction_of : dict of array (periods,)
+        What friction takes at each contact, by its name [J].
+    damping_of : dict of array (periods,)
+        Of a machine that lists its parts, what each link and each stop takes, by the bodies that it joins [J].
     """
 
     drive: Array
@@ -65,6 +69,8 @@ class Energy:
     actuator: Array
     residual: Array
     settle: int
+    friction_of: dict[str, Array] = field(default_factory=dict)
+    damping_of: dict[str, Array] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         n = len(self.drive)
@@ -110,16 +116,38 @@ def energy(run: Run) -> Energy:
     t = (edges[:-1] + half)[:, None] + half[:, None] * nodes
     powers = _powers(run, t.ravel(), np.repeat(index, len(nodes)))
     count = len(borders) - 1
-    works = {n: np.bincount(owner, (p.reshape(t.shape) @ weights) * half, count) for n, p in powers.items()}
+
+    def integral(power: Array) -> Array:
+        return np.bincount(owner, (power.reshape(t.shape) @ weights) * half, count)
+
+    of_parts = _of_parts(run, powers, integral)
+    works = {n: integral(p) for n, p in powers.items() if p.ndim == 1} | {n: np.zeros(count) for n, p in powers.items() if p.ndim == 2}
     for (when, jump), row in zip(run._impulses, _rows(run, borders), strict=True):
         _add_impulse(run, works, when, jump, row)
     if several:
-        for when, loss in works_of_parts.lost_at_hits(run, machine_of(run.model).mechanics):
-            works["damping"][np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)] += loss
+        for when, loss, stop in works_of_parts.lost_at_hits(run, machine_of(run.model).mechanics):
+            row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
+            of_parts["damping"].setdefault(stop, np.zeros(count))[row] += loss
+        works |= {n: sum(of_parts[n].values(), np.zeros(count)) for n in of_parts}
     changes = {"kinetic": np.diff(_kinetic(run, v))}
     if not several:
         changes["potential"] = np.diff(_potential(run, borders, x))
-    return Energy(**works, **changes, residual=_residual(run, {**works, **changes}), settle=min(int(run.settle), count))
+    residual = _residual(run, {**works, **changes})
+    told = {f"{n}_of": found for n, found in of_parts.items()}
+    return Energy(**works, **changes, residual=residual, settle=min(int(run.settle), count), **told)
+
+
+def _of_parts(run: Any, powers: dict[str, Array], integral: Any) -> dict[str, dict[str, Array]]:
+    """Works of friction by contact, and of damping by link; parts with the same ends are added."""
+    machine = machine_of(run.model)
+    if machine.is_single:
+        return {"friction": {name: integral(powers["friction"]) for name in run.contacts}, "damping": {}}
+    names = {"friction": list(run.contacts), "damping": works_of_parts.names_of_links(machine.mechanics)}
+    found: dict[str, dict[str, Array]] = {"friction": {}, "damping": {}}
+    for of, works in found.items():
+        for name, power in zip(names[of], powers[of].T, strict=True):
+            works[name] = works.get(name, 0.0) + integral(power)
+    return found
 
 
 def _borders(run: Any) -> tuple[Array, Array, Array]:

@@ -15,7 +15,18 @@ from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 from stickslip.segments import Intervals, intervals_of, type_of
 
-__all__ = ["Intervals", "Segments", "Watched", "WatchedOf", "intervals_of", "raw_segments", "shares", "slip_ratio_at", "type_of"]
+__all__ = [
+    "Intervals",
+    "Segments",
+    "Watched",
+    "WatchedOf",
+    "elastic_segments",
+    "intervals_of",
+    "raw_segments",
+    "shares",
+    "slip_ratio_at",
+    "type_of",
+]
 
 Array = Any
 _NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
@@ -109,7 +120,7 @@ def raw_segments(run: Any, period: int, slip_ratio: float, watched: Watched | No
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
     if watched.law.states:
-        edges, code = _elastic_segments(watched, start, end, slip_ratio)
+        edges, code = elastic_segments(watched, start, end, slip_ratio)
         return Segments(np.diff(edges) / run.period_time, code, np.inf)
     edges, index = clipped(run.pieces, start, end)
     margin = np.inf if watched.law.dynamic else _force_margin(watched, edges, index)
@@ -138,7 +149,8 @@ def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
     return slip_ratio_of(run.model, run._modes[index], t, x, v, z, tuple(run.pieces.memory[index].T))
 
 
-def _elastic_segments(watched: Watched, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
+def elastic_segments(watched: Watched, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
+    """Ends and codes of the segments within a span: +2, -2 slipping, +1, -1 elastic."""
     edges, index = clipped(watched.run.pieces, start, end)
     left, span = edges[:-1], np.diff(edges)
     t = left[:, None] + span[:, None] * np.linspace(0.0, 1.0, _NODES)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["kinetic", "lost_at_hits", "powers", "unbalanced"]
+__all__ = ["kinetic", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
 
 Array = Any
 _INSTANTS = 7  # of a period, at which a prescribed distance is asked whether it moves
@@ -32,18 +32,24 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, column: dict[str, Array
     Returns
     -------
     dict
-        drive: of applied forces and of what moves the ground; friction: R w of all contacts; potential: into links and elastic stops,
-        under the force that they have at rest; damping: what else they take.
+        drive: of applied forces and of what moves the ground; friction: R w of each contact (n, contacts); potential: into links and
+        elastic stops, under the force that they have at rest; damping: what else each of them takes, (n, links).
     """
     none = np.zeros_like(t)
     R, slip = column["friction_force"], column["slip"]
-    stored, damped = none, none
+    stored, damped = none, []
     for ends, link in mechanics.elastic:
         distance, rate = mechanics.distance(ends, x.T), mechanics.distance(ends, v.T)
         still = link.force(distance, 0.0 * rate)
-        stored, damped = stored + still * rate, damped + (link.force(distance, rate) - still) * rate
+        stored = stored + still * rate
+        damped.append((link.force(distance, rate) - still) * rate + none)
     drive = _applied(mechanics, t, x, v) + _of_the_ground(mechanics, v, R, slip)
-    return {"drive": drive + none, "friction": (R * slip).sum(axis=1), "potential": stored, "damping": damped}
+    return {"drive": drive + none, "friction": R * slip, "potential": stored, "damping": np.array(damped).reshape(-1, len(t)).T}
+
+
+def names_of_links(mechanics: Any) -> list[str]:
+    """The links and elastic stops by the bodies that they join, in the order of their columns."""
+    return ["-".join(end for end in ends if end is not None) for ends, _ in mechanics.elastic]
 
 
 def _applied(mechanics: Any, t: Array, x: Array, v: Array) -> Array:
@@ -63,12 +69,16 @@ def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:
     return total
 
 
-def lost_at_hits(run: Any, mechanics: Any) -> list[tuple[float, float]]:
-    """Instants at which stops throw bodies back, and the kinetic energy that is lost there [J]."""
+def lost_at_hits(run: Any, mechanics: Any) -> list[tuple[float, float, str]]:
+    """Instants at which stops throw bodies back, the kinetic energy that is lost there [J], and the stops' names."""
     if not mechanics.stops or len(run.pieces.mode) < 2:
         return []
     nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
     before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
     thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, _ in run._impulses])
     lost = kinetic(mechanics, before) - kinetic(mechanics, after)
-    return [(float(t), float(loss)) for t, loss in zip(nodes[thrown], lost[thrown], strict=True)]
+    struck: dict[int, list[str]] = {}
+    for node, event in run._hits:
+        struck.setdefault(node, []).append(event.part)
+    other = [mechanics.stops[0].name]  # a rate of the gap too small for an event
+    return [(float(nodes[i]), float(lost[i]), " and ".join(struck.get(int(later[i]), other))) for i in np.flatnonzero(thrown)]

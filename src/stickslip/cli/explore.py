@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from stickslip.cli.arguments import parser, subject
 from stickslip.errors import InputError
@@ -10,10 +11,11 @@ from stickslip.errors import InputError
 __all__ = ["act"]
 
 _MORE = """\
-With ROBOT the page opens with its numbers, where it has controls for all of them: a preset, a study file (such as the study.toml that
-the page saves), or a function of your own. The page needs nothing from elsewhere. It is served to this machine alone, unless --host
-says otherwise. Its address carries a token: whoever has it may use this machine's processors, and nobody else. --no-token does without,
-for an address to be kept as a bookmark on a machine that has no other users. Ctrl-C ends it.
+With ROBOT the page opens with its numbers: a preset, a study file (such as the study.toml that the page saves), or a function of your own.
+A chain, a bench, a machine or a robot with parts of your own has a page with a slider for each of its numbers. The page needs nothing
+from elsewhere. It is served to this machine alone, unless --host says otherwise. Its address carries a token: whoever has it may use
+this machine's processors, and nobody else. --no-token does without, for an address to be kept as a bookmark on a machine that has no
+other users. Ctrl-C ends it.
 """
 
 
@@ -32,21 +34,26 @@ def act(command: str, words: list[str]) -> int:
     asked = made.parse_intermixed_args(words)
     port = _whole("--port", asked.port, 0, 65535, "8765")
     workers = None if asked.workers is None else _whole("--workers", asked.workers, 1, 64, "2")
-    place = "" if asked.robot is None else _opened(asked.robot, asked.settings)
+    place, shown = ("", None) if asked.robot is None else _opened(asked.robot, asked.settings)
 
     from stickslip.explorer.server import serve
 
-    serve(asked.host, port, _announced(not asked.no_browser, asked.json, place), workers, not asked.no_token)
+    serve(asked.host, port, _announced(not asked.no_browser, asked.json, place), workers, not asked.no_token, shown)
     return 0
 
 
-def _opened(robot: str, words: list[str]) -> str:
-    """The part of the address that shows a robot."""
+def _opened(robot: str, words: list[str]) -> tuple[str, Any]:
+    """The part of the address that shows a robot; or what the page of machines shows, where that of robots has no control for it."""
     study = subject(robot, words, strict=False)
+    made = study.robot()
 
+    from stickslip.explorer.machines import Shown
     from stickslip.explorer.opened import hash_of, state_of
 
-    return hash_of(state_of(study.robot()))
+    try:
+        return hash_of(state_of(made)), None
+    except InputError:
+        return "", Shown(made, study.title(), study.options)
 
 
 def _whole(option: str, text: str, least: int, most: int, example: str) -> int:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.analysis.steady import is_run, needs_run, period_number
+from stickslip.analysis.steady import is_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.steadiness import centre_of_mass
@@ -183,7 +183,14 @@ def _dataset_of_parts(run: Any, t: Array) -> Any:
 
 
 @explains_arguments
-def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | None = None) -> xr.Dataset:
+def spectrum(
+    run: Run,
+    column: str = "v",
+    harmonics: int = 40,
+    periods: int | None = None,
+    body: int | str | None = None,
+    contact: int | str | None = None,
+) -> xr.Dataset:
     """The lines of a steady motion: amplitude and phase at multiples of the drive's frequency, and between where it repeats later.
 
     The window holds whole motion periods and no taper, so a periodic motion gives exact lines and no leakage. Where no period is
@@ -193,16 +200,19 @@ def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | No
     ----------
     run : Trajectory
     column : str
-        Which column of the run.
+        Which column of the run: "v", "x", "friction_force", ...
     harmonics : int
         Up to which multiple of the drive's frequency.
     periods : int, optional
         Drive periods of the window; by default one motion period, or the settled part of a motion that does not repeat.
+    body, contact : int or str, optional
+        Number (from 0) or name of the body or of the contact whose column it is, of a machine of several; all of them if not given.
 
     Returns
     -------
     xarray.Dataset
-        Over ``order`` (frequency over the drive's): amplitude, phase [rad], frequency [Hz], and `harmonic` (whether order is whole).
+        Over ``order`` (frequency over the drive's): amplitude, phase [rad], frequency [Hz], and `harmonic` (whether order is whole). Of all
+        bodies or contacts of a machine amplitude and phase have the dimension "body" or "contact" too.
 
     Examples
     --------
@@ -213,9 +223,9 @@ def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | No
     """
     import xarray as xr
 
-    run = needs_run("spectrum", run, "it is that of one column")
+    is_run("spectrum", run)
     problems, most = Problems("spectrum"), len(run.strobe_times) - 1
-    _check_column(problems, run, "column", column)
+    dim, names, asked = _asked(run, column, {"body": body, "contact": contact}, problems)
     problems.whole("harmonics", harmonics, 1, example=40)
     if periods is not None and (not is_whole(periods) or not 1 <= periods <= most):
         problems.add(f"periods = {periods!r}; allowed is a whole number from 1 to the {most} drive periods of the run, or None")
@@ -225,17 +235,45 @@ def spectrum(run: Run, column: str = "v", harmonics: int = 40, periods: int | No
     per = max(64 * harmonics, 1024)
     end = float(run.strobe_times[-1])
     t = end - count * run.period_time + (np.arange(count * per) + 0.5) * (run.period_time / per)
-    signal = np.asarray(run.at(np.clip(t, 0.0, end))[column], float)
+    signal = np.array([read(run, each, np.clip(t, 0.0, end)) for each in asked], float)
     taper = np.ones(len(t)) if found and count % found == 0 else np.hanning(len(t))
-    lines = np.fft.rfft(signal * taper)[: harmonics * count + 1] / taper.sum()
-    order = np.arange(len(lines)) / count
+    lines = np.fft.rfft(signal * taper)[..., : harmonics * count + 1] / taper.sum()
+    order = np.arange(lines.shape[-1]) / count
     amplitude = np.where(order > 0, 2.0, 1.0) * abs(lines)
+    dims = (dim, "order") if names else ("order",)
+    lines, amplitude = (lines, amplitude) if names else (lines[0], amplitude[0])
     unit = VARIABLES[column].unit if column in VARIABLES else "1"
     columns = {
-        "amplitude": ("order", amplitude, {"long_name": f"amplitude of {column}", "units": unit}),
-        "phase": ("order", np.angle(lines * np.exp(-1j * np.pi * order / per)), {"units": "rad"}),
+        "amplitude": (dims, amplitude, {"long_name": f"amplitude of {column}", "units": unit}),
+        "phase": (dims, np.angle(lines * np.exp(-1j * np.pi * order / per)), {"units": "rad"}),
         "frequency": ("order", order / run.period_time, {"units": "Hz"}),
-        "harmonic": ("order", np.arange(len(lines)) % count == 0),
+        "harmonic": ("order", np.arange(len(order)) % count == 0),
     }
     attrs = {"column": column, "period": found or 0, "window": "none" if taper[0] == 1 else "Hann", "periods": count}
-    return xr.Dataset(columns, {"order": ("order", order, {"long_name": "frequency over the drive's", "units": "1"})}, attrs)
+    axis = ("order", order, {"long_name": "frequency over the drive's", "units": "1"})
+    return xr.Dataset(columns, {"order": axis, **({dim: names} if names else {})}, attrs)
+
+
+def _asked(run: Any, column: str, parts: dict[str, Any], problems: Problems) -> tuple[str, list[str], list[str]]:
+    """The dimension of the bodies or contacts that are asked for, their names if there are several, and the columns to read."""
+    dim = "body" if column in _OF_BODIES else "contact"
+    own = list(run.bodies if dim == "body" else run.contacts)
+    others = [name for name, part in parts.items() if part is not None and name != dim]
+    several = not run.pieces.layout.single and column in (*_OF_BODIES, *_OF_CONTACTS)
+    if others and column in (*_OF_BODIES, *_OF_CONTACTS):
+        problems.add(f"{others[0]} = {parts[others[0]]!r}, but {column} is a column of each {dim}; type {dim}={own[0]!r}")
+    number = _number(dim, parts[dim], own, problems) if parts[dim] is not None else None
+    if several:
+        return dim, own if number is None else [], [f"{column}.{name}" for name in (own if number is None else own[number : number + 1])]
+    _check_column(problems, run, "column", column)
+    return dim, [], [column]
+
+
+def _number(dim: str, part: Any, names: list[str], problems: Problems) -> int:
+    """The number of a body or contact, by its number or name."""
+    if part in names:
+        return names.index(part)
+    if is_whole(part) and 0 <= part < len(names):
+        return int(part)
+    problems.add(f"{dim} = {part!r}; allowed are {', '.join(map(repr, names))} or 0 to {len(names) - 1}")
+    return 0

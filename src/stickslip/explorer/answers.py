@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from stickslip.explorer.code import python
 from stickslip.explorer.effort import affordable
 from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import Kernels, compiling
+from stickslip.explorer.machines import Shown, picture
 from stickslip.explorer.models import FRICTION
 from stickslip.solvers import solve
 
@@ -25,11 +27,15 @@ COARSE, FINE = 40, 200
 SAMPLES, LONGEST = 256, 8
 
 
-def answer(asked: Message, kernels: Kernels, stop: Stop) -> bytes:
-    """The bytes that answer a request; what is wrong with its numbers is an answer too."""
+def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = None) -> bytes:
+    """The bytes that answer a request, `shown` being the server's machine; what is wrong with its numbers is an answer too."""
     head = {"channel": asked.channel, "id": asked.id}
+    found: tuple[dict[str, Any], dict[str, Any]]
     try:
-        found = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
+        if asked.machine is not None:
+            found = _machine(asked, kernels, stop, shown), {}
+        else:
+            found = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
     except InputError as error:
         found = {"kind": "problems", "problems": [sentence(p) for p in error.problems]}, {}
     except StickslipError as error:
@@ -43,17 +49,32 @@ def sentence(problem: str) -> str:
     return "; ".join(part for part in problem.split("; ") if not part.startswith("type "))
 
 
-# ---- curves ----
-def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: Stop | None = None) -> Any:
-    """The run of one law, ended when nobody waits for it any more."""
-    made = state.robot(law) if robot is None else robot
+def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) -> dict[str, Any]:
+    """The picture of the machine with the numbers that were asked for."""
+    if shown is None or asked.machine is None:
+        raise InputError("machine", ["this server shows a robot; begin it with stickslip explore FILE for a machine"])
+    model = shown.with_values(asked.machine)
+    if not kernels.ready(shown, "", model, False):
+        return {"kind": "machine", "waits": f"preparing {shown.title}: compiled once, which takes some seconds, and kept for later"}
+    return picture(shown, asked.fine, model, _stopped_by(stop))
+
+
+def _stopped_by(stop: Stop | None) -> Callable[[int, int], None]:
+    """What ends a run when nobody waits for it any more."""
 
     def tell(done: int, whole: int) -> None:
         if stop is not None and stop():
             raise Stopped
 
+    return tell
+
+
+# ---- curves ----
+def run_of(state: State, law: str, fine: bool, robot: Any = None, stop: Stop | None = None) -> Any:
+    """The run of one law, ended when nobody waits for it any more."""
+    made = state.robot(law) if robot is None else robot
     periods = affordable(made, FINE if fine else COARSE)
-    return solve(made, periods=periods, rtol=RTOL, keep="trajectory", samples=400 if fine else 48, progress=tell)
+    return solve(made, periods=periods, rtol=RTOL, keep="trajectory", samples=400 if fine else 48, progress=_stopped_by(stop))
 
 
 def _curves(asked: Message, kernels: Kernels, stop: Stop) -> tuple[dict[str, Any], dict[str, Any]]:

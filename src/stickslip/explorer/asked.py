@@ -12,12 +12,14 @@ from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRACKS, Shape, active, robot
 from stickslip.explorer.parameters import PARAMETERS
 
-__all__ = ["CHANNELS", "DEFAULT", "MOST_HARMONICS", "Message", "Plane", "State", "message", "state"]
+__all__ = ["CHANNELS", "DEFAULT", "MOST_HARMONICS", "Message", "Plane", "State", "machine_numbers", "message", "state"]
 
 #: What can be asked for. Each has room for one request of a page: a newer one takes the place of an older one.
 CHANNELS = ("curves", "map", "strip")
 #: How many laws may be compared with the first, and how many cells a map may have each way.
 MOST_LAWS, MOST_CELLS = 4, 96
+#: Most numbers of a machine that a page sets.
+MOST_NUMBERS = 500
 #: Most harmonics of a recorded drive.
 MOST_HARMONICS = 32
 _CHOICES: dict[str, Mapping[str, Any]] = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
@@ -93,6 +95,7 @@ class Message:
     state: State
     fine: bool = False
     plane: Plane | None = None
+    machine: Mapping[str, float] | None = None  # numbers of the machine that the page shows
 
 
 def message(text: str | bytes) -> Message:
@@ -120,6 +123,8 @@ def message(text: str | bytes) -> Message:
     if not is_whole(number) or not 0 <= number < 2**53:
         problems.add(f"id = {_short(number)}; allowed is a whole number")
     problems.check()
+    if "machine" in given:
+        return Message("curves", number, DEFAULT, given.get("fine") is True, machine=machine_numbers(given["machine"]))
     found = state(given.get("state", {}))
     plane = None if channel == "curves" else _plane(given.get("axes"), found, 2 if channel == "map" else 1)
     return Message(channel, number, found, given.get("fine") is True, plane)
@@ -140,6 +145,19 @@ def state(given: Any) -> State:
     shape = _shape(given["shape"], problems) if "shape" in given else SAW
     problems.check()
     return State(**choices, also=tuple(law for law in also if law != choices["law"]), values=values, shape=shape)
+
+
+def machine_numbers(given: Any) -> dict[str, float]:
+    """Numbers of a machine by their dotted names; whether it has them is asked where it is known."""
+    problems = Problems("state")
+    if not isinstance(given, dict) or len(given) > MOST_NUMBERS:
+        problems.add(f"machine = {_short(given)}; allowed is a table of up to {MOST_NUMBERS} numbers")
+        problems.check()
+    for name, value in given.items():
+        if not _is_finite(value):
+            problems.add(f"values.{_short(name)} = {_short(value)}; allowed is a number")
+    problems.check()
+    return {name: float(value) for name, value in given.items()}
 
 
 def _choice(name: str, value: Any, problems: Problems) -> str:

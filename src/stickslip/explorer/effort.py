@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.friction.adapter import adapted
+from stickslip.friction.adapter import LawAdapter
+from stickslip.machine import machine_of
+from stickslip.mechanics import Mechanics
 
 __all__ = ["affordable", "effort", "too_much"]
 
@@ -28,11 +31,31 @@ def effort(robot: Any) -> tuple[Any, Any]:
     >>> round(float(swings), 1), decays
     (11.5, 0.0)
     """
+    period = machine_of(robot).time_scale or 1.0
+    found = [_of_contact(law, mass, period) for law, mass in _contacts(machine_of(robot).mechanics)]
+    swings, decays = ([each[k] for each in found] for k in (0, 1))
+    return _largest(swings), _largest(decays)
+
+
+def _largest(values: list[Any]) -> Any:
+    """The largest for each case; 0 where there is no contact."""
     import numpy as np
 
-    law, mass, period = robot.friction, robot.total_mass, robot.period
-    swings = np.sqrt(getattr(law, "sigma0", 0.0) / mass) * period / (2 * math.pi)
-    damping = 0.0 if adapted(law).dynamic else functools.reduce(np.maximum, (getattr(law, name, 0.0) for name in _DAMPINGS))
+    return functools.reduce(np.maximum, values) if values else 0.0
+
+
+def _contacts(mechanics: Mechanics) -> Iterator[tuple[LawAdapter, Any]]:
+    """Each contact's law, and the mass that first moves with it."""
+    for law, row in zip(mechanics.laws, mechanics.directions, strict=True):
+        yield law, mechanics.masses[next((c for c, g in enumerate(row) if g), 0)]
+
+
+def _of_contact(law: LawAdapter, mass: Any, period: Any) -> tuple[Any, Any]:
+    """Swings of the bristles, and times of decay, in a period."""
+    import numpy as np
+
+    swings = np.sqrt(getattr(law.law, "sigma0", 0.0) / mass) * period / (2 * math.pi)
+    damping = 0.0 if law.dynamic else functools.reduce(np.maximum, (getattr(law.law, name, 0.0) for name in _DAMPINGS))
     return swings, damping / mass * period
 
 

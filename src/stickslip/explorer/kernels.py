@@ -14,14 +14,17 @@ from typing import Any
 
 from stickslip.errors import StickslipError
 from stickslip.explorer.asked import DEFAULT, State, state
+from stickslip.explorer.machines import Shown
 from stickslip.explorer.models import DRIVES, FRICTION
 from stickslip.fields import leaves
+from stickslip.machine import machine_of
 
 __all__ = ["Kernels", "compiling", "main", "warm"]
 
 #: Seconds in which nobody asked for anything: there is time to spare.
 QUIET = 8.0
 Key = tuple[Any, ...]
+Found = State | Shown
 Helper = subprocess.Popen[str]
 
 
@@ -37,15 +40,18 @@ def compiling(found: State, law: str) -> str:
     return f"preparing {what}: compiled once, which takes some seconds, and kept for later"
 
 
-def warm(found: State, law: str, many: bool) -> None:
+def warm(found: Found, law: str, many: bool) -> None:
     """Solve a robot of this kind once, shortly: its kernel is compiled, or loaded from the cache."""
     import numpy as np
 
     from stickslip.solvers import solve
 
-    changes = {"body_mass": found.values["body_mass"] * np.array([1.0, 1.01])} if many else {}
+    changes = {"body_mass": found.values["body_mass"] * np.array([1.0, 1.01])} if many and isinstance(found, State) else {}
     with contextlib.suppress(StickslipError):  # a run that fails has its kernel too
-        solve(found.robot(law, **changes), periods=2, rtol=1e-4, keep="summary" if many else "trajectory")
+        model = found.robot(law, **changes)
+        of_its_own = 2.0 * float(machine_of(model).time_scale or 1.0)
+        length: dict[str, Any] = {"periods": 2} if model.period is not None else {"duration": of_its_own}
+        solve(model, **length, rtol=1e-4, keep="summary" if many else "trajectory")
 
 
 class Kernels:
@@ -62,8 +68,8 @@ class Kernels:
     def __init__(self, beside: bool = True):
         self._beside = beside
         self._ready: set[Key] = set()
-        self._wanted: dict[Key, tuple[State, str]] = {}
-        self._later: dict[Key, tuple[State, str]] = {}
+        self._wanted: dict[Key, tuple[Found, str]] = {}
+        self._later: dict[Key, tuple[Found, str]] = {}
         self._compiled: set[Key] = set()
         self._doing: Key | None = None
         self._asked = time.monotonic()
@@ -74,7 +80,7 @@ class Kernels:
         self._thread = threading.Thread(target=self._work, name="kernels", daemon=True)
         self._thread.start()
 
-    def ready(self, found: State, law: str, robot: Any, many: bool) -> bool:
+    def ready(self, found: Found, law: str, robot: Any, many: bool) -> bool:
         """Whether this kind of robot can be solved at once; if not, its kernel is being prepared from now on."""
         key = key_of(robot, many)
         with self._changed:
@@ -91,6 +97,10 @@ class Kernels:
     def listen(self, tell: Callable[[], None]) -> None:
         """Call this, from another thread, whenever a kernel has become ready."""
         self._listeners.append(tell)
+
+    def begin_with(self, shown: Shown) -> None:
+        """Prepare what the page of a machine shows."""
+        self.ready(shown, "", shown.model, False)
 
     def begin(self, later: Iterable[State] = ()) -> None:
         """Prepare what the page shows at first, and when nothing else is to be done what it may show next."""
@@ -123,7 +133,8 @@ class Kernels:
     def _work(self) -> None:
         while (chosen := self._next()) is not None:
             key, (found, law), later = chosen
-            if self._beside and key not in self._compiled and not self._compile(found, law, key[0], later):
+            beside = self._beside and isinstance(found, State)
+            if beside and key not in self._compiled and not self._compile(found, law, key[0], later):  # type: ignore[arg-type]
                 continue  # given up for a wish of somebody
             if later:  # on the disk; loading it here would hold up the curves
                 with self._changed:
@@ -140,7 +151,7 @@ class Kernels:
             for tell in self._listeners:
                 tell()
 
-    def _next(self) -> tuple[Key, tuple[State, str], bool] | None:
+    def _next(self) -> tuple[Key, tuple[Found, str], bool] | None:
         """What to prepare, and whether nobody has asked for it yet; nothing at the end."""
         with self._changed:
             while True:

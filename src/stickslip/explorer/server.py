@@ -20,12 +20,13 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from stickslip.errors import InputError, StickslipError
-from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State, state
+from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State, machine_numbers, state
 from stickslip.explorer.connections import Watched
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.guard import Guard, is_loopback
 from stickslip.explorer.kernels import Kernels
 from stickslip.explorer.limits import LIMITS, Limits
+from stickslip.explorer.machines import Shown, report, study
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
@@ -40,6 +41,11 @@ _TYPES = {
     ".svg": "image/svg+xml",
     ".txt": "text/plain; charset=utf-8",
 }
+#: What can be taken home of a machine: file name -> (media type, what makes it).
+MACHINE_EXPORTS = {
+    "report.html": ("text/html; charset=utf-8", report),
+    "study.toml": ("application/toml; charset=utf-8", study),
+}
 _GROUPS = {
     "Drive": {name for part in DRIVES.values() for name in part.parameters},
     "Track": {name for part in TRACKS.values() for name in part.parameters} | {"gravity"},
@@ -48,9 +54,7 @@ _GROUPS = {
 
 
 # ---- the page ----
-@functools.cache
-def page() -> str:
-    """The page as it is before any script runs."""
+def _rendered(template: str, **content: Any) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     from stickslip import __version__
@@ -59,12 +63,24 @@ def page() -> str:
     environment = Environment(
         loader=FileSystemLoader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    return environment.get_template(template).render(**content, version=__version__)
+
+
+def machine_page(shown: Shown) -> str:
+    """The page of a machine as it is before any script runs."""
+    told = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
+    return _rendered("machine.html", shown=shown, groups=shown.groups, exports=list(MACHINE_EXPORTS), told=told)
+
+
+@functools.cache
+def page() -> str:
+    """The page as it is before any script runs."""
     groups = {name: [p for p in PARAMETERS.values() if p.name in own] for name, own in _GROUPS.items()}
     rest = [p for p in PARAMETERS.values() if not any(p in group for group in groups.values())]
-    return environment.get_template("page.html").render(
-        drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=PRESETS, exports=list(EXPORTS),
+    return _rendered(
+        "page.html", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=PRESETS, exports=list(EXPORTS),
         groups={"Drive": groups["Drive"], "Track": groups["Track"], "Friction": rest, "Masses": groups["Masses"]},
-        first=DEFAULT, active=set(DEFAULT.active), told=_told(), version=__version__,
+        first=DEFAULT, active=set(DEFAULT.active), told=_told(),
     )  # fmt: skip
 
 
@@ -84,14 +100,16 @@ def _told() -> dict[str, Any]:
 
 
 async def _page(request: Request) -> Response:
-    return HTMLResponse(page())
+    shown = request.app.state.workshop.shown
+    return HTMLResponse(page() if shown is None else machine_page(shown))
 
 
 @functools.cache
 def _assets() -> dict[str, bytes]:
     """The files of the page, read once: nothing else can be asked for."""
-    folder = files("stickslip.explorer") / "assets"
-    return {f.name: f.read_bytes() for f in folder.iterdir() if f.is_file() and "." + f.name.rpartition(".")[2] in _TYPES}
+    own, shared = files("stickslip.explorer") / "assets", files("stickslip.report") / "templates"
+    found = [*own.iterdir(), *(shared / name for name in ("moving.js", "moving.css"))]
+    return {f.name: f.read_bytes() for f in found if f.is_file() and "." + f.name.rpartition(".")[2] in _TYPES}
 
 
 async def _asset(request: Request) -> Response:
@@ -116,6 +134,21 @@ async def _export(request: Request) -> Response:
     return Response(data, media_type=EXPORTS[name][0], headers={"Content-Disposition": f'attachment; filename="{name}"'})
 
 
+async def _machine_export(request: Request) -> Response:
+    """The report or the study file of the machine with the numbers in the address."""
+    name, shown = request.path_params["name"], request.app.state.workshop.shown
+    if shown is None or name not in MACHINE_EXPORTS:
+        return PlainTextResponse("there is no such file\n", 404)
+    media, made = MACHINE_EXPORTS[name]
+    try:
+        values = machine_numbers(_asked_json(request, "machine"))
+        async with request.app.state.exporting:
+            data = await asyncio.get_running_loop().run_in_executor(None, made, shown, values)
+    except StickslipError as error:
+        return PlainTextResponse(f"{error}\n", 400)
+    return Response(data, media_type=media, headers={"Content-Disposition": f'attachment; filename="{name}"'})
+
+
 async def _velocity(request: Request) -> Response:
     """The velocity of a measured record, read by `stickslip.read`."""
     return await request.app.state.uploads.answer(request, "velocity")
@@ -128,12 +161,16 @@ async def _drive(request: Request) -> Response:
 
 def _asked_state(request: Request) -> State:
     """The state in the query of an address."""
+    return state(_asked_json(request, "state"))
+
+
+def _asked_json(request: Request, name: str) -> Any:
+    """What stands in the query of an address under a name."""
     query = request.scope["query_string"].decode("latin-1")
     try:
-        given = json.loads(parse_qs(query, max_num_fields=4).get("state", ["{}"])[0])
+        return json.loads(parse_qs(query, max_num_fields=4).get(name, ["{}"])[0])
     except (ValueError, RecursionError):
-        raise InputError("export", ["state is no JSON"]) from None
-    return state(given)
+        raise InputError("export", [f"{name} is no JSON"]) from None
 
 
 # ---- the server ----
@@ -142,7 +179,12 @@ async def _socket(socket: WebSocket) -> None:
 
 
 def application(
-    host: str = "127.0.0.1", token: str | None = None, workers: int | None = None, beside: bool = True, limits: Limits = LIMITS
+    host: str = "127.0.0.1",
+    token: str | None = None,
+    workers: int | None = None,
+    beside: bool = True,
+    limits: Limits = LIMITS,
+    shown: Shown | None = None,
 ) -> Any:
     """The explorer as an ASGI application.
 
@@ -158,15 +200,20 @@ def application(
         Compile in a process beside this one.
     limits : Limits
         Times and counts.
+    shown : Shown, optional
+        The machine whose page is served; without it that of robots.
     """
 
     @contextlib.asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
         kernels = Kernels(beside)
-        app.state.workshop = Workshop(kernels, workers)
+        app.state.workshop = Workshop(kernels, workers, shown)
         app.state.exporting, app.state.limits = asyncio.Semaphore(2), limits
         app.state.uploads = Uploads(limits)
-        kernels.begin(state(preset["state"]) for preset in PRESETS.values())
+        if shown is None:
+            kernels.begin(state(preset["state"]) for preset in PRESETS.values())
+        else:
+            kernels.begin_with(shown)
         yield
         app.state.workshop.close()
         app.state.uploads.close()
@@ -175,6 +222,7 @@ def application(
         Route("/", _page),
         Route("/assets/{name}", _asset),
         Route("/export/{name}", _export),
+        Route("/machine/{name}", _machine_export),
         Route("/record/{name}", _velocity, methods=["POST"]),
         Route("/drive/{name}", _drive, methods=["POST"]),
         WebSocketRoute("/socket", _socket),
@@ -203,7 +251,12 @@ class _Server(uvicorn.Server):
 
 
 def serve(
-    host: str = "127.0.0.1", port: int = 8765, tell: Callable[[str], None] = print, workers: int | None = None, with_token: bool = True
+    host: str = "127.0.0.1",
+    port: int = 8765,
+    tell: Callable[[str], None] = print,
+    workers: int | None = None,
+    with_token: bool = True,
+    shown: Shown | None = None,
 ) -> None:
     """Serve until interrupted.
 
@@ -219,28 +272,36 @@ def serve(
         As for `application`.
     with_token : bool
         Make a token, which the address carries; without one, all users of this machine may use the page.
+    shown : Shown, optional
+        The machine whose page is served; without it that of robots.
     """
-    server_of(host, port, tell, workers, with_token).run()
+    server_of(host, port, tell, workers, with_token, shown=shown).run()
 
 
 def server_of(
-    host: str, port: int, tell: Callable[[str], None], workers: int | None = None, with_token: bool = True, limits: Limits = LIMITS
+    host: str,
+    port: int,
+    tell: Callable[[str], None],
+    workers: int | None = None,
+    with_token: bool = True,
+    limits: Limits = LIMITS,
+    shown: Shown | None = None,
 ) -> uvicorn.Server:
     """The server that `serve` runs."""
     if not with_token and not is_loopback(host):
         raise InputError("explore", [f"--no-token is for this machine alone, and --host is {host}; leave one of them out"])
     token = secrets.token_urlsafe(24) if with_token else None
-    app = application(host, token, workers, limits=limits)
+    app = application(host, token, workers, limits=limits, shown=shown)
     protocol: Any = functools.partial(Watched, app.connections)  # made as the class is
     config = uvicorn.Config(
         app, host=host, port=port, log_level="error", access_log=False, lifespan="on", http=protocol,
         ws="websockets-sansio", ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False, server_header=False,
         timeout_graceful_shutdown=2, backlog=256, proxy_headers=False,  # who asks is who connected, whatever a header says
     )  # fmt: skip
-    shown = f"[{host}]" if ":" in host else host
+    name = f"[{host}]" if ":" in host else host
     _check_port(host, port)
     query = f"?token={token}" if token else ""
-    return _Server(config, lambda taken: tell(f"http://{shown}:{taken}/{query}"))
+    return _Server(config, lambda taken: tell(f"http://{name}:{taken}/{query}"))
 
 
 def _check_port(host: str, port: int) -> None:

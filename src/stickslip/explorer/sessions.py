@@ -19,6 +19,7 @@ from stickslip.explorer.asked import CHANNELS, Message, message
 from stickslip.explorer.frames import read, written
 from stickslip.explorer.kernels import Kernels
 from stickslip.explorer.limits import LIMITS, Limits
+from stickslip.explorer.machines import Shown
 
 __all__ = ["MESSAGE_BYTES", "Session", "Workshop"]
 
@@ -33,9 +34,9 @@ class Workshop:
     A semaphore serves in the order of arrival and a page has one request of a channel at a time, so that all pages get their turn.
     """
 
-    def __init__(self, kernels: Kernels, workers: int | None = None):
+    def __init__(self, kernels: Kernels, workers: int | None = None, shown: Shown | None = None):
         n = workers or max(2, min(os.cpu_count() or 2, 8))
-        self.kernels = kernels
+        self.kernels, self.shown = kernels, shown
         self.pages: set[Session] = set()
         self._pools = {"curves": ThreadPoolExecutor(n, "curves"), "behind": ThreadPoolExecutor(max(n - 1, 1), "behind")}
         self._gates = {"curves": asyncio.Semaphore(n), "behind": asyncio.Semaphore(max(n - 1, 1))}
@@ -50,7 +51,7 @@ class Workshop:
     async def compute(self, asked: Message, stop: threading.Event) -> bytes:
         """The answer to a request, computed in a thread."""
         pool = self._pools["curves" if asked.channel == "curves" else "behind"]
-        return await self._loop.run_in_executor(pool, answer, asked, self.kernels, stop.is_set)
+        return await self._loop.run_in_executor(pool, answer, asked, self.kernels, stop.is_set, self.shown)
 
     def close(self) -> None:
         """End all work."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, positive
 from stickslip.forces import check_law
+from stickslip.friction.adapter import mirrored as mirrored_law
 
 __all__ = ["Bodies"]
 
@@ -49,6 +50,10 @@ class Bodies(Frozen):
     def masses(self) -> tuple[Any, ...]:
         """That of each body [kg]."""
         return self.mass if isinstance(self.mass, tuple) else (self.mass,) * self.count
+
+    def mirrored(self) -> Bodies:
+        """The row with forwards and backwards exchanged: the last body is the head."""
+        return replace(self, mass=self.mass[::-1] if isinstance(self.mass, tuple) else self.mass, friction=mirrored_law(self.friction))
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from stickslip.drives.adapter import drive_of
@@ -146,6 +146,17 @@ class Chain(Machine):
 
     def _links(self) -> tuple[Any, ...]:
         return self.link if isinstance(self.link, tuple) else (self.link,) * (len(self.names) - 1)
+
+    def mirrored(self) -> Any:
+        """The chain with forwards and backwards exchanged: its last body is the head. Where a gait counts its bodies the names stay."""
+        from stickslip.mirroring import mirrored
+
+        if any(isinstance(link, Gait) for link in self._links()):
+            return super().mirrored()
+        turned = tuple(mirrored(module) for module in self._robots[::-1]) or self.modules.mirrored()
+        link = self.link[::-1] if isinstance(self.link, tuple) else self.link
+        phases = None if self.phases is None else self.phases[::-1]
+        return replace(self, modules=turned, link=link, phases=phases)
 
     @classmethod
     def example(cls) -> Chain:

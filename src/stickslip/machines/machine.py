@@ -96,6 +96,12 @@ class Machine(Frozen):
         if not problems.found:
             check_parts(self, problems)
 
+    def mirrored(self) -> Any:
+        """The machine with forwards and backwards exchanged; bodies and contacts keep their names."""
+        from stickslip.machines.turned import Turned
+
+        return Turned(self)
+
     @property
     def mechanics(self) -> SeveralBodies:
         """Its equations of motion, as functions of plain numbers."""

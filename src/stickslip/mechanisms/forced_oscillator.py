@@ -62,6 +62,7 @@ class ForcedOscillator(Mechanism):
     bias: float = field(default=0.0, metadata={"example": "0.0"})
 
     kind: ClassVar[str] = "forced_oscillator"
+    _turns: ClassVar[tuple[str, ...]] = ("force", "bias")
     _rules: ClassVar[dict[str, Any]] = {
         **RULES,
         "stiffness": (at_least(0.0), "zero or more [N/m]"),

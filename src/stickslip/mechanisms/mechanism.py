@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from stickslip.batch import check_shape, shape_of
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, at_least, positive
 from stickslip.forces import check_law
-from stickslip.friction.adapter import law_of
+from stickslip.friction.adapter import law_of, mirrored as mirrored_law
 from stickslip.maths import pi, sqrt
 from stickslip.tables import from_toml, record_html, to_toml
 
@@ -29,6 +29,7 @@ class Mechanism(Frozen):
     """Base of the mechanisms: a mass with one contact. A subclass adds its fields, `acceleration` and where its energy goes."""
 
     kind: ClassVar[str] = ""  # its name in a study file
+    _turns: ClassVar[tuple[str, ...]] = ()  # numbers that change their sign in the mirror
     period: Any = None  # nothing repeats by itself: a run is so many seconds long
     mass: Any
     friction: Any
@@ -51,6 +52,11 @@ class Mechanism(Frozen):
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
         return v
+
+    def mirrored(self) -> Any:
+        """The mechanism with forwards and backwards exchanged."""
+        numbers = {name: 0.0 - getattr(self, name) for name in self._turns}
+        return replace(self, friction=mirrored_law(self.friction), **numbers)  # type: ignore[type-var]
 
     @property
     def notes(self) -> list[str]:
@@ -82,6 +88,7 @@ class SpringMass(Mechanism):
     damping: float = field(default=0.0, metadata={"example": "0.0"})
 
     _rules: ClassVar[dict[str, Any]] = RULES
+    _turns: ClassVar[tuple[str, ...]] = ("speed",)
 
     @property
     def velocity_scale(self) -> float:

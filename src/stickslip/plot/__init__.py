@@ -2,6 +2,7 @@
 
 from stickslip.plot.benches import bench
 from stickslip.plot.chaos import chaos_map
+from stickslip.plot.contacts import contacts
 from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
 from stickslip.plot.maps import motion_map, velocity_map
@@ -11,6 +12,6 @@ from stickslip.plot.style import publication
 from stickslip.plot.tracked import attractors
 
 __all__ = [
-    "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "continuation", "convergence", "fitted", "forces",
-    "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
+    "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted",
+    "forces", "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
 ]  # fmt: skip

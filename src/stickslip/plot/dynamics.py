@@ -390,16 +390,21 @@ def spectrum(lines: Grid, ax: Ax = None) -> Any:
     """
     if "amplitude" not in getattr(lines, "data_vars", {}):
         raise InputError("plot", [f"{type(lines).__name__} without an amplitude; allowed is the Dataset of ss.spectrum"])
+    for dim in set(lines.amplitude.dims) - {"order"}:
+        one = lines[dim].values.tolist()[0]
+        raise InputError("plot", [f"the spectrum has the dimension {dim}; allowed is one; type ss.plot.spectrum(lines.sel({dim}={one!r}))"])
     with publication():
         ax = axes(ax)
         floor = float(lines.amplitude.max()) * 1e-6
         for whole, colour, name in ((True, COLOURS[0], "harmonics of the drive"), (False, COLOURS[1], "between")):
-            part = lines.where((lines.harmonic == whole) & (lines.amplitude > floor), drop=True)
+            shown = lines.amplitude > floor if floor else lines.amplitude == 0.0  # of what never moves
+            part = lines.where((lines.harmonic == whole) & shown, drop=True)
             if part.order.size:
                 ax.vlines(part.order, floor, part.amplitude, color=colour, linewidth=1.0)
                 ax.plot(part.order, part.amplitude, "o", markersize=2, color=colour, label=name)
-        ax.set_yscale("log")
-        ax.set_ylim(floor, None)
+        if floor:
+            ax.set_yscale("log")
+            ax.set_ylim(floor, None)
         ax.set_xlabel("frequency / frequency of the drive")
         ax.set_ylabel(named(f"amplitude of ${lines.attrs.get('column', 'v')}$", lines.amplitude.attrs.get("units", "1")))
         legend_above(ax, ncols=2)

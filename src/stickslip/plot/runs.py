@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.motion import motion
+from stickslip.analysis.contact_modes import contact_modes
 from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.datasets import names_of
@@ -19,7 +19,7 @@ from stickslip.mechanics import normal_load
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 
-__all__ = ["forces", "limits", "phase", "rests", "sampled", "span", "velocity"]
+__all__ = ["forces", "limits", "only_run", "phase", "rests", "sampled", "span", "time_axis", "velocity"]
 
 _POINTS = 1200  # per curve
 _WIDE = 30  # letters of a legend's row
@@ -33,6 +33,12 @@ def _runs(run: Any, several: bool = False) -> list[Any]:
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
     return [r if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
+
+
+def only_run(run: Any) -> Any:
+    """A run of any machine; `InputError` of several."""
+    runs = _runs(run, several=True)
+    return runs[0] if len(runs) == 1 else _runs(None)
 
 
 def _parts(run: Any, dim: str) -> list[str]:
@@ -93,21 +99,10 @@ def sampled(run: Any, start: float, end: float, column: str) -> tuple[Any, Any]:
 
 
 def rests(run: Any, start: float, end: float) -> list[tuple[float, float]]:
-    """Where the contact sticks: exactly under a set-valued law, by the rule of `motion` under a dynamic one that is driven."""
-    if not law_of(run.model).dynamic:
-        t, mode = run.pieces.t, run._modes
-        found = [(t[i], t[i + 1]) for i in np.flatnonzero(mode == 0)]
-    elif run.model.period is None:
-        return []  # a dynamic law never rests, and without a period the rule of `motion` has no clock
-    else:
-        told = motion(run)
-        if told.type in ("rest", "presliding"):
-            return []
-        T, count = run.period_time, told.period or 1
-        begin = float(run.strobe_times[-1]) - count * T
-        turns = np.arange(-np.ceil((end - start) / (count * T)) - 1, 1) * count * T
-        found = [(begin + k + a * T, begin + k + (a + b) * T) for k in turns for a, b, sign in told.intervals if sign == 0]
-    return [(max(a, start), min(b, end)) for a, b in found if b > start and a < end]
+    """Where the only contact sticks: exactly under a set-valued law, by the rule of `motion` under one with inner states."""
+    (stretches,) = contact_modes(run, start, end).values()
+    always = all(sign == 0 for _, _, sign in stretches)
+    return [] if always and law_of(run.model).dynamic else [(a, b) for a, b, sign in stretches if sign == 0]
 
 
 def _finish(ax: Any, drawn: Sequence[Any], more: Sequence[Any] = ()) -> Any:
@@ -134,7 +129,7 @@ def _shade(ax: Any, rests: list[tuple[float, float]], start: float, factor: floa
     return [Patch(facecolor=SHADE, edgecolor=INK, linewidth=0.3, label=f"{name} sticks".lstrip())] if rests else []
 
 
-def _time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit: str) -> None:
+def time_axis(ax: Any, run: Any, span: tuple[float, float], factor: float, unit: str) -> None:
     """A time axis that counts from the start of the first drive period shown."""
     since = (
         f"$t - {round(span[0] / run.period_time)}\\,T$" if run.model.period is not None else f"$t - {span[0]:.6g}$ s" if span[0] else "$t$"
@@ -192,7 +187,7 @@ def velocity(
         for i, (name, number, t, v) in enumerate(curves):
             since = t - spans[number][0]
             ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-        _time_axis(ax, runs[0], spans[0], time, seconds)
+        time_axis(ax, runs[0], spans[0], time, seconds)
         ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
         return _finish(ax, curves, shaded)
 
@@ -333,7 +328,7 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     >>> ss.plot.forces(run).lines[-1].get_label()
     'friction force $R$'
     """
-    (run,) = _runs(run, several=True) if len(_runs(run, several=True)) == 1 else _runs(None)
+    run = only_run(run)
     if _parts(run, "contact"):
         return _forces_of_contacts(run, periods, ax, duration)
     start, end = span(run, 2 if periods is None and run.model.period is not None else periods, duration)
@@ -352,7 +347,7 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
             ax.plot((t - start) * time, limit * factor, label=None if i else "break-away", **dashed)
         for i, (name, (t, F)) in enumerate(curves.items()):
             ax.plot((t - start) * time, F * factor, color=COLOURS[len(curves) - 1 - i], linestyle="-", label=name, zorder=2 + i)
-        _time_axis(ax, run, (start, end), time, seconds)
+        time_axis(ax, run, (start, end), time, seconds)
         ax.set_ylabel(f"force ({unit}N)")
         handles = [*ax.get_legend_handles_labels()[0], *shaded]
         legend_above(ax, handles=handles, ncols=2, columnspacing=1.2)
@@ -370,7 +365,7 @@ def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: floa
         ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
         for i, (name, _, t, R) in enumerate(curves):
             ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
-        _time_axis(ax, run, (start, end), time, seconds)
+        time_axis(ax, run, (start, end), time, seconds)
         ax.set_ylabel(f"friction force $R$ ({unit}N)")
         return _finish(ax, curves)
 

@@ -7,6 +7,8 @@ import re
 __all__ = ["mathml"]
 
 _OPERATOR = r"\\(?:arcsin|arctan|sinh|cosh|sin|cos|tanh|tan|cot|exp|log|min|max|operatorname\{\w+\})(?![a-z])"
+#: An index below a letter with dots, which TeX puts beside it.
+_DOTTED = re.compile(r"<munderover>\s*(<mi>[^<]*</mi>)\s*((?:(?!munderover).)*?)\s*(<mo[^>]*>[¨˙]</mo>)\s*</munderover>", re.S)
 
 
 def _spaced(tex: str) -> str:
@@ -34,4 +36,5 @@ def mathml(tex: str, as_block: bool = False) -> str:
 
     markup = tex2mathml(_spaced(tex).replace(r"\dots", r"\ldots"), as_block=as_block)
     markup = markup.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
+    markup = _DOTTED.sub(r"<msub><mover>\1\3</mover>\2</msub>", markup)
     return markup.replace('<mo class="mathopen">|', '<mo form="prefix">|').replace("<mo>|", '<mo form="postfix">|')

@@ -7,7 +7,8 @@ from typing import Any
 from stickslip.report.charts import chart_library
 from stickslip.report.fastest import order, run_again
 from stickslip.report.html import page
-from stickslip.report.of_run import UNITLESS, moments, numbers, sources
+from stickslip.report.moving import moments
+from stickslip.report.of_run import UNITLESS, numbers, sources
 from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
 from stickslip.sweeps.columns import column_of

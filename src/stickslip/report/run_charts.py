@@ -12,7 +12,7 @@ __all__ = ["forces", "velocity"]
 
 
 def velocity(run: Any) -> dict[str, Any]:
-    """Velocity over three drive periods [mm/s over ms], shaded where the contact sticks; over the whole run [s] where nothing drives.
+    """Velocity over three drive periods [mm/s over ms], shaded where the only contact sticks; over the whole run [s] where nothing drives.
 
     Examples
     --------
@@ -23,18 +23,27 @@ def velocity(run: Any) -> dict[str, Any]:
     """
     t, (v,), shade, across = _columns(run, 3, ("v",))
     shown = "over three drive periods" if run.model.period is not None else "over the run"
-    return chart(f"velocity of the body {shown}", t, across, ("velocity v", "mm/s"), [curve("velocity", 1e3 * v)], shade)
+    curves = _by_part(run.bodies, 1e3 * v) or [curve("velocity", 1e3 * v)]
+    return chart(f"velocity of {'the body' if v.ndim == 1 else 'each body'} {shown}", t, across, ("velocity v", "mm/s"), curves, shade)
+
+
+def _by_part(names: Any, columns: Any) -> list[Any]:
+    """A curve for each body or contact of several; none of one."""
+    return [] if columns.ndim == 1 else [curve(name, y, number=i) for i, (name, y) in enumerate(zip(names, columns.T, strict=True))]
 
 
 def forces(run: Any) -> dict[str, Any]:
     """Drive force, if there is one, and friction force over two drive periods [mN over ms]; over the whole run [s] where nothing drives."""
     names = ("friction_force", "drive_force") if machine_of(run.model).drive is not None else ("friction_force",)
     t, found, shade, across = _columns(run, 2, names)
+    shown = "over two drive periods" if run.model.period is not None else "over the run"
+    parts = _by_part(run.contacts, 1e3 * found[0])
+    if parts:
+        return chart(f"friction force of each contact {shown}", t, across, ("force", "mN"), parts)
     words = ("friction force R", "drive force −m d²ξ/dt²")
     curves = [curve(word, 1e3 * y, number=i) for i, (word, y) in enumerate(zip(words, found, strict=False))]
     borders = limits(run, _shown(run, 2)[0] + t / _clock(run)[0])
     curves += [curve(f"break-away {side}", 1e3 * y, number=2, emphasis=True) for side, y in zip(("−", "+"), borders, strict=False)]
-    shown = "over two drive periods" if run.model.period is not None else "over the run"
     return chart(f"{'drive force and ' * (len(names) - 1)}friction force {shown}", t, across, ("force", "mN"), curves, shade)
 
 
@@ -51,5 +60,6 @@ def _columns(run: Any, periods: float, names: tuple[str, ...]) -> tuple[Any, lis
     """Times from the beginning of the span, columns, where the contact sticks, and what the time axis says."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
     found = [sampled(run, start, end, name) for name in names]
-    shade = [(factor * (a - start), factor * (b - start)) for a, b in rests(run, start, end)]
+    rested = rests(run, start, end) if machine_of(run.model).is_single else []
+    shade = [(factor * (a - start), factor * (b - start)) for a, b in rested]
     return factor * (found[0][0] - start), [y for _, y in found], shade, ("time t", unit)

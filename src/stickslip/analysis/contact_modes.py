@@ -1,0 +1,135 @@
+"""What each contact of a run does over a span of time: sticks, slides forwards or backwards; and when stops are touched."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+from stickslip.analysis.motion import DWELL, SLIP_RATIO
+from stickslip.analysis.segments import Watched, WatchedOf, clipped, elastic_segments
+from stickslip.machine import machine_of
+
+__all__ = ["PRESSED", "Stretch", "contact_modes", "hits", "pressed_stops", "stop_rows", "watched_contacts"]
+
+Array = Any
+Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
+PRESSED = 2  # what stands for the sign while a stop is pressed
+_GRID, _HALVINGS = 4096, 50
+_ROUNDING = 1e-12  # of a span: what is shorter is no stretch
+
+
+def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]]:
+    """Each contact's stretches of sticking and sliding over a span of a run, in order, without gaps.
+
+    Under a set-valued law they are the run's own. Under a law with inner states a contact sticks by the rule of `stickslip.motion`: while
+    the elastic part of the friction is below a part of its steady sliding value, for at least a part of the drive's period, or of the
+    machine's own time where it has no period.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.Chain.example(), periods=20)
+    >>> found = contact_modes(run, run.t[-1] - run.period_time, run.t[-1])
+    >>> {name: [sign for _, _, sign in stretches] for name, stretches in found.items()}
+    {'module 1': [-1, 1, -1], 'module 2': [1, 0, -1, 0, 1]}
+    """
+    return {name: _stretches(watched, start, end) for name, watched in watched_contacts(run).items()}
+
+
+def watched_contacts(run: Any) -> dict[str, Watched]:
+    """The contacts of a run, of one or of several, by name."""
+    if machine_of(run.model).is_single:
+        return {name: Watched(run) for name in run.contacts}
+    return {name: WatchedOf(run, i) for i, name in enumerate(run.contacts)}
+
+
+def _stretches(watched: Watched, start: float, end: float) -> list[Stretch]:
+    """The stretches of one contact."""
+    run = watched.run
+    if not watched.law.states:
+        edges, index = clipped(run.pieces, start, end)
+        return _joined(edges, watched.modes[index].astype(int), start, end)
+    dwell = DWELL * float(machine_of(run.model).time_scale or end - start)
+    first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])
+    edges, code = elastic_segments(watched, max(start - dwell, first), min(end + dwell, last), SLIP_RATIO)
+    return _joined(edges, _signs(edges, code, dwell), start, end)
+
+
+def _signs(edges: Array, code: Array, dwell: float) -> Array:
+    """+1, 0, -1 of segments: elastic ones that last together, or that the run's ends cut off, are stuck; others go with their velocity."""
+    signs, elastic = np.sign(code), abs(code) == 1
+    bounds = np.flatnonzero(np.diff(elastic.astype(int), prepend=2, append=2))
+    for a, b in itertools.pairwise(bounds):
+        if elastic[a] and (edges[b] - edges[a] >= dwell or a == 0 or b == len(code)):
+            signs[a:b] = 0
+    return signs
+
+
+def _joined(edges: Array, signs: Array, start: float, end: float) -> list[Stretch]:
+    """Neighbours of one sign as one stretch, within the span."""
+    found: list[Stretch] = []
+    for a, b, sign in zip(np.maximum(edges[:-1], start), np.minimum(edges[1:], end), signs, strict=True):
+        if b - a <= _ROUNDING * (end - start):
+            continue
+        if found and found[-1][2] == sign:
+            found[-1] = (found[-1][0], float(b), int(sign))
+        else:
+            found.append((float(a), float(b), int(sign)))
+    return found
+
+
+def pressed_stops(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
+    """From when to when each elastic stop of a machine is pressed within a span [s], by the names of the bodies that meet."""
+    machine = machine_of(run.model)
+    if machine.is_single:
+        return {}
+    mechanics: Any = machine.mechanics
+    found: dict[str, list[tuple[float, float]]] = {}
+    for ends, stop in mechanics.elastic_stops:
+        name = "-".join(end for end in ends if end is not None)
+        found.setdefault(name, []).extend(_pressed(run, mechanics, ends, stop, start, end))
+    return found
+
+
+def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: float) -> list[tuple[float, float]]:
+    """Where the gap of one stop is closed."""
+
+    def is_closed(t: Array) -> Array:
+        x = run._states_at(t, run._index(t))[0]
+        return np.broadcast_to(stop.gap_left(mechanics.distance(ends, x.T)), t.shape) < 0.0
+
+    nodes = run.pieces.t
+    t = np.union1d(np.linspace(start, end, _GRID), nodes[(nodes > start) & (nodes < end)])
+    closed = is_closed(t)
+    turns = np.flatnonzero(closed[1:] != closed[:-1])
+    low, high, before = t[turns], t[turns + 1], closed[turns]
+    for _ in range(_HALVINGS if len(turns) else 0):
+        middle = 0.5 * (low + high)
+        same = is_closed(middle) == before
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    edges = np.concatenate([[start] if closed[0] else [], high, [end] if closed[-1] else []])
+    return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, float]]]:
+    """Hits within a span on each stop that throws bodies back, by the bodies that meet: times [s] and rates of the gap [m/s]."""
+    machine = machine_of(run.model)
+    found: dict[str, list[tuple[float, float]]] = {} if machine.is_single else {stop.name: [] for stop in machine.mechanics.stops}
+    for event in run.events:
+        if event.kind == "hit" and start <= event.t <= end:
+            found[event.part].append((event.t, float(event.velocity)))
+    return found
+
+
+def stop_rows(run: Any, start: float, end: float) -> dict[str, tuple[list[Stretch], list[float]]]:
+    """For each stop, by a name that no contact has, when it is pressed (sign 2) and when it is hit [s]."""
+    pressed, struck = pressed_stops(run, start, end), hits(run, start, end)
+    return {
+        f"{name} (stop)" if name in run.contacts else name: (
+            [(a, b, PRESSED) for a, b in pressed.get(name, [])],
+            [t for t, _ in struck.get(name, [])],
+        )
+        for name in dict.fromkeys([*pressed, *struck])
+    }

@@ -1,0 +1,213 @@
+"""The lines of a machine: what moves each body, links and stops, and one block for each contact, or for several that differ in numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.engine.latex_laws import lines_of_law
+from stickslip.engine.tex import Letters, Tex, bare, indices, letters_of, spread, subscripted, symbol, text_of
+from stickslip.errors import InputError
+from stickslip.fields import leaves, replace_leaf
+from stickslip.machine import machine_of
+from stickslip.mechanics import Numbers, OneBody
+from stickslip.several_bodies import SeveralBodies
+
+__all__ = ["lines_of_motion"]
+
+_MANY = 4  # contacts of one block that are listed; of more, the first and the last
+
+
+class _Pull:
+    """A link or an elastic stop as one symbol, whose formula is written on a line of its own."""
+
+    def __init__(self, letter: Tex):
+        self.letter = letter
+
+    def force(self, distance: Any, rate: Any) -> Tex:
+        """The symbol of its tension."""
+        return self.letter
+
+
+class _Parts(SeveralBodies):
+    """A machine of parts whose bodies' positions and velocities are symbols of their own, and whose links are."""
+
+    def __init__(self, model: Any):
+        super().__init__(model)
+        self.index = dict(zip(self.bodies, indices(self.bodies), strict=True))
+        self.x, self.v = _states(list(self.index.values()))
+        self.pulls = [
+            (ends, part, _pull(self.index, ends, [e for e, _ in self.elastic[:k]])) for k, (ends, part) in enumerate(self.elastic)
+        ]
+        self.elastic = [(ends, _Pull(letter)) for ends, _, letter in self.pulls]
+
+    def positions(self, t: Any, q: Numbers) -> tuple[Any, ...]:
+        return self.x
+
+    def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+        return self.v
+
+    def _arms(self, what: str, t: Any) -> tuple[Any, ...]:
+        return (0.0,) * len(self.bodies)  # what prescribed distances add is in the bodies' own symbols
+
+    def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
+        own = (sum((g * v for g, v in zip(row, self.v, strict=True) if g), 0.0) for row in self.slips_of)
+        return tuple(slip + offset for slip, offset in zip(own, self.offsets(t), strict=True))
+
+
+def lines_of_motion(model: Any) -> list[str]:
+    """All lines of a machine; `InputError` if a part of it is no formula."""
+    letters = letters_of(model, [name for name, _ in leaves(model)])
+    traced = replace_leaf(model, letters.symbols)
+    single = machine_of(model).is_single
+    try:
+        mechanics: Any = OneBody(traced) if single else _Parts(traced)
+        return [*_of_bodies(mechanics), *([] if single else _of_links(mechanics)), *_of_contacts(mechanics, letters)]
+    except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
+        why = f"what drives this {type(model).__name__} cannot be written as a formula"
+        raise InputError("latex", [f"{why}; for a law alone type ss.latex(law)"]) from None
+
+
+def _states(own: list[str]) -> tuple[tuple[Tex, ...], tuple[Tex, ...]]:
+    """Symbols of positions and velocities."""
+    x, v = (tuple(symbol(subscripted(letter, index), real=True) for index in own) for letter in ("x", "v"))
+    return x, v
+
+
+def _pull(index: dict[str, str], ends: tuple[str, str | None], before: list[Any]) -> Tex:
+    """The symbol of a tension; a prime tells a second part between the same ends from the first."""
+    between = [index[end] for end in ends if end is not None]
+    joined = "".join(between) if all(len(each) == 1 for each in between) else ",".join(between)
+    return symbol(subscripted("F" + "'" * before.count(ends), joined), real=True)
+
+
+def _of_bodies(mechanics: Any) -> list[str]:
+    """Newton's law, one line for each coordinate, and the known jumps of velocities."""
+    own, t = indices(mechanics.bodies), symbol("t", real=True)
+    x, v = _states(own)
+    R = tuple(symbol(subscripted("R", index), real=True) for index in indices(mechanics.contacts))
+    lines = []
+    moved = mechanics.accelerations(t, _of_coordinates(mechanics, x), _of_coordinates(mechanics, v), R)
+    for c, (mass, acceleration) in enumerate(zip(mechanics.masses, moved, strict=True)):
+        lines.append(f"{_inertia(mechanics, c, own)} &= {text_of(spread(bare(mass) * bare(acceleration)))}")
+    for instant, jumps in mechanics.jumps:
+        lines += [
+            rf"\Delta {subscripted('v', index)} &= {text_of(jumps[mechanics.coordinate_of(name)])}, && t = {text_of(instant)}"
+            for name, index in zip(mechanics.bodies, own, strict=True)
+            if bare(jumps[mechanics.coordinate_of(name)]) != 0
+        ]
+    return lines
+
+
+def _of_coordinates(mechanics: Any, values: tuple[Tex, ...]) -> tuple[Tex, ...]:
+    """One symbol for each coordinate: that of the first body that moves with it."""
+    moves_with = [mechanics.coordinate_of(name) for name in mechanics.bodies]
+    return tuple(values[moves_with.index(c)] for c in range(mechanics.coordinates))
+
+
+def _inertia(mechanics: Any, c: int, own: list[str]) -> str:
+    """Mass times acceleration of all bodies of a coordinate."""
+    parts = getattr(mechanics, "parts", None)
+    terms = []
+    for name, index in zip(mechanics.bodies, own, strict=True):
+        if mechanics.coordinate_of(name) == c:
+            mass = bare(mechanics.masses[c] if parts is None else parts[name].mass)
+            factor = (
+                ""
+                if mass == 1
+                else rf"\left({text_of(mass)}\right) "
+                if mass.is_Add
+                else text_of(mass) + (r" \, " if "mathrm" in text_of(mass) else " ")
+            )
+            terms.append(rf"{factor}\ddot {subscripted('x', index)}")
+    return " + ".join(terms)
+
+
+def _of_links(mechanics: _Parts) -> list[str]:
+    """Tensions, prescribed distances and hits."""
+    t = symbol("t", real=True)
+    lines = []
+    for ends, part, letter in mechanics.pulls:
+        distance, rate = mechanics.distance(ends, mechanics.x), mechanics.distance(ends, mechanics.v)
+        lines += _tension(part, distance, rate, text_of(letter))
+    for (first, second), link in mechanics.told:
+        start = mechanics.parts[first].position - mechanics.parts[second].position
+        distance = mechanics.distance((first, second), mechanics.x)
+        lines.append(f"{text_of(distance)} &= {text_of(start + link.position(t))}")
+    for stop in mechanics.stops:
+        after, before = (
+            " - ".join(rf"{subscripted('v', mechanics.index[end])}^{sign}" for end in stop.ends if end is not None) for sign in ("+", "-")
+        )
+        given = before if stop.ends[1] is None else rf"\left({before}\right)"
+        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * bare(stop.part.gap))}"
+        lines.append(f"{after} &= - {text_of(stop.restitution)} {given}, && {where}")
+    return lines
+
+
+def _tension(part: Any, distance: Any, rate: Any, letter: str) -> list[str]:
+    """The formula of a tension; where it distinguishes cases, in the distance d, which has a line of its own."""
+    import sympy
+
+    force = bare(part.force(distance, rate))
+    if not force.has(sympy.Piecewise):
+        return [f"{letter} &= {text_of(force)}"]
+    marks = letter[1:].lstrip("'")
+    d, moving = (symbol(own + marks, real=True) for own in ("d", r"\dot d"))
+    return [f"{letter} &= {text_of(part.force(d, moving))}", f"{text_of(d)} &= {text_of(distance)}"]
+
+
+def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
+    """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
+    own, t, bodies = indices(mechanics.contacts), symbol("t", real=True), indices(mechanics.bodies)
+    x, v = _states(bodies)
+    given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x), own, strict=True))
+    blocks = []
+    for lines_of in (_slip_lines, _load_lines, _law_lines):
+        found = dict[str, tuple[list[str], list[str]]]()
+        for law, slip, load, index in given:
+            alone = lines_of(law.law, bare(slip), bare(load), index, v)
+            turned = _states(["i" if each == index else each for each in bodies])[1]
+            generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
+            found.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
+        blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in found.items() if alone]
+    return _told_once(blocks)
+
+
+def _told_once(blocks: list[tuple[list[str], list[str]]]) -> list[str]:
+    """The lines of all blocks; for what i stands is said after the last of neighbouring blocks with the same contacts."""
+    lines = []
+    for k, (block, of) in enumerate(blocks):
+        lines += block
+        if len(of) > 1 and (k + 1 == len(blocks) or blocks[k + 1][1] != of):
+            listed = of if len(of) <= _MANY else [of[0], r"\dots", of[-1]]
+            lines.append(f"i &= {', '.join(listed)}")
+    return lines
+
+
+def _renumbered(letters: Letters, law: Any, slip: Any, load: Any, index: str) -> tuple[Any, Any, Any, str]:
+    """Law, slip and load of a contact, with i for its index and for the number that its symbols share."""
+    numbers = {name: bare(value) for name, value in leaves(law)}
+    new = letters.renumbered([load, slip, *numbers.values()], "i")
+    new |= {bare(s): bare(i) for (s, i) in zip(_states([index])[1], _states(["i"])[1], strict=True)}
+    turned = replace_leaf(law, {name: Tex(value.xreplace(new)) for name, value in numbers.items()})
+    return turned, bare(slip).xreplace(new), bare(load).xreplace(new), "i"
+
+
+def _velocity_letter(slip: Any, index: str, v: tuple[Tex, ...]) -> str:
+    """The letter of a law's velocity: that of the body whose velocity the slip is, else w."""
+    return str(slip) if any(slip == bare(each) for each in v) else subscripted("w", index)
+
+
+def _slip_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Tex, ...]) -> list[str]:
+    letter = _velocity_letter(slip, index, v)
+    return [] if letter == str(slip) else [f"{letter} &= {text_of(slip)}"]
+
+
+def _load_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Tex, ...]) -> list[str]:
+    N = subscripted("N", index)
+    return [] if load == 1 or str(load) == N else [f"{N} &= {text_of(load)}"]
+
+
+def _law_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Tex, ...]) -> list[str]:
+    """Under a load of one the coefficients are forces."""
+    N = Tex(load) if load == 1 else symbol(subscripted("N", index))
+    return lines_of_law(law, N, _velocity_letter(slip, index, v), index)

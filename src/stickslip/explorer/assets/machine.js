@@ -1,0 +1,157 @@
+// The page of a machine: what is dragged is asked for, what is answered is drawn by moving.js, which reports have too.
+import { Link } from "./link.js";
+import { shown, velocity } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+const RESTS = 140; // [ms] without a change: the slider rests
+const told = JSON.parse($("told").textContent), parameters = told.parameters;
+if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
+let values = fromHash(), resting = 0, saving = 0, show = null;
+
+const link = new Link(take, (how) => {
+  $("link").dataset.state = how;
+  $("link").textContent = how === "open" ? "connected" : "connection lost, trying again … (started anew, stickslip prints a new address)";
+});
+
+// ---- the numbers in the address ----
+function fromHash() {
+  const found = {};
+  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) if (parameters[name] && text.trim() && Number.isFinite(Number(text))) found[name] = Number(text);
+  return found;
+}
+const toHash = () => (Object.keys(values).length ? `#${new URLSearchParams(Object.entries(values).map(([name, value]) => [name, String(value)]))}` : location.pathname);
+const value = (name) => values[name] ?? parameters[name].default;
+
+// ---- asking ----
+function changed() {
+  link.ask("curves", { machine: values, fine: false });
+  controls();
+  clearTimeout(resting);
+  resting = setTimeout(() => link.ask("curves", { machine: values, fine: true }), RESTS);
+  clearTimeout(saving);
+  saving = setTimeout(() => history.replaceState(null, "", toHash()), 250);
+}
+
+function set(name, to) {
+  if (to === parameters[name].default) delete values[name];
+  else values[name] = to;
+  changed();
+}
+
+// ---- answers ----
+function take({ header }) {
+  if (header.kind === "problems") return say(header.problems.join("; "));
+  if (header.waits) return say(header.waits, "busy");
+  say(header.status === "finished" ? "" : header.status);
+  show ? show(header.picture) : (show = moving($("moving"), header.picture)); // eslint-disable-line no-undef
+  means(header.mean_velocity);
+  if (header.fine) numbers(header);
+  document.documentElement.dataset.drawn = `${header.id}${header.fine ? " fine" : ""}`;
+}
+
+const cell = (kind, text) => Object.assign(document.createElement(kind), { textContent: text });
+function line(cells, head = false) {
+  const row = document.createElement("tr");
+  row.append(...cells.map((text, i) => Object.assign(cell(head || i === 0 ? "th" : "td", text), head ? { scope: "col" } : i === 0 ? { scope: "row" } : {})));
+  return row;
+}
+
+// Mean velocities: bodies that stay together have one.
+function means(found) {
+  const told = Object.entries(found).map(([name, v]) => [name, velocity(v)]), one = new Set(told.map(([, text]) => text)).size === 1;
+  $("means").replaceChildren(...(one ? [["mean velocity", told[0][1]]] : told.map(([name, text]) => [`mean velocity of ${name}`, text])).map(([name, text]) => {
+    const box = Object.assign(document.createElement("div"), { className: "chief" });
+    box.append(cell("dt", name), cell("dd", text));
+    return box;
+  }));
+}
+
+function numbers({ facts, tables, notes }) {
+  $("facts").replaceChildren(...facts.map((fact) => line(fact)));
+  $("tables").replaceChildren(...tables.map((t) => {
+    const table = document.createElement("table"), scroll = Object.assign(document.createElement("div"), { className: "scroll", tabIndex: 0 });
+    scroll.setAttribute("role", "group");
+    scroll.setAttribute("aria-label", t.caption);
+    table.append(cell("caption", t.caption), line(t.head, true), ...t.rows.map((row) => line(row)));
+    scroll.append(table);
+    return scroll;
+  }));
+  $("note-count").textContent = notes.length;
+  $("notes").replaceChildren(...notes.map((note) => cell("li", note)));
+}
+
+function say(sentence, kind = "bad") {
+  if ($("said").textContent !== sentence) $("said").textContent = sentence;
+  $("said").dataset.state = kind;
+}
+
+// ---- controls ----
+function controls() {
+  for (const p of Object.values(parameters)) {
+    const slider = $(`p-${p.name}`), typed = $(`n-${p.name}`), now = value(p.name);
+    slider.min = Math.min(p.low, now);
+    slider.max = Math.max(p.high, now);
+    slider.value = now;
+    slider.setAttribute("aria-valuetext", shown(p, now));
+    if (document.activeElement !== typed) {
+      typed.value = String(Number(now.toPrecision(6)));
+      typed.removeAttribute("aria-invalid");
+    }
+  }
+}
+for (const p of Object.values(parameters)) {
+  $(`p-${p.name}`).addEventListener("input", (event) => set(p.name, Number(event.target.value)));
+  const typed = $(`n-${p.name}`);
+  typed.addEventListener("input", () => {
+    const text = typed.value.trim().replace(",", ".").replace("−", "-"), is = text !== "" && Number.isFinite(Number(text));
+    if (is) {
+      typed.removeAttribute("aria-invalid");
+      set(p.name, Number(text));
+    } else typed.setAttribute("aria-invalid", "true");
+  });
+  typed.addEventListener("keydown", (event) => { if (event.key === "Enter") typed.blur(); });
+  document.querySelector(`[data-reset="${CSS.escape(p.name)}"]`).addEventListener("click", () => set(p.name, p.default));
+}
+$("reset-all").addEventListener("click", () => { values = {}; changed(); });
+addEventListener("hashchange", () => { values = fromHash(); changed(); });
+
+// ---- taking home ----
+$("export").addEventListener("change", async (event) => {
+  const name = event.target.value;
+  event.target.value = "";
+  if (!name) return;
+  say(`making ${name} …`, "busy");
+  try {
+    const reply = await fetch(`machine/${name}?machine=${encodeURIComponent(JSON.stringify(values))}`);
+    if (!reply.ok) throw new Error(await reply.text());
+    const address = URL.createObjectURL(await reply.blob());
+    Object.assign(document.createElement("a"), { href: address, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 10_000);
+    say("");
+  } catch (error) {
+    say(`${name}: ${error.message}`);
+  }
+});
+$("share").addEventListener("click", async (event) => {
+  history.replaceState(null, "", toHash());
+  try {
+    await navigator.clipboard.writeText(location.href);
+    event.target.textContent = "Copied";
+  } catch {
+    event.target.textContent = "Copy it from the address bar";
+  }
+  setTimeout(() => { event.target.textContent = "Copy link"; }, 1800);
+});
+
+// ---- light and dark ----
+const dark = matchMedia("(prefers-color-scheme: dark)");
+function theme() {
+  const chosen = $("theme").value;
+  document.documentElement.dataset.theme = chosen === "auto" ? (dark.matches ? "dark" : "light") : chosen;
+}
+try { $("theme").value = localStorage.getItem("theme") ?? "auto"; } catch { /* storage may be forbidden */ }
+$("theme").addEventListener("change", () => { try { localStorage.setItem("theme", $("theme").value); } catch { /* as above */ } theme(); });
+dark.addEventListener("change", theme);
+
+theme();
+changed();

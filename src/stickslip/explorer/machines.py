@@ -1,0 +1,174 @@
+"""A machine of any sort on a page of its own: sliders for its numbers, and the picture of how it moves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.explorer.effort import affordable
+from stickslip.explorer.parameters import Parameter
+from stickslip.fields import leaves, told_by_field
+from stickslip.machine import machine_of
+
+__all__ = ["Shown", "numbers_of", "picture", "report", "study"]
+
+COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when it rests
+_TIMES = 20.0  # of a machine without a period: how many of its own times a run lasts
+_FAR = 1e300
+_EXACTLY = {"gravity"}  # numbers that are rarely dragged keep a narrow range
+_ANGLES = ("phase", "phases")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The machine that a page shows.
+
+    Parameters
+    ----------
+    model : Robot, mechanism or machine
+        One case, as it is at first.
+    title : str
+        What stands at the top.
+    options : dict
+        Arguments of the solver: periods or duration, start, ...
+
+    Raises
+    ------
+    InputError
+        Of a batch, and of a machine of which nobody knows how long a run should be.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> shown = Shown(ss.Chain.example())
+    >>> len(shown.numbers), shown.with_values({"phases.1": 0.5}).phases
+    (19, (0.0, 0.5))
+    """
+
+    model: Any
+    title: str = "a machine"
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        problems = Problems("explore")
+        if self.model.shape != ():
+            problems.add(f"the machine is a batch of shape {self.model.shape}; allowed is one; type one number where an array stands")
+        elif self.model.period is None and "duration" not in self.options and not machine_of(self.model).time_scale:
+            problems.add(f"{type(self.model).__name__} has no period, and nobody knows how long a run should be; type duration=20.0 [s]")
+        problems.check()
+
+    @cached_property
+    def numbers(self) -> dict[str, Parameter]:
+        """What can be dragged, by dotted names."""
+        return {p.name: p for p in numbers_of(self.model)}
+
+    @property
+    def groups(self) -> dict[str, list[Parameter]]:
+        """The numbers by the part that they belong to."""
+        found: dict[str, list[Parameter]] = {}
+        for p in self.numbers.values():
+            found.setdefault(_part(p.name), []).append(p)
+        return found
+
+    def with_values(self, values: Mapping[str, float]) -> Any:
+        """The machine with other numbers; all that is wrong with them is said at once."""
+        problems = Problems("state")
+        for name in values:
+            if name not in self.numbers:
+                problems.add(f"values.{name[:40]!r} is not known; {did_you_mean(name[:40], self.numbers)}")
+        problems.check()
+        return self.model.replace(dict(values)) if values else self.model
+
+    def robot(self, law: str = "", **changes: float) -> Any:
+        """The machine, as kernels ask for it."""
+        return self.with_values(changes)
+
+    def length(self, model: Any, fine: bool) -> dict[str, Any]:
+        """How long a run is, as arguments of `solve`."""
+        given = {name: value for name, value in self.options.items() if name not in ("periods", "duration", "settle", "rtol", "keep")}
+        if model.period is None:
+            duration = self.options.get("duration", _TIMES * float(machine_of(model).time_scale or 1.0))
+            return {**given, "duration": duration}
+        wanted = int(self.options.get("periods", FINE))
+        return {**given, "periods": affordable(model, wanted if fine else min(wanted, COARSE))}
+
+
+def numbers_of(model: Any) -> Iterator[Parameter]:
+    """Every number of a machine with the reach of its slider: what its field says (metadata "range"), else around its value.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> first = next(numbers_of(ss.Chain.example()))
+    >>> first.name, first.label, first.unit, (round(first.low, 6), round(first.high, 6))
+    ('modules.0.body_mass', 'mass of the body M', 'kg', (0.006259, 0.156475))
+    """
+    from stickslip.report.of_run import meaning_of
+
+    machine = machine_of(model)
+    for name, value in leaves(model):
+        value, kind, told = float(value), name.rstrip("0123456789.").rpartition(".")[2], told_by_field(model, name)
+        own = "." not in name and not machine.is_single  # what a field of somebody's machine means, only its metadata may say
+        label, unit = ("", "") if own else meaning_of(name, mechanism=machine.drive is None)
+        label, unit = str(told.get("label", label or kind.replace("_", " "))), str(told.get("unit", unit))
+        low, high = told.get("range") or _around(kind, value)
+        yield Parameter(name, "", label, value, min(float(low), value), max(float(high), value), unit, 1.0, -_FAR, _FAR)
+
+
+def _around(kind: str, value: float) -> tuple[float, float]:
+    """A reach around a value that has a sign, both sides of zero else."""
+    if kind in _ANGLES:
+        return -math.pi, math.pi
+    if kind in _EXACTLY:
+        return 0.5 * value, 1.5 * value
+    if value == 0.0:
+        return -1.0, 1.0
+    return tuple(sorted((0.1 * value, 2.5 * value)))  # type: ignore[return-value]
+
+
+def _part(name: str) -> str:
+    """The part that a dotted name belongs to: modules.0 of modules.0.drive.amplitude."""
+    places = name.split(".")
+    return ".".join(places[:2]) if len(places) > 2 and places[1].isdigit() else places[0] if len(places) > 1 else ""
+
+
+# ---- answers ----
+def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int], None]) -> dict[str, Any]:
+    """What the page draws of a run, and when the slider rests what there is to say of it."""
+    from stickslip.report.facts import facts, mean_of, tables
+    from stickslip.report.moving import moments
+
+    run = _solved(shown, model, fine, progress)
+    found: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
+    found["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
+    if fine:
+        found |= {"facts": facts(run), "tables": tables(run), "notes": list(run.notes)}
+    return found
+
+
+def _solved(shown: Shown, model: Any, fine: bool, progress: Callable[[int, int], None] | None = None) -> Any:
+    from stickslip.explorer.around import RTOL
+    from stickslip.solvers import solve
+
+    run = solve(model, **shown.length(model, fine), rtol=RTOL, keep="trajectory", progress=progress)
+    if model.period is not None and len(run.strobe_times) < 3:
+        raise InputError("run", [f"{run.status} after {float(run.pieces.t[-1]):.4g} s, within the first periods"])
+    return run
+
+
+def report(shown: Shown, values: Mapping[str, float]) -> bytes:
+    """The report of a run with these numbers."""
+    from stickslip.report.of_run import run_page
+
+    return run_page(_solved(shown, shown.with_values(values), True), shown.title).encode()
+
+
+def study(shown: Shown, values: Mapping[str, float]) -> bytes:
+    """A study file that `stickslip run` reads; of a class of one's own the numbers."""
+    model = shown.with_values(values)
+    how = "\n".join(f"{name} = {value!r}" for name, value in shown.length(model, True).items() if name in ("periods", "duration"))
+    return f"{model.to_toml()}\n[solve]\n{how}\n".encode()

@@ -1,0 +1,150 @@
+"""The mirror image of a machine that lists its parts: each part with forwards and backwards exchanged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.fields import Frozen
+from stickslip.friction.adapter import mirrored as mirrored_law
+from stickslip.machines.machine import Machine
+from stickslip.machines.parts import Body, Contact
+
+__all__ = ["Turned"]
+
+Ends = tuple[str, str | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Turned(Machine):
+    """A machine in the mirror: bodies, contacts, links, stops and forces of another one, turned round. The names stay.
+
+    Parameters
+    ----------
+    machine : Machine
+        The other one.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> pair = ss.Chain.example()
+    >>> there, here = Turned(pair).mechanics, pair.mechanics
+    >>> there.accelerations(0.01, (0.0, -0.1), (0.2, 0.0), (0.1, 0.0)) == tuple(-a for a in here.accelerations(0.01, (0.0, 0.1), (-0.2, 0.0), (-0.1, 0.0)))
+    True
+    """  # noqa: E501
+
+    machine: Any
+
+    def __getattr__(self, name: str) -> Any:
+        """What else the machine says of itself, such as its gravity or its velocity scale."""
+        if name.startswith("_") or name == "machine":
+            raise AttributeError(name)
+        return getattr(self.machine, name)
+
+    @property
+    def period(self) -> Any:
+        """That of the machine [s]."""
+        return self.machine.period
+
+    def mirrored(self) -> Any:
+        """The machine itself."""
+        return self.machine
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The bodies, on the other side of where positions are measured from."""
+        return {name: _body(body) for name, body in self.machine.bodies().items()}
+
+    def contacts(self) -> Mapping[str, Any]:
+        """The contacts, with laws in the mirror."""
+        return {name: _contact(contact) for name, contact in self.machine.contacts().items()}
+
+    def links(self) -> Mapping[Ends, Any]:
+        """The links, whose ends change places; those to the ground are turned themselves."""
+        return {_ends(ends): _links(ends, link) for ends, link in self.machine.links().items()}
+
+    def stops(self) -> Mapping[Ends, Any]:
+        """The stops likewise."""
+        return {_ends(ends): _stops(ends, stop) for ends, stop in self.machine.stops().items()}
+
+    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The forces, turned round."""
+        there = self.machine.forces(t, {name: -of for name, of in x.items()}, {name: -of for name, of in v.items()})
+        return {name: -force for name, force in there.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class _TurnedLink(Frozen):
+    """A link to the ground in the mirror."""
+
+    link: Any
+
+    @property
+    def stiffness(self) -> Any:
+        """That of the link [N/m]; None where it has none."""
+        return getattr(self.link, "stiffness", None)
+
+    def force(self, distance: Any, rate: Any) -> Any:
+        """Tension, turned round [N]."""
+        return -self.link.force(-distance, -rate)
+
+
+@dataclass(frozen=True, eq=False)
+class _TurnedMotion(Frozen):
+    """A motion in the mirror."""
+
+    motion: Any
+
+    @property
+    def breaks(self) -> Any:
+        """Where it is not smooth [s]."""
+        return getattr(self.motion, "breaks", ())
+
+    def position(self, t: Any) -> Any:
+        """Its position, turned round [m]."""
+        return -self.motion.position(t)
+
+    def velocity(self, t: Any) -> Any:
+        """Its velocity, turned round [m/s]."""
+        return -self.motion.velocity(t)
+
+    def acceleration(self, t: Any) -> Any:
+        """Its acceleration, turned round [m/s^2]."""
+        return -self.motion.acceleration(t)
+
+
+def _body(body: Any) -> Body:
+    def force(t: Any, x: Any, v: Any) -> Any:
+        return -body.applied(t, -x, -v)
+
+    jumps = tuple((instant, -jump) for instant, jump in body.jumps)
+    return Body(body.mass, force=force, position=-body.position, jumps=jumps, breaks=body.breaks)
+
+
+def _contact(contact: Any) -> Contact:
+    load = None if contact.load is None else lambda t, x: contact.normal(t, -x)
+    return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load)
+
+
+def _on(on: Any) -> Any:
+    """What a contact rubs on: a belt or a motion goes the other way."""
+    if on is None or isinstance(on, str):
+        return on
+    return _TurnedMotion(on) if callable(getattr(on, "velocity", None)) else -on
+
+
+def _ends(ends: Ends) -> Any:
+    return ends if ends[1] is None else (ends[1], ends[0])
+
+
+def _links(ends: Ends, link: Any) -> Any:
+    if ends[1] is not None:
+        return link
+    return tuple(map(_TurnedLink, link)) if isinstance(link, tuple) else _TurnedLink(link)
+
+
+def _stops(ends: Ends, stop: Any) -> Any:
+    if ends[1] is not None:
+        return stop
+    turned = [each.replace(side=-each.side) for each in (stop if isinstance(stop, tuple) else (stop,))]
+    return tuple(turned) if isinstance(stop, tuple) else turned[0]

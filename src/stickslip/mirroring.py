@@ -1,0 +1,101 @@
+"""The mirror image of a machine: what moves forwards in one moves backwards in the other."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.drives.turned import Reversed
+from stickslip.errors import InputError
+from stickslip.friction.adapter import law_of, mirrored as mirrored_law
+from stickslip.machine import machine_of
+from stickslip.mechanics import normal_load
+
+__all__ = ["mirrored"]
+
+_MOMENTS = ((0.13, 0.02, 0.004), (0.57, 3e-4, -0.3), (0.81, -7e-3, 0.02))  # parts of the period, velocities [m/s], positions [m]
+
+
+@explains_arguments
+def mirrored(robot: Model) -> Any:
+    """The mirror image of a robot or machine: it moves as the other does, in the other direction.
+
+    Drives and applied forces are turned round, the friction forwards and backwards is exchanged, and downhill becomes uphill. The
+    last module of a chain becomes its head; of every other machine, and of a chain with a gait, the bodies keep their names.
+
+    Parameters
+    ----------
+    robot : Robot, mechanism or machine
+        Its laws either have a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or are the same both ways. A machine of
+        one body that is no Robot has a method `mirrored()` itself, as the mechanisms have.
+
+    Returns
+    -------
+    Robot, mechanism or machine
+        A new one. What is mirrored twice is the first again.
+
+    Raises
+    ------
+    InputError
+        If the image of the parts is not the image of the whole.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb", incline="gravity")
+    >>> turned = ss.mirrored(robot)
+    >>> turned.track.tilt == -robot.track.tilt, turned.acceleration(0.01, 0.0, 0.0, 0.0) == -robot.acceleration(0.01, 0.0, 0.0, 0.0)
+    (True, True)
+    >>> ss.mirrored(ss.Chain.example()).phases == ss.Chain.example().phases[::-1]
+    True
+    """
+    found = _image(robot)
+    wrong = _unmirrored(robot, found) if machine_of(robot).is_single else ""
+    if wrong:
+        why = f"the mirror image of its parts is not its mirror image: {wrong} is another one"
+        allowed = "allowed are machines whose drive, friction and track say all"
+        raise InputError(type(robot).__name__, [f"{why}; {allowed}; write the mirror image by hand"])
+    return found
+
+
+def _image(model: Any) -> Any:
+    """What a machine says is its image; of a robot, that of its parts."""
+    own = machine_of(model).mirror_image
+    if own is not None:
+        return own()
+    if not all(hasattr(model, name) for name in ("drive", "friction", "track")):
+        why = f"{type(model).__name__} has no drive on a track that could be turned round, and no method mirrored()"
+        raise InputError("mirrored", [f"{why}; write one that returns its mirror image"])
+    drive = model.drive.drive if isinstance(model.drive, Reversed) else Reversed(model.drive)
+    return dataclasses.replace(model, drive=drive, friction=mirrored_law(model.friction), track=_uphill(model.track))
+
+
+def _unmirrored(model: Any, found: Any) -> str:
+    """What of a machine of one body is not mirrored, asked at a few instants; "" where all is."""
+    law, other, T = law_of(model), law_of(found), machine_of(model).time_scale or 1.0
+    for s, v, x in _MOMENTS:
+        t, w, back = s * T, model.contact_velocity(v), found.contact_velocity(-v)
+        N, there = normal_load(model, t, x), normal_load(found, t, -x)
+        size = N / model.total_mass
+        if not _opposite(N, -there):
+            return "the load"
+        if not _opposite(w, back, machine_of(model).velocity_scale):
+            return "the velocity at the contact"
+        if not _opposite(model.acceleration(t, x, v, 0.1 * N), found.acceleration(t, -x, -v, -0.1 * N), size):
+            return "the acceleration"
+        if not law.dynamic and not _opposite(law.sliding(w, N), other.sliding(-w, N), N):
+            return "the sliding friction"
+    return ""
+
+
+def _opposite(a: Any, b: Any, size: Any = 0.0) -> bool:
+    apart = abs(a + b) > 1e-9 * (abs(a) + size)
+    return not (apart.any() if hasattr(apart, "any") else apart)
+
+
+def _uphill(track: Any) -> Any:
+    """A track with downhill and uphill exchanged."""
+    if hasattr(track, "track"):
+        return dataclasses.replace(track, track=_uphill(track.track))
+    return dataclasses.replace(track, tilt=-track.tilt) if hasattr(track, "tilt") else track

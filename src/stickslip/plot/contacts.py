@@ -1,0 +1,108 @@
+"""What every contact does: a chart of bars, one row for each contact and each stop."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.analysis.contact_modes import contact_modes, stop_rows
+from stickslip.arguments import Ax, Run, explains_arguments
+from stickslip.plot.runs import only_run, span, time_axis
+from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, prefix, publication
+
+__all__ = ["MODES", "contacts"]
+
+#: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, and a stop that is pressed.
+MODES: dict[int, tuple[str, str, str]] = {
+    1: ("forwards", COLOURS[0], ""), -1: ("backwards", COLOURS[1], "////"), 0: ("sticks", SHADE, ""),
+    2: ("stop pressed", COLOURS[2], "...."),
+}  # fmt: skip
+_ROW, _AROUND = 0.27, 0.75  # inches
+
+
+@explains_arguments
+def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
+    """What each contact does over the last drive periods: it sticks, slides forwards or backwards; and hits on stops.
+
+    Under a law with inner states, which never rests, a contact sticks by the rule of `stickslip.motion`.
+
+    Parameters
+    ----------
+    run : Trajectory
+    periods : float, optional
+        How many drive periods to show; 3 if not given.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+    duration : float, optional
+        How much of the end of the run to show [s], instead of `periods`. Where nothing drives, all of it is shown if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+        A row for each contact by its name, the first at the top, then one for each stop. A triangle is a hit, a cross a contact that
+        was lost.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ax = ss.plot.contacts(ss.solve(ss.Chain.example(), periods=20), periods=2)
+    >>> [label.get_text() for label in ax.get_yticklabels()]
+    ['module 1', 'module 2']
+    """
+    run = only_run(run)
+    start, end = span(run, periods, duration)
+    modes, stops = contact_modes(run, start, end), stop_rows(run, start, end)
+    rows, bars = [*modes, *stops], {**modes, **{name: pressed for name, (pressed, _) in stops.items()}}
+    time, seconds = prefix(end - start)
+    with publication():
+        ax = _axes(ax, len(rows))
+        shown = _bars(ax, rows, bars, start, time)
+        marks = _marks(ax, rows, {name: struck for name, (_, struck) in stops.items()}, _lost(run, start, end), start, time)
+        ax.set_yticks(range(len(rows)), rows)
+        ax.set_ylim(len(rows) - 0.5, -0.5)
+        ax.tick_params(axis="y", length=0)
+        time_axis(ax, run, (start, end), time, seconds)
+        legend_above(ax, handles=[*shown, *marks], ncols=len(shown) + len(marks), columnspacing=1.2, handlelength=1.6)
+        return ax
+
+
+def _lost(run: Any, start: float, end: float) -> dict[str, list[float]]:
+    """When contacts were lost, by name."""
+    return {event.part: [event.t] for event in run.events if event.kind == "contact lost" and start <= event.t <= end}
+
+
+def _axes(ax: Any, rows: int) -> Any:
+    """The axes given, or those of a figure that is as high as its rows need."""
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    return plt.subplots(figsize=(WIDTH, _AROUND + _ROW * rows))[1]
+
+
+def _bars(ax: Any, rows: list[str], bars: dict[str, list[Any]], start: float, time: float) -> list[Any]:
+    """Draw the bars; what stands for them in the legend."""
+    from matplotlib.patches import Patch
+
+    seen = set()
+    for row, name in enumerate(rows):
+        for kind, (_, colour, hatch) in MODES.items():
+            of = [((a - start) * time, (b - a) * time) for a, b, sign in bars.get(name, []) if sign == kind]
+            if of:
+                seen.add(kind)
+                ax.broken_barh(of, (row - 0.36, 0.72), facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0)
+    return [
+        Patch(facecolor=colour, hatch=hatch * 2, edgecolor="white" if hatch else INK, linewidth=0.0 if hatch else 0.3, label=word)
+        for kind, (word, colour, hatch) in MODES.items()
+        if kind in seen
+    ]
+
+
+def _marks(ax: Any, rows: list[str], struck: Any, lost: Any, start: float, time: float) -> list[Any]:
+    """Draw hits and lost contacts; what stands for them in the legend."""
+    found = []
+    for word, marker, of in (("hit", "v", struck), ("contact lost", "X", lost)):
+        at = [((t - start) * time, rows.index(name)) for name, times in of.items() for t in times]
+        if at:
+            style = {"linestyle": "", "marker": marker, "color": INK, "markersize": 4.5, "clip_on": False}
+            found += ax.plot(*zip(*at, strict=True), label=word, zorder=3, **style)
+    return found

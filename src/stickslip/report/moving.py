@@ -1,0 +1,153 @@
+"""The moving picture of a run as plain numbers: where bodies stand and how large they are, what moves, and what each contact does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from stickslip.machine import machine_of
+
+__all__ = ["moments", "shown_span", "stage"]
+
+_MOMENTS = 480  # instants of the moving picture
+_LONGEST = 4  # drive periods that it shows at most
+_DIGITS = 6
+
+
+def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]:
+    """Everything that moves over the last motion period, or over a whole run that nothing drives.
+
+    Parameters
+    ----------
+    run : Trajectory
+    span : (float, float), optional
+        From when to when [s].
+
+    Returns
+    -------
+    dict
+        t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
+        track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass; rows with the
+        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies
+        with whether they give way.
+    """
+    import numpy as np
+
+    start, end = shown_span(run) if span is None else span
+    factor, unit = (1e3, "ms") if run.model.period is not None else (1.0, "s")
+    at = run.at(np.linspace(start, end, _MOMENTS))
+    return {
+        "t": _plain(factor * (at["t"] - start)),
+        "unit": unit,
+        "bodies": [_body(part, x, v, at) for part, x, v in _columns(run, at)],
+        "rows": _rows(run, start, end, factor),
+        "links": _links(run.model),
+    }
+
+
+def shown_span(run: Any) -> tuple[float, float]:
+    """The last motion period of a run, the last drive periods if it does not repeat soon; the whole run where nothing drives."""
+    from stickslip.analysis.steady import period_number
+
+    if run.model.period is None or not len(run.strobe_times) > 1:
+        return float(run.pieces.t[0]), float(run.pieces.t[-1])
+    count = min(period_number(run) or _LONGEST, _LONGEST, len(run.strobe_times) - 1)
+    end = float(run.strobe_times[-1])
+    return end - count * run.period_time, end
+
+
+def _plain(values: Any) -> list[float]:
+    return [float(f"{value:.{_DIGITS}g}") for value in values]
+
+
+# ---- bodies ----
+def stage(model: Any) -> list[dict[str, Any]]:
+    """Name, mass [kg] and place of each body: (position on the track from left to right, storey above it).
+
+    Bodies that rub on the track stand on it, in the order of where they start, the head in front; others above the body that they are
+    joined to, or that they rub on.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> [(body["name"], body["place"]) for body in stage(ss.Chain.example())]
+    [('module 1', [1, 0]), ('module 2', [0, 0])]
+    """
+    machine = machine_of(model)
+    mechanics: Any = machine.mechanics
+    if machine.is_single:
+        inner = float(model.inner_mass) if machine.drive is not None else None
+        bodies = [{"name": "body", "mass": float(mechanics.masses[0]) - (inner or 0.0), "place": [0, 0]}]
+        return bodies + ([{"name": "inner mass", "mass": inner, "place": [0, 1]}] if inner is not None else [])
+    under = _standing_on(mechanics)
+    order = sorted((name for name in mechanics.bodies if under[name] is None), key=lambda n: _start(mechanics, n))
+    storeys: dict[str, int] = {}
+    found = []
+    for name in mechanics.bodies:
+        base = under[name] or name
+        storeys[base] = storeys.get(base, 0) + (base != name)
+        place = [order.index(base), storeys[base] if base != name else 0]
+        found.append({"name": name, "mass": float(mechanics.parts[name].mass), "place": place})
+    return found
+
+
+def _start(mechanics: Any, name: str) -> tuple[float, int]:
+    """Where a body starts; of several at one place the first is in front."""
+    return float(mechanics.parts[name].position), -mechanics.bodies.index(name)
+
+
+def _standing_on(mechanics: Any) -> dict[str, str | None]:
+    """For each body the one on the track above which it is drawn; None for those on the track."""
+    on_track = {c.body for c in mechanics.joints.values() if not isinstance(c.on, str)} or set(mechanics.bodies)
+    joined = [ends for ends, _ in [*mechanics.elastic, *mechanics.told]] + [stop.ends for stop in mechanics.stops]
+    joined += [(c.body, c.on) for c in mechanics.joints.values() if isinstance(c.on, str)]
+    found: dict[str, str | None] = dict.fromkeys(on_track)
+    for _ in mechanics.bodies:
+        for a, b in joined:
+            for upper, lower in ((a, b), (b, a)):
+                if upper is not None and upper not in found and lower in found:
+                    found[upper] = found[lower] or lower
+    return {name: found.get(name) for name in mechanics.bodies}
+
+
+def _columns(run: Any, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
+    """Each body with its position and velocity; of a robot its inner mass too, whose velocity is not drawn."""
+    parts = stage(run.model)
+    single = machine_of(run.model).is_single
+    for i, part in enumerate(parts[: len(run.bodies)]):
+        yield part, at["x"] if single else at["x"][:, i], at["v"] if single else at["v"][:, i]
+    for part in parts[len(run.bodies) :]:
+        yield part, at["x"] + at["xi"], None
+
+
+def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str, Any]:
+    first = at["x"][0] if part["name"] == "inner mass" and v is None else x[0]
+    return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
+
+
+def _links(model: Any) -> list[list[int]]:
+    """Pairs of bodies that a link joins, by their numbers, and whether it gives way; the ground is -1."""
+    machine = machine_of(model)
+    if machine.is_single:
+        return []
+    mechanics: Any = machine.mechanics
+    number = {None: -1, **{name: i for i, name in enumerate(mechanics.bodies)}}
+    joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.told]
+    return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in model.links()]
+
+
+# ---- contacts ----
+def _rows(run: Any, start: float, end: float, factor: float) -> list[dict[str, Any]]:
+    """A row for each contact, and one for each stop."""
+    from stickslip.analysis.contact_modes import contact_modes, stop_rows
+
+    found: dict[str, tuple[list[Any], list[float]]] = {name: (of, []) for name, of in contact_modes(run, start, end).items()}
+    found |= stop_rows(run, start, end)
+    return [
+        {
+            "name": name,
+            "stretches": [[*_plain((factor * (a - start), factor * (b - start))), sign] for a, b, sign in stretches],
+            "hits": _plain(factor * (t - start) for t in struck),
+        }
+        for name, (stretches, struck) in found.items()
+    ]
