@@ -223,18 +223,17 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
 
 def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
     """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    from stickslip.engine import lanes, tableaux
+    from stickslip.engine import lanes
     from stickslip.solvers.exact import REPEAT
     from stickslip.solvers.repeating import check_period
-    from stickslip.solvers.rosenbrock import LOOSE, SAFETY
+    from stickslip.solvers.rosenbrock import SAFETY, tableau
     from stickslip.solvers.stepping import BUDGET
     from stickslip.solvers.tables import CaseTable
 
     machine, at, cases = machine_of(model), coordinates(model), len(states)
     order, dynamic = at.order, machine.has_inner_states
-    tableau = None if not dynamic else tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P
     check_period(model)
-    kernel = lanes.kernel_of(model, tableau, record=False)
+    kernel = lanes.kernel_of(model, tableau(model, rtol) if dynamic else None, record=False)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
     table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), 0.0 if span is None else span)
     job = lanes.Job(periods, 0, False, SAFETY * rtol if dynamic else REPEAT / 10, 0.75, BUDGET * periods)

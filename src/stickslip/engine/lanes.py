@@ -255,6 +255,8 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     """What depends on the law: the functions that the driver calls (`driver.FUNCTIONS`)."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named, _ = _layout(eq, step, lanes)
+    width = min(lanes, WIDTH)
+    group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
     parts = [
         driver.HEADER.format(label=f"{label}, {lanes} lanes") + f"L = {lanes}\n",
         emit_text(),
@@ -263,7 +265,7 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         _look(eq),
         _force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
-        step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
+        step_text(step, Layout(lanes, group, width, offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
     ]
     return "\n\n".join(parts)
@@ -336,6 +338,15 @@ def _force(eq: System, degree: int) -> str:
     return "\n".join([*tables, *head, *(f"    {line}" for line in [*w.lines, f"return 1.0 * {value}"])])
 
 
+def _aligned(count: int) -> Any:
+    """Ones in memory, of which no vector of eight lies across two lines of the cache."""
+    import numpy as np
+
+    room = np.ones(count + 7)
+    first = -(room.ctypes.data // 8) % 8
+    return room[first : first + count]
+
+
 def run(
     k: Kernel,
     params: Any,
@@ -354,7 +365,7 @@ def run(
 
     cases, n = params.shape[0], k.states
     start = np.ascontiguousarray(np.hstack([start, np.zeros((cases, 1 + n + k.modes - start.shape[1]))]))
-    S = np.ones(k.fields * k.lanes)
+    S = _aligned(k.fields * k.lanes)
     lane_numbers = np.zeros((k.lanes, 9), dtype=np.int64)
     lane_numbers[:, 0] = -1
     lane_floats, ring, xs = np.zeros((k.lanes, 18)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST))
