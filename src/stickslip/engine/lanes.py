@@ -1,8 +1,8 @@
 """Kernels that run many cases in SIMD lanes: their text, and the arrays they work on.
 
 A kernel's file is the step of `rosenbrock.py` or the series of `taylor.py`, whose lines become instructions on two vectors of eight
-lanes in turn (two independent chains hide each other's latency), and what else depends on the law. The driver (`driver.py`) calls
-it. The same lines for one lane, which also keeps the dense output, solve a single case; the two give the same bits.
+lanes in turn (two independent chains hide each other's latency; several contacts do that alone, one vector after the other), and what
+else depends on the law. The driver (`driver.py`) calls it. The same lines for one lane, which also keeps the dense output, solve a single case; the two give the same bits.
 """
 
 from __future__ import annotations
