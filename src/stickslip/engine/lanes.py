@@ -2,7 +2,8 @@
 
 A kernel's file is the step of `rosenbrock.py` or the series of `taylor.py`, whose lines become instructions on two vectors of eight
 lanes in turn (two independent chains hide each other's latency; several contacts do that alone, one vector after the other), and what
-else depends on the law. The driver (`driver.py`) calls it. The same lines for one lane, which also keeps the dense output, solve a single case; the two give the same bits.
+else depends on the law. The driver (`driver.py`) calls it. The same lines for one lane, which also keeps the dense output, solve a
+single case; the two give the same bits.
 """
 
 from __future__ import annotations
