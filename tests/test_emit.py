@@ -66,7 +66,8 @@ for j in range(4, 4):
     _total = 77.0
 _last = _r[6]
 """.strip().splitlines()
-BRANCH = ["_twice = 1.0", "if _a > 0.0:", "    _within = 2.0 * _a", "    _twice = _within + _twice", "_after = _twice + _a"]
+BRANCH = ["_twice = 1.0", "if _a > 0.0:", "    _within = 2.0 * _a", "    _twice = _within + _twice if _a > 0.0 else _twice"]
+BRANCH += ["_after = _twice + _a"]
 NUMBERS = [0.0, -0.0, 1.0, -1.0, 0.1, -2.5, 3e-310, 1e300, -1e-300, math.inf, -math.inf, 7.0, 1 / 3, 1e16, -1e150, 2.0]
 
 
@@ -99,12 +100,12 @@ def plain(lines, given):
     return known | {f"_held_{m}": value for m, value in enumerate(known["_held"])}
 
 
-def compiled(lines, lanes, width):
+def compiled(lines, lanes, group, width):
     """A kernel of these lines alone, on the numbers of each lane: what it gives a value to."""
     made = [line.partition(" = ")[0][1:] for line in lines if not line.startswith(("_holds", " ", "if", "for", "_r[", "_r ="))]
     fields = list(dict.fromkeys(["a", "b", "small", *made, *(f"held_{m}" for m in range(5))]))
     step = Step(tuple(lines), tuple(fields), (None,), 1)
-    layout = Layout(lanes, width, {name: i * lanes for i, name in enumerate(fields)}, len(fields) * lanes)
+    layout = Layout(lanes, group, width, {name: i * lanes for i, name in enumerate(fields)}, len(fields) * lanes)
     text = driver.HEADER.format(label="a test") + f"L = {lanes}\n{emit_text()}" + step_text(step, layout)
     step = cache.load(text.replace('"no_cpython_wrapper": True, ', ""), f"emit_{lanes}", "a test").step
 
@@ -130,11 +131,11 @@ def same(a, b):
     return np.float64(a).tobytes() == np.float64(b).tobytes() or (math.isnan(a) and math.isnan(b))
 
 
-@pytest.mark.parametrize(("lanes", "width"), [(1, 1), (4, 4), (16, 8)])
-def test_every_operation_is_what_python_computes(lanes, width):
+@pytest.mark.parametrize(("lanes", "group", "width"), [(1, 1, 1), (4, 4, 4), (8, 4, 4), (16, 16, 8)])
+def test_every_operation_is_what_python_computes(lanes, group, width):
     """To the bit: each is rounded once by both."""
-    lines = LINES + (BRANCH if lanes == 1 else [])
-    act, rng = compiled(lines, lanes, width), np.random.default_rng(5)
+    lines = LINES + BRANCH
+    act, rng = compiled(lines, lanes, group, width), np.random.default_rng(5)
     for _ in range(640 // lanes):
         given = drawn(rng, lanes)
         found = act(given)
@@ -142,6 +143,22 @@ def test_every_operation_is_what_python_computes(lanes, width):
             expected = plain(lines, {name: values[lane] for name, values in given.items()})
             for name in found.keys() - {"b", "small"}:
                 assert same(found[name][lane], float(expected[f"_{name}"])), (name, {n: v[lane] for n, v in given.items()})
+
+
+def test_lanes_jump_over_what_none_of_them_asks_for():
+    """Where one asks, all are given it."""
+    lines = ["_c = 1.0", "if _a > 0.0:", "    _c = 2.0"]
+    act = compiled(lines, 8, 4, 4)
+    given = {name: np.zeros(8) for name in ("b", "c0", "small")}
+    assert act(given | {"a": -np.ones(8)})["c"].tolist() == [1.0] * 8
+    assert act(given | {"a": np.array([-1.0, -1.0, -1.0, -1.0, -1.0, 1.0, -1.0, -1.0])})["c"].tolist() == [1.0] * 4 + [2.0] * 4
+
+
+def test_vectors_that_do_not_fit_into_registers_lie_within_lines_of_the_cache():
+    """The attribute is written: llvmlite leaves it out of a function that has no other."""
+    module = ir.Module()
+    emit._function(module, [])
+    assert "alignstack(64)" in str(module)
 
 
 def test_the_lines_above_hold_every_operation_there_is():
@@ -176,21 +193,21 @@ def act(lane, t, Y):
     [
         "_x = _a ** 2.0", "_x = 5 % 2", "_x = 1.0 < 2.0 < 3.0", "_x = _unknown", "_x = sin(1.0)", "_x = as_bits(5)", "_x = not 1.0",
         "_x = 1.0 if 2.0 else 3.0", "_x = True + 1.0", "_x = 1.0 and 2.0", "_x, _y = 1.0, 2.0", "_x = 'text'", "_x = 2 < 3",
-        "if True:\n    _x = 1.0", "_x = math.pi", "_x += 1.0", "_x = 1.0 / True", "_x = -True", "_x = fma(1.0, 2.0)", "_x = _r[0]",
+        "if 1.0:\n    _x = 1.0", "_x = math.pi", "_x += 1.0", "_x = 1.0 / True", "_x = -True", "_x = fma(1.0, 2.0)", "_x = _r[0]",
         "_x = row(5)\n_y = _x[1.0]", "_x = row(1.0)", "for m in range(4):\n    _x = 1.0", "for m in 5:\n    _x = 1.0",
         "for m in range(0, 2.0):\n    _x = 1.0", "for m, n in range(0, 2):\n    _x = 1.0", "_a.b[0] = 1.0", "_x = row(3)\n_x[0] = True",
     ],
 )  # fmt: skip
 def test_a_line_that_cannot_be_written_is_named(line):
-    function = ir.Function(ir.Module(), ir.FunctionType(ir.VoidType(), []), "f")
+    function = ir.Function(ir.Module(), ir.FunctionType(ir.VoidType(), [ir.DoubleType().as_pointer()]), "f")
     builder = ir.IRBuilder(function.append_basic_block())
     with pytest.raises(TypeError, match="in a line of a step"):
-        emit.write(builder, None, 4, 4, {}, {}, {}, line, {})
+        emit.write(builder, function.args[0], 4, 4, 4, {}, {}, {}, line, {})
 
 
 def test_a_line_that_asks_for_what_no_lane_holds_is_refused():
     with pytest.raises(AssertionError, match="_missing"):
-        step_text(Step(("_a = _missing + _b",), ("a", "b"), (), 1), Layout(1, 1, {"a": 0, "b": 1}, 2))
+        step_text(Step(("_a = _missing + _b",), ("a", "b"), (), 1), Layout(1, 1, 1, {"a": 0, "b": 1}, 2))
 
 
 _KERNEL = """

@@ -231,13 +231,10 @@ def refuse_chance(machine: MachineAdapter) -> None:
 
 def map_method(model: Any, rtol: float) -> tuple[Any, float]:
     """The tableau by which lanes go from strobe to strobe (None: Taylor steps), and their tolerance."""
-    from stickslip.engine import tableaux
     from stickslip.solvers.exact import REPEAT
-    from stickslip.solvers.rosenbrock import LOOSE, SAFETY
+    from stickslip.solvers.rosenbrock import SAFETY, tableau
 
-    if not machine_of(model).has_inner_states:
-        return None, REPEAT / 10
-    return tableaux.RODAS4 if rtol >= LOOSE else tableaux.RODAS5P, SAFETY * rtol
+    return (tableau(model, rtol), SAFETY * rtol) if machine_of(model).has_inner_states else (None, REPEAT / 10)
 
 
 def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:

@@ -4,9 +4,10 @@ Numba needs most of a step's compile time to read its lines, LLVM little to comp
 writes the instructions itself (`steptext.py`). A kernel's file holds this text from the imports on, and needs nothing else.
 
 The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, loops
-``for m in range(first, end):``, and, for one lane, ``if condition:`` around some. ``name = row(17)`` is 17 numbers in memory, for each
-lane, which are read and written by their places, as the rows that a lane holds are. Every decision inside an expression is one select
-instruction, and nothing is fused or reordered that is not written so: the bits do not depend on the number of lanes.
+``for m in range(first, end):``, and ``if condition:`` around what is wanted only where the condition holds: lanes jump over it together,
+if none of them asks for it. ``name = row(17)`` is 17 numbers in memory, for each lane, which are read and written by their places, as the
+rows that a lane holds are. Every decision inside an expression is one select instruction, and nothing is fused or reordered that is not
+written so: the bits do not depend on the number of lanes.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ TAKES = {"fma": 3, "abs": 1, "math.sqrt": 1}
 CASTS = {"as_bits": ("bitcast", "real", "whole"), "as_float": ("bitcast", "whole", "real"), "np.int64": ("fptosi", "real", "whole")}
 
 
+LINE_OF_CACHE = 64  # bytes
 COUNT, NUMBER = ir.IntType(64), ir.DoubleType()  # of one number for all lanes: what loops count, and what is made of it
 
 
@@ -103,10 +105,11 @@ class _Vector(ast.NodeVisitor):
             return self.builder.alloca(self.real, size=length), 1
 
     def visit_If(self, node: ast.If) -> None:
-        """A branch; a name that had a value before has one of two after it."""
-        if self.lanes > 1 or node.orelse:
+        """A branch, taken if any lane asks for it, for all; a name that had a value before has one of two after it."""
+        test = self.visit(node.test)
+        if test.type != self.truth or node.orelse:
             self.generic_visit(node)
-        condition, before, start = self.visit(node.test), self.known, self.builder.block
+        condition, before, start = self.anywhere(test), self.known, self.builder.block
         self.known = dict(before)
         with self.builder.if_then(condition):
             for statement in node.body:
@@ -118,6 +121,13 @@ class _Vector(ast.NodeVisitor):
             joined.add_incoming(before[name], start)
             joined.add_incoming(within[name], end)
             self.known[name] = joined
+
+    def anywhere(self, test: Any) -> Any:
+        """Whether a condition holds for a lane."""
+        if self.lanes == 1:
+            return test
+        bits = ir.IntType(self.lanes)
+        return self.builder.icmp_unsigned("!=", self.builder.bitcast(test, bits), ir.Constant(bits, 0))
 
     # ---- expressions ----
     def visit_Constant(self, node: ast.Constant) -> Any:
@@ -202,23 +212,38 @@ class _Vector(ast.NodeVisitor):
         raise TypeError(f"{ast.unparse(node)!r} in a line of a step {what}")
 
 
-def write(builder: Any, data: Any, lanes: int, width: int, numbers: Any, reads: Any, rows: Any, text: str, keeps: Any) -> None:
-    """Read fields, write all lines, keep fields.
+def write(builder: Any, data: Any, lanes: int, group: int, width: int, numbers: Any, reads: Any, rows: Any, text: str, keeps: Any) -> None:
+    """Read fields, write all lines, keep fields: a function for a group of lanes, called for each group in turn.
 
-    Each line is written for all vectors of `width` lanes in turn: their chains of operations hide each other's latency. `numbers` are
+    Each line is written for all vectors of `width` lanes of a group: their chains of operations hide each other's latency. `numbers` are
     the same for all lanes; `reads`, `rows` and `keeps` say where the field of a name begins.
     """
-    vectors = [_Vector(builder, data, first, width, lanes) for first in range(0, lanes, width)]
+    given = list(numbers.values())
+    function = _function(builder.module, [data.type, *(number.type for number in given)])
+    own = ir.IRBuilder(function.append_basic_block())
+    vectors = [_Vector(own, function.args[0], first, width, lanes) for first in range(0, group, width)]
     for vector in vectors:
-        vector.known |= {name: vector.spread(number) for name, number in numbers.items()}
+        vector.known |= {name: vector.spread(number) for name, number in zip(numbers, function.args[1:], strict=True)}
         for name, at in reads.items():
             vector.read(name, at)
         for name, at in rows.items():
             vector.held_row(name, at)
-    _write_all(builder, vectors, ast.parse(text).body)
+    _write_all(own, vectors, ast.parse(text).body)
     for vector in vectors:
         for name, at in keeps.items():
             vector.keep(name, at)
+    own.ret_void()
+    for first in range(0, lanes, group):
+        builder.call(function, [builder.gep(data, [ir.Constant(COUNT, first)]), *given])
+
+
+def _function(module: Any, kinds: list[Any]) -> Any:
+    """A function that is not inlined, whose vectors in memory never lie across two lines of the cache."""
+    function = ir.Function(module, ir.FunctionType(ir.VoidType(), kinds), module.get_unique_name("lines"))
+    function.linkage = "internal"
+    function.attributes.update(("noinline", "nounwind"))
+    function.attributes.alignstack = LINE_OF_CACHE
+    return function
 
 
 def write_plain(context: Any, builder: Any, kinds: Any, args: Any, names: str, text: str) -> None:

@@ -30,18 +30,23 @@ class EventWriter:
     guard_rate: list[str]
     slips: dict[int, int]  # guards that are the slip of a contact -> the state that is that slip
     scale_v: str
+    extended: set[int]  # states whose dense output is written
+    _extend: Any  # writes that of a state
     _bind: Any  # names for time and states -> names for everything that an expression depends on
 
-    def _at(self, i: int, theta: str) -> str:
-        return horner([f"_k{i}_{m}" for m in range(self.degree + 1)], theta)
+    def _at(self, polynomial: str, theta: str) -> str:
+        return horner([f"{polynomial}_{m}" for m in range(self.degree + 1)], theta)
 
-    def _rate_at(self, i: int, theta: str) -> str:
-        return horner([f"_k{i}_1", *(f"{m}.0 * _k{i}_{m}" for m in range(2, self.degree + 1))], theta)
+    def _rate_at(self, polynomial: str, theta: str) -> str:
+        return horner([f"{polynomial}_1", *(f"{m}.0 * {polynomial}_{m}" for m in range(2, self.degree + 1))], theta)
 
     def _crossings(self) -> None:
         """Whether a guard leaves its held side in this step, and which goes first."""
         w = self.w
         w.line("_tiny", f"-1e-14 * {self.scale_v}")
+        if self.g > 1 and self._all_slips:
+            self._slip_crossings()
+            return
         end = self._first_crossing()
         for k in range(1, self.g):
             self._other_crossing(k, end)
@@ -73,6 +78,52 @@ class EventWriter:
             end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
         return end
 
+    @property
+    def _branches(self) -> bool:
+        """Whether to jump over what did not happen: one lane alone, or several contacts, which have much to do and few vectors in turn."""
+        return self.record or len(self.eq.contacts) > 1
+
+    @property
+    def _skips(self) -> bool:
+        """Whether to jump over the location of events where there is none."""
+        return self._branches and self._all_slips
+
+    @property
+    def _all_slips(self) -> bool:
+        """Whether every guard is the slip of a contact that is a state: then what goes first is a polynomial that is known."""
+        return len(self.slips) == self.g
+
+    def _slip_crossings(self) -> None:
+        """Slips of several contacts: which leave their sides is asked of all, and which goes first only where one does.
+
+        _kg_<power> is then the dense output of that one, and _bg its held side.
+        """
+        w = self.w
+        for k, i in self.slips.items():
+            w.line(f"_g{k}s", f"_y{i} * _b{k}")
+            w.line(f"_g{k}e", f"_n{i} * _b{k}")
+            self._dip(i, f"_b{k}", f"_g{k}e", str(k))
+            w.line(f"_late{k}", f"_g{k}s < _tiny and _on{k} < 0.5")  # it starts on the wrong side: its state was set
+            w.line(f"_cr{k}", f"_ge{k} < _tiny or _late{k}")
+        w.line("_cr", " or ".join(f"_cr{k}" for k in self.slips))
+        polynomial = [f"_kg_{m}" for m in range(self.degree + 1)]
+        for name in (*polynomial, "_bg", "_te", "_which"):
+            w.line(name, "0.0")
+        w.line("_th", "2.0")  # beyond the step
+        w.line("_pre", "False")
+        w.line("_wrong", "False")
+        w.begin("if _cr")
+        for k, i in self.slips.items():
+            w.line("_gp", f"_g{k}s if _g{k}s > 0.0 else 0.0")
+            w.line("_tk", f"_te{k} * _gp / (_gp - _ge{k} if _ge{k} < _tiny else 1.0)")
+            w.line("_first", f"_cr{k} and _tk < _th")
+            w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
+            w.line("_wrong", f"(_late{k} or {self._leaves(self.guard_rate[k], f'_b{k}', f'_ge{k} < _tiny')}) if _first else _wrong")
+            values = [("_th", "_tk"), ("_te", f"_te{k}"), ("_which", f"{k}.0"), ("_bg", f"_b{k}")]
+            for name, value in (*values, *zip(polynomial, (f"_k{i}_{m}" for m in range(self.degree + 1)), strict=True)):
+                w.line(name, f"{value} if _first else {name}")
+        w.end()
+
     def _dip(self, i: int, side: str, end: str, suffix: str) -> None:
         """Where a velocity is nearest to leaving its side: _te and _ge, the end of the step or the extremum of the dense output within."""
         w, d = self.w, self.degree
@@ -80,15 +131,15 @@ class EventWriter:
         w.line("_d1", "(" + " + ".join(f"{m}.0 * _k{i}_{m}" for m in range(1, d + 1)) + f") * {side}")
         w.line("_dip", f"_d0 < 0.0 and _d1 > 0.0 and {end} >= 0.0")
         w.line("_low", end)
-        if self.record:
+        if self._branches:
             w.line("_tx", "1.0")
             w.begin("if _dip")
         w.line("_tx", "_d0 / (_d0 - _d1) if _dip else 0.5")
         second = horner([f"2.0 * _k{i}_2", *(f"{m * (m - 1)}.0 * _k{i}_{m}" for m in range(3, d + 1))], "_tx")
         w.line("_curve", second)
-        w.line("_tx", f"_tx - ({self._rate_at(i, '_tx')}) / (_curve if _dip else 1.0)")
+        w.line("_tx", f"_tx - ({self._rate_at(f'_k{i}', '_tx')}) / (_curve if _dip else 1.0)")
         w.line("_dip", "_dip and _tx > 0.0 and _tx < 1.0")
-        w.line("_low", f"({self._at(i, '_tx')}) * {side}")
+        w.line("_low", f"({self._at(f'_k{i}', '_tx')}) * {side}")
         w.line("_dip", "_dip and _low < _tiny")
         w.end()
         w.line(f"_te{suffix}", "_tx if _dip else 1.0")
@@ -142,52 +193,62 @@ class EventWriter:
         return f"abs({self.w.value(guard, bind)})"
 
     def _locate(self) -> None:
-        """theta of the event on the dense output: safeguarded Newton for v, the secant method where other guards exist."""
-        w, skip = self.w, self.record and self.g == 1  # one lane need not locate what did not happen
+        """theta of the event on the dense output: safeguarded Newton for a slip, the secant method where other guards exist."""
+        w = self.w
         w.line("_lo", "0.0")
         w.line("_hi", "_te")
-        if skip:
+        if self._skips:
             w.line("_conv", "False")
             for i in range(self.n):
                 w.line(f"_v{i}", "0.0")
             w.begin("if _cr")
-        if self.g == 1:
-            for _ in range(self.k.newton):
-                w.line("_pv", f"({self._at(0, '_th')}) * _b0")
-                w.line("_pd", f"({self._rate_at(0, '_th')}) * _b0")
-                w.line("_lo", "_th if _pv > 0.0 else _lo")
-                w.line("_hi", "_hi if _pv > 0.0 else _th")
-                w.line("_tn", "_th - _pv / (_pd if _pd != 0.0 else 1.0)")
-                w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
-            w.line("_pv", f"abs({self._at(0, '_th')})")
-            w.line("_conv", f"_pv <= 1e-10 * {self.scale_v}")
+        if self._all_slips:
+            self._newton(*(("_kg", "_bg") if self.g > 1 else ("_k0", "_b0")))
         else:
-            w.line("_span", "_gs - _ge")
-            for name, value in (("_xa", "0.0"), ("_ga", "_gs"), ("_xb", "_te"), ("_gb", "_ge")):
-                w.line(name, f"1.0 * {value}")
-            for _ in range(self.k.newton + 1):
-                w.line("_pv", self._guard_at("_th"))
-                w.line("_up", "_pv > 0.0")
-                w.line("_lo", "_th if _up else _lo")
-                w.line("_hi", "_hi if _up else _th")
-                near = "abs(_ga) < abs(_gb)"  # the nearer of the two points before and the new one: a secant
-                w.line("_xb", f"_xa if {near} else _xb")
-                w.line("_gb", f"_ga if {near} else _gb")
-                w.line("_xa", "1.0 * _th")
-                w.line("_ga", "1.0 * _pv")
-                w.line("_gap", "_gb - _ga")
-                w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
-                w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
-            w.line("_pv", f"abs({self._guard_at('_th')})")
-            w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
+            self._secant()
         for i in range(self.n):
-            w.line(f"_v{i}", self._at(i, "_th"))
+            if i not in self.extended:
+                self._extend(i)
+            w.line(f"_v{i}", self._at(f"_k{i}", "_th"))
         w.end()
+
+    def _newton(self, polynomial: str, side: str) -> None:
+        w = self.w
+        for _ in range(self.k.newton):
+            w.line("_pv", f"({self._at(polynomial, '_th')}) * {side}")
+            w.line("_pd", f"({self._rate_at(polynomial, '_th')}) * {side}")
+            w.line("_lo", "_th if _pv > 0.0 else _lo")
+            w.line("_hi", "_hi if _pv > 0.0 else _th")
+            w.line("_tn", "_th - _pv / (_pd if _pd != 0.0 else 1.0)")
+            w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
+        w.line("_pv", f"abs({self._at(polynomial, '_th')})")
+        w.line("_conv", f"_pv <= 1e-10 * {self.scale_v}")
+
+    def _secant(self) -> None:
+        w = self.w
+        w.line("_span", "_gs - _ge")
+        for name, value in (("_xa", "0.0"), ("_ga", "_gs"), ("_xb", "_te"), ("_gb", "_ge")):
+            w.line(name, f"1.0 * {value}")
+        for _ in range(self.k.newton + 1):
+            w.line("_pv", self._guard_at("_th"))
+            w.line("_up", "_pv > 0.0")
+            w.line("_lo", "_th if _up else _lo")
+            w.line("_hi", "_hi if _up else _th")
+            near = "abs(_ga) < abs(_gb)"  # the nearer of the two points before and the new one: a secant
+            w.line("_xb", f"_xa if {near} else _xb")
+            w.line("_gb", f"_ga if {near} else _gb")
+            w.line("_xa", "1.0 * _th")
+            w.line("_ga", "1.0 * _pv")
+            w.line("_gap", "_gb - _ga")
+            w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
+            w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
+        w.line("_pv", f"abs({self._guard_at('_th')})")
+        w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
 
     def _guard_at(self, theta: str) -> str:
         """Value of the chosen guard on its held side, on the dense output."""
         w = self.w
-        y = [w.line(w.fresh(), self._at(i, theta)) for i in range(self.n)]
+        y = [w.line(w.fresh(), self._at(f"_k{i}", theta)) for i in range(self.n)]
         t = w.line(w.fresh(), f"fma({theta}, _hh, _t)")
         text = "0.0"
         for k, guard in enumerate(self.eq.guards):

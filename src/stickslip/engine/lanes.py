@@ -1,8 +1,9 @@
 """Kernels that run many cases in SIMD lanes: their text, and the arrays they work on.
 
 A kernel's file is the step of `rosenbrock.py` or the series of `taylor.py`, whose lines become instructions on two vectors of eight
-lanes in turn (two independent chains hide each other's latency), and what else depends on the law. The driver (`driver.py`) calls
-it. The same lines for one lane, which also keeps the dense output, solve a single case; the two give the same bits.
+lanes in turn (two independent chains hide each other's latency; several contacts do that alone, one vector after the other), and what
+else depends on the law. The driver (`driver.py`) calls it. The same lines for one lane, which also keeps the dense output, solve a
+single case; the two give the same bits.
 """
 
 from __future__ import annotations
@@ -303,6 +304,8 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
     """What depends on the law: the functions that the driver calls (`driver.FUNCTIONS`)."""
     offsets = {name: i * lanes for i, name in enumerate(step.fields)}
     named, _ = _layout(eq, step, lanes)
+    width = min(lanes, WIDTH)
+    group = lanes if len(eq.contacts) == 1 else width  # several contacts hide each other's latency, in half the text
     parts = [
         driver.HEADER.format(label=f"{label}, {lanes} lanes") + f"L = {lanes}\n",
         emit_text(),
@@ -311,11 +314,20 @@ def _source(eq: System, step: Step, lanes: int, label: str) -> str:
         looks(eq),
         force(eq, step.degree),
         (resources.files("stickslip.engine") / "kernels" / "work.py").read_text(encoding="utf-8"),
-        step_text(step, Layout(lanes, min(lanes, WIDTH), offsets, named["F_C"])),
+        step_text(step, Layout(lanes, group, width, offsets, named["F_C"])),
         *(() if eq.dynamic else (taylor.switches(eq, step, lanes), slopes(eq, step, lanes))),
         *((signals_text(eq, watched(eq, step)),) if eq.signals else ()),
     ]
     return "\n\n".join(parts)
+
+
+def _aligned(count: int) -> Any:
+    """Ones in memory, of which no vector of eight lies across two lines of the cache."""
+    import numpy as np
+
+    room = np.ones(count + 7)
+    first = -(room.ctypes.data // 8) % 8
+    return room[first : first + count]
 
 
 def run(
@@ -339,7 +351,7 @@ def run(
     bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
-    S = np.ones(k.fields * k.lanes)
+    S = _aligned(k.fields * k.lanes)
     lane_numbers = np.zeros((k.lanes, 8 + parts), dtype=np.int64)
     lane_numbers[:, 0] = -1
     lane_floats, ring, xs = np.zeros((k.lanes, 17)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))

@@ -68,6 +68,7 @@ class _StepWriter(EventWriter):
         self.slips = {c.guard: c.state for c in eq.contacts if c.guard is not None and c.state is not None}
         self.degree = len(tableau.dense) + 1
         self.dt = "_hh"
+        self.extended = set[int]()
         news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
         roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates, *news]
         self.w.count_uses(roots)
@@ -235,15 +236,21 @@ class _StepWriter(EventWriter):
                 self.w.line(f"_w{q}x{i}", combine(f"_y{i}", [(c, f"_u{j}_{i}") for j, c in enumerate(a[q])]))
 
     def _dense(self) -> None:
+        """The continuous extensions that are wanted in every step; the others are written where a step ends within."""
+        for i in range(self.n):
+            if i == 0 or self.record or not self._skips or i in self.slips.values():
+                self._extend(i)
+
+    def _extend(self, i: int) -> None:
         """Coefficients of the continuous extension in powers of theta: _k<state>_<power>."""
         w, rows = self.w, self.tab.dense
-        for i in range(self.n):
-            k = [w.line(w.fresh(), combine("", [(c, f"_u{j}_{i}") for j, c in enumerate(row)])) for row in rows]
-            w.line(f"_k{i}_0", f"1.0 * _y{i}")
-            w.line(f"_k{i}_1", f"(_n{i} - _y{i}) + {k[0]}")
-            for m in range(1, len(k)):
-                w.line(f"_k{i}_{m + 1}", f"{k[m]} - {k[m - 1]}")
-            w.line(f"_k{i}_{len(k) + 1}", f"-{k[-1]}")
+        k = [w.line(w.fresh(), combine("", [(c, f"_u{j}_{i}") for j, c in enumerate(row)])) for row in rows]
+        w.line(f"_k{i}_0", f"1.0 * _y{i}")
+        w.line(f"_k{i}_1", f"(_n{i} - _y{i}) + {k[0]}")
+        for m in range(1, len(k)):
+            w.line(f"_k{i}_{m + 1}", f"{k[m]} - {k[m - 1]}")
+        w.line(f"_k{i}_{len(k) + 1}", f"-{k[-1]}")
+        self.extended.add(i)
 
     def _error(self) -> None:
         """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
@@ -259,12 +266,46 @@ class _StepWriter(EventWriter):
                 floor = f"fma({literal(k.velocity_floor)} * {self.scale_v}, _hh, {floor})"
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
             w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
+        parts = self._parts()
+        if len(parts) == 1:
+            self._largest()
+        else:
+            self._mean(parts)
+        w.line("_ln", "_ln if _ln < 30.0 else 30.0")
+
+    def _largest(self) -> None:
+        """The error of one body: the largest of its states' errors."""
+        w = self.w
+        for i in range(self.active):
             w.line(f"_l{i}", f"(as_bits(_e{i}) - as_bits(_s{i})) * {LOG_OF_BITS}")
         w.line("_ok", " and ".join(f"_e{i} <= _s{i}" for i in range(self.active)))
         w.line("_ln", "_l0")
         for i in range(1, self.active):
             w.line("_ln", f"_ln if _ln > _l{i} else _l{i}")
-        w.line("_ln", "_ln if _ln < 30.0 else 30.0")
+
+    def _mean(self, parts: list[list[int]]) -> None:
+        """The error of several bodies: the root mean square of what each one's error is."""
+        w = self.w
+        for p, states in enumerate(parts):
+            largest = w.line(f"_body{p}", f"_e{states[0]} / _s{states[0]}")
+            for i in states[1:]:
+                w.line(f"_l{i}", f"_e{i} / _s{i}")
+                w.line(largest, f"{largest} if {largest} > _l{i} else _l{i}")
+        square = "0.0"
+        for p in range(len(parts)):
+            square = w.line("_square", f"fma(_body{p}, _body{p}, {square})")
+        w.line("_square", f"{square} * {literal(1 / len(parts))}")
+        w.line("_ok", "_square <= 1.0")
+        w.line("_ln", f"0.5 * fma(as_bits(_square) * 1.0, {LOG_OF_BITS}, -1022.957)")
+
+    def _parts(self) -> list[list[int]]:
+        """The states of each coordinate: its velocity, its position, and the inner states of the contacts that brake it first."""
+        parts = [[j] for j in range(self.eq.coordinates)]
+        for contact in self.eq.contacts:
+            parts[next(j for j, g in enumerate(contact.direction) if g)].extend(contact.inner)
+        for place, i in enumerate(self.eq.positions):
+            parts[place + int(self.eq.cyclic)].append(i)
+        return parts
 
     def _control(self) -> None:
         """The next step's length: integral control with Gustafsson's prediction, all in binary logarithms."""
@@ -300,7 +341,7 @@ class _StepWriter(EventWriter):
             for name, value in (("x0", "_x"), *held, *kept):
                 w.line(f"_{name}", f"1.0 * {value}")
         for i in range(self.n):
-            if 0 < i < self.active:
+            if 0 < i < self.active and self.eq.scales[i] is None:
                 w.line(f"_m{i}", f"_big{i} if (_acc1 and _big{i} > _m{i}) else _m{i}")
             w.line(f"_y{i}", f"(_v{i} if _evA else _n{i}) if _acc1 else _y{i}")
         for k, i in self.slips.items():

@@ -21,7 +21,7 @@ _STEP = """
 def instructions(typingctx, S, rtol, budget):
     def emit(context, builder, sig, args):
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        write(builder, data, L, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, ROWS, LINES, WRITES)
+        write(builder, data, L, GROUP, WIDTH, {"rtol": args[1], "budget": args[2]}, READS, ROWS, LINES, WRITES)
         return context.get_dummy_value()
     return types.void(S, types.float64, types.float64), emit
 
@@ -37,6 +37,7 @@ class Layout:
     """Where a lane's fields and its case's numbers stand."""
 
     lanes: int
+    group: int  # lanes of one call of the lines
     width: int  # lanes of a vector
     offsets: dict[str, int]
     constants: int
@@ -54,7 +55,7 @@ def step_text(step: Step, at: Layout) -> str:
     writes = {name: place for name, place in places.items() if name in made}
     lines = "\n".join(step.lines)
     tables = [_table("READS", reads), _table("ROWS", rows), _table("WRITES", writes)]
-    return "\n".join([f"WIDTH = {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
+    return "\n".join([f"GROUP, WIDTH = {at.group}, {at.width}", f'LINES = """\n{lines}\n"""', *tables, _STEP])
 
 
 def straight(name: str, takes: str, lines: Sequence[str]) -> str:

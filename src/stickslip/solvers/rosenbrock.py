@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from stickslip.engine import tableaux
+from stickslip.engine.lanes import layout_of
 from stickslip.solvers import stepping
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["method", "solve"]
+__all__ = ["method", "solve", "tableau"]
 
-#: At looser tolerances than this the fourth-order method is cheaper (benchmarks/work_precision.py).
-LOOSE = 1e-4
+#: From these tolerances on the fourth-order method is cheaper: for one contact (benchmarks/work_precision.py), and for several, which
+#: spend more of their steps near reversals, where the order counts (docs/decisions/2026-11-23-cost-of-a-chain.md).
+LOOSE, LOOSE_OF_SEVERAL = 1e-4, 2e-4
 #: The steps are held to a part of the tolerance asked for, so that energy closes to it and no case is an outlier.
 SAFETY = 0.5
 
@@ -23,5 +27,10 @@ def solve(todo: Request) -> Trajectory | Summary:
 
 def method(todo: Request) -> tuple[tableaux.Tableau, float]:
     """The method that a request takes, and the tolerance to which its steps are held."""
-    by_tolerance = tableaux.RODAS4 if todo.rtol >= LOOSE else tableaux.RODAS5P
-    return tableaux.TABLEAUX.get(todo.method, by_tolerance), SAFETY * todo.rtol
+    return tableaux.TABLEAUX.get(todo.method) or tableau(todo.model, todo.rtol), SAFETY * todo.rtol
+
+
+def tableau(model: Any, rtol: float) -> tableaux.Tableau:
+    """The method that is cheaper for a model at a tolerance."""
+    loose = LOOSE if len(layout_of(model).contacts) == 1 else LOOSE_OF_SEVERAL
+    return tableaux.RODAS4 if rtol >= loose else tableaux.RODAS5P
