@@ -20,7 +20,7 @@ from stickslip.machine import machine_of
 from stickslip.maths import maximum, pi
 from stickslip.position import knows_position
 
-__all__ = ["SPAN", "Switch", "System", "kind_of", "label", "numbers_of", "trace"]
+__all__ = ["SPAN", "Switch", "System", "instants_of", "kind_of", "label", "numbers_of", "trace"]
 
 _NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 #: Status of a case whose load fell to zero.
@@ -116,7 +116,7 @@ def _traced(model: Any, cyclic: bool) -> System:
         slips_of=m.equations.slips_of, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),
         guards=guards, signs=len(graph.guards), switches=switches,
         modes=tuple(parts.modes), first_modes=tuple(parts.first_modes),
-        clocks=tuple(graph.clocks), instants=tuple(instant for clock in graph.clocks for instant in _instants(graph, clock, m.t)),
+        clocks=tuple(graph.clocks), instants=tuple(instant for clock in graph.clocks for instant in instants_of(graph, clock, m.t)),
         impulses=tuple((m.lift(instant), tuple(map(m.lift, jumps))) for instant, jumps in m.equations.jumps),
         period=m.period(model), velocity_scale=scale,
         free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
@@ -159,7 +159,7 @@ def _inertia(m: Symbolic) -> Sym | None:
     return None if drive is None else -(m.model.inner_mass * m.lift(drive.acceleration(m.t)))
 
 
-def _instants(graph: Graph, clock: Sym, t: Sym) -> list[Sym]:
+def instants_of(graph: Graph, clock: Sym, t: Sym) -> list[Sym]:
     """The zeros of an expression that is linear in time: t - c(t)/c'(t), which does not vary; one for each choice that is in it."""
     slope = graph.derivative(clock, t)
     return list(dict.fromkeys(-value / slope for value in _at_zero(graph, clock, t)))
