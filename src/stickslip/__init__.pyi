@@ -89,17 +89,17 @@ from .dynamics.sensitivity import (
     Sensitivity as Sensitivity,
     sensitivity as sensitivity,
 )
-from .dynamics.switched import (
-    Switch as Switch,
-    SwitchingFlow as SwitchingFlow,
-    passage as passage,
-)
+from .dynamics.switched import passage as passage
 from .dynamics.tracked import attractors as attractors
 from .engine.latex import latex as latex
 from .errors import (
     InputError as InputError,
     SolveError as SolveError,
     StickslipError as StickslipError,
+)
+from .flow import (
+    Switch as Switch,
+    SwitchingFlow as SwitchingFlow,
 )
 from .friction import (
     GMS as GMS,

@@ -11,8 +11,9 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.closed import multipliers_of
 from stickslip.dynamics.order import needs_one_body
-from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
+from stickslip.dynamics.switched import Passage, derivative, passage, started
 from stickslip.errors import InputError, Problems, SolveError, is_whole
+from stickslip.flow import Switch, SwitchingFlow, is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
@@ -141,7 +142,7 @@ def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, sett
     problems.whole("periods", periods, 1, example=1, what=" of periods of the forcing")
     problems.whole("settle", settle, 0, example=20)
     problems.whole("most", most, 1, example=30)
-    free = isinstance(flow, SwitchingFlow) and flow.period is None
+    free = is_flow(flow) and flow.period is None
     if free and duration is None:
         problems.add("the flow has no period; give duration=, a guess of how long the orbit takes")
     if free and is_whole(periods) and periods > 1:
