@@ -16,16 +16,26 @@ from stickslip.flow_run import ModeChange, polynomials
 from stickslip.sealing import sealed
 from stickslip.summary import STATUS
 
-__all__ = ["MOST_SWITCHES", "Followed", "ends", "followed", "unknown"]
+__all__ = ["MOST_SWITCHES", "STATUSES", "Followed", "Unfollowed", "ends", "followed", "unknown"]
 
 Array = Any
 MOST_SWITCHES = 10_000  # in one run, if it is not said
-_BUDGET = 2_000_000  # steps
+_BUDGET = 200_000  # steps
 _NO_NUMBER = 4
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
+#: What a status code of a flow says.
+STATUSES = {**STATUS, ENDED: f"more than {MOST_SWITCHES} switches", RESTLESS: "its switches accumulate: it chatters, or comes to rest in ever shorter jumps"}
 _systems: dict[Any, FlowSystem | str] = {}
 _kernels: dict[Any, tuple[lanes.Kernel, tuple[str, ...]]] = {}
+
+
+class Unfollowed(SolveError):
+    """A run that ended before its time, with its status."""
+
+    def __init__(self, told: str, status: int):
+        super().__init__(told)
+        self.status = status
 
 
 @sealed
@@ -208,9 +218,9 @@ def _check(flow: Any, result: Any, found: FlowSystem, begin: float, n: int, most
     names, end = [repr(mode) for mode in flow.fields], result.end[0, 1 : 1 + n].tolist()
     if status in (ENDED, RESTLESS):
         seen = [names[int(k) - 1] for k in [*rows[-3:, 4], float(result.memory[0, 0])]]
-        raise SolveError(accumulates(t, seen, None if status == RESTLESS else MOST_SWITCHES))
+        raise Unfollowed(accumulates(t, seen, None if status == RESTLESS else MOST_SWITCHES), status)
     mode = names[int(round(float(result.memory[0, 0]))) - 1]
-    raise SolveError(f"the flow could not be followed in mode {mode} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}")
+    raise Unfollowed(f"the flow could not be followed in mode {mode} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}", status)
 
 
 def accumulates(t: float, modes: list[str], most: int | None) -> str:
