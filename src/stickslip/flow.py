@@ -8,7 +8,7 @@ resets are plain Python on sequences, written with `stickslip.maths`; their deri
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from types import SimpleNamespace
@@ -74,6 +74,8 @@ class SwitchingFlow:
         Arrays mean cases, and their names are names of axes in a sweep.
     states : tuple of str, optional
         Names of the coordinates of y, in order: the columns of a run. If not given they are y0, y1, and so on.
+    scales : tuple of float, optional
+        A typical size of each state, against which analyses measure distances; 1 each if not given.
 
     Raises
     ------
@@ -95,6 +97,7 @@ class SwitchingFlow:
     forcing: float | Callable[..., Any] | None
     numbers: Mapping[str, float]
     states: tuple[str, ...] | None
+    scales: Sequence[Any] | None
 
     def __init__(
         self,
@@ -103,14 +106,16 @@ class SwitchingFlow:
         period: float | Callable[..., Any] | None = None,
         numbers: Mapping[str, float] | None = None,
         states: tuple[str, ...] | None = None,
+        scales: Sequence[float] | None = None,
     ):
         problems, switches, numbers = Problems("SwitchingFlow"), {} if switches is None else switches, {} if numbers is None else numbers
         _check_fields(problems, fields)
         _check_switches(problems, fields, switches)
         numbers = _checked_numbers(problems, numbers)
         _check_states(problems, states, numbers)
-        given = (fields, switches, period, numbers, states if states is None else tuple(states))
-        for name, value in zip(("fields", "switches", "forcing", "numbers", "states"), given, strict=True):
+        _check_scales(problems, scales, states)
+        given = (fields, switches, period, numbers, states and tuple(states), scales and tuple(scales))
+        for name, value in zip(("fields", "switches", "forcing", "numbers", "states", "scales"), given, strict=True):
             object.__setattr__(self, name, value)
         _check_period(problems, self, period)
         problems.check()
@@ -136,7 +141,7 @@ class SwitchingFlow:
         new = {**(changes or {}), **numbers}
         if wrong := [name for name in new if name not in self.numbers]:
             raise InputError("SwitchingFlow", [f"{name!r} is no number of the flow; {_known(name, self.numbers)}" for name in wrong])
-        return SwitchingFlow(self.fields, self.switches, self.forcing, {**self.numbers, **new}, self.states)
+        return SwitchingFlow(self.fields, self.switches, self.forcing, {**self.numbers, **new}, self.states, self.scales)
 
     @property
     def plain(self) -> SwitchingFlow:
@@ -149,14 +154,16 @@ class SwitchingFlow:
             mode: tuple(Switch(put(s.guard), put(s.to) if callable(s.to) else s.to, s.reset and put(s.reset)) for s in exits)
             for mode, exits in self.switches.items()
         }
-        return SwitchingFlow(fields, switches, self.period, {}, self.states)
+        return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales)
 
     def names(self, count: int) -> tuple[str, ...]:
         """Names of so many coordinates."""
         return self.states if self.states is not None else tuple(f"y{i}" for i in range(count))
 
     def __repr__(self) -> str:
-        told = "".join(f", {name} = {value if not is_array(value) else f'array of shape {np.shape(value)}'}" for name, value in self.numbers.items())
+        told = "".join(
+            f", {name} = {value if not is_array(value) else f'array of shape {np.shape(value)}'}" for name, value in self.numbers.items()
+        )
         return f"<SwitchingFlow: modes {', '.join(map(repr, self.fields))}{told}>"
 
 
@@ -221,7 +228,25 @@ def _check_states(problems: Problems, states: Any, numbers: Mapping[str, Any]) -
         problems.add(f"states = {states!r}; allowed is a tuple of names, no two alike; type for example states=('x', 'v')")
     for name in names:
         if name in (*numbers, "t", "mode"):
-            problems.add(f"states has {name!r}, which is {'a number of the flow' if name in numbers else 'a column of every run'}; give another name")
+            problems.add(
+                f"states has {name!r}, which is {'a number of the flow' if name in numbers else 'a column of every run'}; give another name"
+            )
+
+
+def _check_scales(problems: Problems, scales: Any, states: Any) -> None:
+    if scales is None:
+        return
+    try:
+        sizes = np.asarray(number(scales), float)
+    except ValueError:
+        sizes = np.empty(0)
+    if (
+        sizes.ndim != 1
+        or not len(sizes)
+        or not np.all(np.isfinite(sizes) & (sizes > 0))
+        or (states is not None and len(states) != len(sizes))
+    ):
+        problems.add(f"scales = {scales!r}; allowed are positive numbers, one for each state; type for example scales=(1e-3, 0.1)")
 
 
 def _check_period(problems: Problems, flow: SwitchingFlow, given: Any) -> None:
@@ -232,7 +257,9 @@ def _check_period(problems: Problems, flow: SwitchingFlow, given: Any) -> None:
         try:
             period = flow.period
         except Exception as error:
-            problems.add(f"period raised {type(error).__name__}: {error}; allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega")
+            problems.add(
+                f"period raised {type(error).__name__}: {error}; allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
+            )
             return
     good = isinstance(period, (int, float, np.number, np.ndarray)) or hasattr(period, "dims")
     if isinstance(period, bool) or not good or not np.all(np.isfinite(period) & (np.asarray(period) > 0)):

@@ -89,7 +89,9 @@ class FlowRun:
     def _instants(self) -> tuple[Array, Array]:
         """The sampled times with the piece of each; an event stands there twice, before and after."""
         first, last = float(self.nodes[0]), float(self.nodes[-1])
-        count = _FREE * self.samples if self.model.period is None else max(int(np.ceil((last - first) / self.model.period * self.samples)), 1)
+        count = (
+            _FREE * self.samples if self.model.period is None else max(int(np.ceil((last - first) / self.model.period * self.samples)), 1)
+        )
         grid = np.linspace(first, last, count + 1)
         at = np.flatnonzero(np.isin(self.nodes[1:-1], [event.t for event in self.events])) + 1
         t = np.concatenate([grid, self.nodes[at], self.nodes[at]])
@@ -150,7 +152,9 @@ class FlowRun:
         first, last = float(self.nodes[0]), float(self.nodes[-1])
         slack = 1e-12 * (last - first)
         if not np.all((t >= first - slack) & (t <= last + slack)):
-            raise InputError("FlowRun.at", [f"t reaches from {t.min():.9g} to {t.max():.9g}; allowed is {first:.9g} to {last:.9g}, the time of the run"])
+            raise InputError(
+                "FlowRun.at", [f"t reaches from {t.min():.9g} to {t.max():.9g}; allowed is {first:.9g} to {last:.9g}, the time of the run"]
+            )
         t = np.clip(t, first, last)
         index = self._index(t)
         y = self._evaluated(t, index)
@@ -177,7 +181,9 @@ class FlowRun:
     def strobe_times(self) -> Array:
         """The starts of the periods of the forcing, and the end of the last whole one."""
         if self.model.period is None:
-            raise InputError("FlowRun", ["the flow has no period, so its run has no strobe points; type run.at(t) for its state at times of your own"])
+            raise InputError(
+                "FlowRun", ["the flow has no period, so its run has no strobe points; type run.at(t) for its state at times of your own"]
+            )
         T, first, last = float(self.model.period), float(self.nodes[0]), float(self.nodes[-1])
         return np.minimum(first + np.arange(int((last - first) / T + 1e-9) + 1) * T, last)
 

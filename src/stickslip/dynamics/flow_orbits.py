@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from stickslip.friction.adapter import law_of
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
-__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "switching_flow"]
+__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flow"]
 
 Array = Any
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
@@ -47,6 +48,8 @@ class FlowOrbit:
         Once around.
     notes : tuple of str
         What else is to be said: of a forced flow, that nothing moves in it.
+    model : SwitchingFlow
+        The flow.
 
     Examples
     --------
@@ -63,6 +66,45 @@ class FlowOrbit:
     residual: float
     passage: Passage
     notes: tuple[str, ...] = ()
+    model: Any = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the numbers of the state."""
+        return self.model.names(len(self.state))  # type: ignore[no-any-return]
+
+    @property
+    def period(self) -> int:
+        """Periods of the forcing until it repeats; 1 where nothing forces it."""
+        return 1 if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
+
+    @property
+    def rtol(self) -> float:
+        """Tolerance of its runs, which are exact to rounding."""
+        return 1e-12
+
+    @property
+    def strobe_state(self) -> Array:
+        """The state, and the place of the mode among the flow's modes."""
+        return np.append(self.state, list(self.model.fields).index(self.mode))
+
+    @property
+    def monodromy(self) -> Array:
+        """The derivative of the state after the motion by the state before it."""
+        return self.passage.monodromy
+
+    @property
+    def events(self) -> list[Any]:
+        """Its switches."""
+        return self.passage.events
+
+    @cached_property
+    def run(self) -> Any:
+        """Once around, with its dense output."""
+        from stickslip.solvers import solve
+
+        length: dict[str, Any] = {"duration": self.duration} if self.model.period is None else {"periods": self.period, "settle": 0}
+        return solve(self.model, start=self.state, mode=self.mode, keep="trajectory", **length)
 
     @property
     def stable(self) -> bool:
@@ -175,7 +217,7 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, rtol:
     notes = ("nothing moves in it: an equilibrium, which repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
         raise SolveError(_touches(done))
-    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes)
+    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes, flow)
 
 
 def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, rtol: float) -> tuple[Array, float, Any, Passage]:
@@ -244,12 +286,23 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     if flow.period is not None:
         step = np.linalg.lstsq(A, -miss, rcond=1e-12)[0]
         return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
-    along = derivative(flow.fields[mode], 0.0, y)[0]
-    ahead = derivative(flow.fields[done.mode], T, done.state)[0]
+    plain = flow.plain
+    along = derivative(plain.fields[mode], 0.0, y)[0]
+    ahead = derivative(plain.fields[done.mode], T, done.state)[0]
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
     step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
     step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
     return step[:n], float(step[n]), mode
+
+
+def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: float) -> FlowOrbit:
+    """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
+    y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
+    done = passage(flow, y, mode, periods * float(flow.period))
+    known = np.isfinite(done.monodromy).all()
+    multipliers = multipliers_of(done.monodromy, done.forgets) if known else np.full(len(y), np.nan)
+    notes = () if known else (_touches(done),)
+    return FlowOrbit(y, mode, periods * float(flow.period), multipliers, residual, done, notes, flow)
 
 
 @explains_arguments

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
-from stickslip.flow import SwitchingFlow, is_flow
 from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number as plain_number
+from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]

@@ -161,5 +161,3 @@ def started(
 
 def _is_number(given: Any) -> bool:
     return isinstance(given, (int, float, np.number)) and not isinstance(given, bool) and bool(np.isfinite(given))
-
-

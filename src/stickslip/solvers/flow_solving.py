@@ -19,7 +19,7 @@ from stickslip.flow_run import FlowRun, extremes, polynomials
 from stickslip.solvers.flows import STATUSES, Unfollowed, followed, unknown
 from stickslip.summary import STATUS, Summary
 
-__all__ = ["cases_of_flow", "columns_of", "solve", "starts_of", "untraced"]
+__all__ = ["Asked", "asked_of", "cases_of_flow", "columns_of", "solve", "starts_of", "untraced"]
 
 Array = Any
 _LONGEST = 32  # periods after which a motion may repeat
@@ -27,7 +27,7 @@ _SAME = 1e-8  # of its size: strobe points this close are one
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class Asked:
     """Arguments of `solve` in their final form."""
 
     flow: Any
@@ -43,21 +43,33 @@ class _Asked:
 
 
 def solve(
-    flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, progress: Any, duration: Any, options: dict[str, Any]
+    flow: Any,
+    periods: Any,
+    settle: Any,
+    start: Any,
+    keep: Any,
+    samples: Any,
+    method: Any,
+    progress: Any,
+    duration: Any,
+    options: dict[str, Any],
 ) -> Any:
     """A `FlowRun` of one case, or the `Summary` of a batch."""
-    asked = _asked(flow, periods, settle, start, keep, samples, method, duration, options)
+    asked = asked_of(flow, periods, settle, start, keep, samples, method, duration, options)
     if asked.keep == "trajectory":
         return _run(asked, start)
     return _summary(asked, told_of_progress(progress, "solve"))
 
 
-def _asked(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any) -> _Asked:
+def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any) -> Asked:
+    """Check the arguments of `solve`; everything wrong with them is reported at once."""
     problems = Problems("solve")
     labels, mode = labels_of(flow), options.get("mode", next(iter(flow.fields)))
     for name in options:
         if name != "mode":
-            problems.add(f"{name!r} is not an argument of solve for a flow; {did_you_mean(name, ('mode', 'start', 'duration', 'periods', 'settle'))}")
+            problems.add(
+                f"{name!r} is not an argument of solve for a flow; {did_you_mean(name, ('mode', 'start', 'duration', 'periods', 'settle'))}"
+            )
     if not knows_mode(flow.fields, mode):
         problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
     if not is_one_of(method, ("auto", "exact")):
@@ -66,7 +78,9 @@ def _asked(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples:
     if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
         problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
     if is_one_of(keep, ("trajectory",)) and labels.shape:
-        problems.add(f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case')
+        problems.add(
+            f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
+        )
     problems.whole("samples", samples, 4, example=200)
     states = starts_of(flow, start, labels, problems)
     spans, settled, periods, left = _spans(flow, labels, periods, settle, duration, problems)
@@ -74,7 +88,7 @@ def _asked(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples:
     if why := unknown(flow, states.shape[1]):
         raise InputError("solve", [untraced(why)])
     keep = keep or ("summary" if labels.shape else "trajectory")
-    return _Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep)
+    return Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep)
 
 
 def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> tuple[Array, Array, int | None, int]:
@@ -116,14 +130,20 @@ def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Arra
             return np.broadcast_to(array, (*labels.shape, n)).reshape(cases, n) + 0.0
     except (TypeError, ValueError, IndexError):
         pass
-    told = "a list of finite numbers, one for each coordinate" if flow.states is None else f"finite numbers for {', '.join(flow.states)}, or a dict of them"
+    told = (
+        "a list of finite numbers, one for each coordinate"
+        if flow.states is None
+        else f"finite numbers for {', '.join(flow.states)}, or a dict of them"
+    )
     problems.add(f"start = {start!r}; allowed is {told}; type for example start=[0.5, 0.0]")
     return np.zeros((cases, 1))
 
 
 def _named_starts(flow: Any, start: Any, labels: Labels, cases: int, problems: Problems) -> Array:
     if flow.states is None:
-        problems.add(f"start = {start!r}, but the states of the flow have no names; type start=[0.5, 0.0], or give the flow states=('x', 'v')")
+        problems.add(
+            f"start = {start!r}, but the states of the flow have no names; type start=[0.5, 0.0], or give the flow states=('x', 'v')"
+        )
         return np.zeros((cases, 1))
     table = np.zeros((cases, len(flow.states)))
     for name, value in start.items():
@@ -146,7 +166,7 @@ def cases_of_flow(flow: Any) -> list[Any]:
     return [flow.replace({name: float(column[k]) for name, column in columns.items()}) if columns else flow for k in range(cases)]
 
 
-def _run(asked: _Asked, start: Any) -> FlowRun:
+def _run(asked: Asked, start: Any) -> FlowRun:
     flow, y = asked.flow, asked.states[0]
     done = followed(flow, y, asked.mode, float(asked.spans[0]), growth=False)
     import stickslip
@@ -162,10 +182,12 @@ def _run(asked: _Asked, start: Any) -> FlowRun:
 def untraced(why: str) -> str:
     """Why the engine cannot follow a flow, and what to type."""
     judge = "type ss.passage(flow, state, mode, duration), which SciPy's integrator follows on plain Python"
-    return f"the engine cannot call the flow's functions with symbols: {why}; write them in plain arithmetic with stickslip.maths, or {judge}"
+    return (
+        f"the engine cannot call the flow's functions with symbols: {why}; write them in plain arithmetic with stickslip.maths, or {judge}"
+    )
 
 
-def _summary(asked: _Asked, progress: Any) -> Summary:
+def _summary(asked: Asked, progress: Any) -> Summary:
     found: list[dict[str, Any]] = []
     for k, flow in enumerate(cases_of_flow(asked.flow)):
         found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
@@ -194,7 +216,9 @@ def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> d
     powers = np.arange(1, c.shape[-1] + 1)
     mean = (np.diff(nodes)[:, None] * (c / powers).sum(axis=-1)).sum(axis=0) / (nodes[-1] - nodes[0])
     found = {f"mean_{name}": mean[i] for i, name in enumerate(names)}
-    found |= {f"min_{name}": min(low[i], end[i]) for i, name in enumerate(names)} | {f"max_{name}": max(high[i], end[i]) for i, name in enumerate(names)}
+    found |= {f"min_{name}": min(low[i], end[i]) for i, name in enumerate(names)} | {
+        f"max_{name}": max(high[i], end[i]) for i, name in enumerate(names)
+    }
     found |= {f"end_{name}": end[i] for i, name in enumerate(names)}
     found |= {"end_mode": list(flow.fields).index(done.mode), "switches": len(done.events)}
     if flow.period is not None:

@@ -25,7 +25,11 @@ _NO_NUMBER = 4
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
 #: What a status code of a flow says.
-STATUSES = {**STATUS, ENDED: f"more than {MOST_SWITCHES} switches", RESTLESS: "its switches accumulate: it chatters, or comes to rest in ever shorter jumps"}
+STATUSES = {
+    **STATUS,
+    ENDED: f"more than {MOST_SWITCHES} switches",
+    RESTLESS: "its switches accumulate: it chatters, or comes to rest in ever shorter jumps",
+}
 _systems: dict[Any, FlowSystem | str] = {}
 _kernels: dict[Any, tuple[lanes.Kernel, tuple[str, ...]]] = {}
 
@@ -105,9 +109,7 @@ def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: A
     return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
 
 
-def followed(
-    flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0, most: int | None = None, growth: bool = True
-) -> Followed:
+def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0, most: int | None = None, growth: bool = True) -> Followed:
     """Follow a flow from one start.
 
     Parameters
@@ -141,11 +143,13 @@ def followed(
         _check(flow, result, found, begin, n, most)
         end.append(result.end[0, 1:])
         kept.append(result.pieces)
-    status, last = int(result.status[0]), int(round(float(result.memory[0, 0])))
+    status, last = int(result.status[0]), round(float(result.memory[0, 0]))
     rows = kept[0]
     closing = rows[:, 0] >= 1  # what a lane does after its end
     within, after = rows[~closing], rows[closing][:1]
-    sides = np.concatenate([within[:, 4:6], after[:, 4:6] if len(after) else [[last, within[-1, 5] + 1 if status == ENDED else within[-1, 5]]]])
+    sides = np.concatenate(
+        [within[:, 4:6], after[:, 4:6] if len(after) else [[last, within[-1, 5] + 1 if status == ENDED else within[-1, 5]]]]
+    )
     where = np.flatnonzero(np.diff(sides[:, 1]) > 0)
     times, labels = within[:, 2], list(flow.fields)
     events = [ModeChange(begin + float(times[k]), labels[int(sides[k, 0]) - 1], labels[int(sides[k + 1, 0]) - 1]) for k in where]
@@ -219,7 +223,7 @@ def _check(flow: Any, result: Any, found: FlowSystem, begin: float, n: int, most
     if status in (ENDED, RESTLESS):
         seen = [names[int(k) - 1] for k in [*rows[-3:, 4], float(result.memory[0, 0])]]
         raise Unfollowed(accumulates(t, seen, None if status == RESTLESS else MOST_SWITCHES), status)
-    mode = names[int(round(float(result.memory[0, 0]))) - 1]
+    mode = names[round(float(result.memory[0, 0])) - 1]
     raise Unfollowed(f"the flow could not be followed in mode {mode} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}", status)
 
 
