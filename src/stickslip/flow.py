@@ -257,9 +257,8 @@ def _check_period(problems: Problems, flow: SwitchingFlow, given: Any) -> None:
         try:
             period = flow.period
         except Exception as error:
-            problems.add(
-                f"period raised {type(error).__name__}: {error}; allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
-            )
+            told = "allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
+            problems.add(f"period raised {type(error).__name__}: {error}; {told}")
             return
     good = isinstance(period, (int, float, np.number, np.ndarray)) or hasattr(period, "dims")
     if isinstance(period, bool) or not good or not np.all(np.isfinite(period) & (np.asarray(period) > 0)):

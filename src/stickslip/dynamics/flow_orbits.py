@@ -71,7 +71,7 @@ class FlowOrbit:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the numbers of the state."""
-        return self.model.names(len(self.state))  # type: ignore[no-any-return]
+        return self.model.names(len(self.state))
 
     @property
     def period(self) -> int:
@@ -361,7 +361,7 @@ def switching_flow(model: Model) -> SwitchingFlow:
 
 
 def exponents_of(
-    flow: SwitchingFlow, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float
+    flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float
 ) -> tuple[Array, float]:
     """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
     y, t, every = np.array(state, float), 0.0, float(flow.period or every)

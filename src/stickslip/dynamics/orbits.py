@@ -332,7 +332,7 @@ def states_of(start: Any, model: Any) -> Array:
 def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
     """The state of a flow and the place of its mode, from an orbit, a run's end, a dict, or numbers."""
     if hasattr(start, "strobe_state"):
-        return start.strobe_state  # type: ignore[no-any-return]
+        return start.strobe_state
     if hasattr(start, "mode") and hasattr(start, "state"):
         return np.append(start.state, list(flow.fields).index(start.mode))
     mode, problems = next(iter(flow.fields)), Problems("start")

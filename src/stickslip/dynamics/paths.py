@@ -101,7 +101,7 @@ class Path:
 
     def remembered(self, orbit: Any) -> Array:
         """What the law remembers on the strobe of an orbit."""
-        return orbit.strobe_state[self.at.smooth :]  # type: ignore[no-any-return]
+        return orbit.strobe_state[self.at.smooth :]
 
     def ends(self, U: Array, memory: Array) -> Array:
         """The states after the period."""

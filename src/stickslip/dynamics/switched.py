@@ -1,11 +1,12 @@
 r"""A stretch of a switching flow: where it ends, its switches, and how small changes of its start grow on the way.
 
-The compiled engine follows it by Taylor steps and carries the tangent of the flow along (`stickslip.engine.tangent`). A flow whose functions
-cannot be called with symbols is followed by SciPy's integrator on plain Python, which is the judge of the engine too.
+The compiled engine follows it by Taylor steps and carries the tangent of the flow along (`stickslip.engine.tangent`). A flow whose
+functions cannot be called with symbols is followed by SciPy's integrator on plain Python, which is the judge of the engine too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,7 +59,7 @@ class Passage:
     state: Array
     mode: Any
     time: float
-    events: list[tuple[float, Any, Any]]
+    events: Sequence[tuple[float, Any, Any]]
     monodromy: Array
     forgets: bool
     lowest: Array
@@ -118,7 +119,7 @@ def passage(
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
     if method == "dop853" or why:
-        return Passage(*judged(plain, y, mode, float(duration), float(begin), rtol, switches), "dop853", why)
+        return Passage(*judged(plain, y, mode, float(duration), float(begin), rtol, switches), method="dop853", why=why)
     done = followed(flow, y, mode, float(duration), float(begin), switches)
     low, high = extremes(done.coefficients) if len(done.coefficients) else (y, y)
     low, high = np.minimum(low, done.state), np.maximum(high, done.state)

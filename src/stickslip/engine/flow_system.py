@@ -1,20 +1,21 @@
 """A switching flow as a System: its plain Python is called with symbols, and a mode chooses what a step computes with.
 
 A flow has no contacts. Its mode is a number that a step holds, of which each rate is a choice; a guard is watched in its own mode
-alone. Plain Python may ask: where a field, a guard, a reset or the mode after a switch says ``if``, it is called once for each answer, and the
-answers become choices. A field's condition is held for a step and found at its zero, as that of a friction law is; what a switch asks
-it asks at its instant. Numbers that stand in a flow's lines are numbers of the case, so that flows that differ in nothing else share a kernel.
+alone. Plain Python may ask: where a field, a guard, a reset or the mode after a switch says ``if``, it is called once for each
+answer, and the answers become choices. A field's condition is held for a step and found at its zero, as that of a friction law is;
+what a switch asks it asks at its instant. Numbers that stand in a flow's lines are numbers of the case, so that flows that differ in
+nothing else share a kernel.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
 from stickslip.engine.symbolic import SPAN
-from stickslip.engine.symbols import STATE, Condition, Graph, Sym, TraceError
+from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
 from stickslip.engine.system import Switch, System
 from stickslip.engine.trace import instants_of
 from stickslip.engine.values import needed_by
@@ -78,10 +79,6 @@ class _Asking(Graph):
             self._asked[asked.number] = condition
             self._answers[asked.number] = self._script[len(self._answers)] if len(self._answers) < len(self._script) else True
         return self._answers[asked.number]
-
-    def flag(self, k: int) -> Sym:
-        """The held sign of a guard."""
-        return self._node("flag", (), STATE, f"b{k}")
 
     def explored(self, f: Callable[[], Any]) -> Any:
         """What a function gives on every path through it: a tree of `_Choice` with its answers for leaves."""
@@ -196,19 +193,20 @@ class _Tracer:
         f = tuple(self.within(0, N, lambda k, i=i: self.fields[k][i]) for i in range(n))  # type: ignore[misc]
         one, zero = graph.constant(1.0), graph.constant(0.0)
         guards = [self.only_in({k}, guard, one) for k, guard in self.guards]
-        held = [self.only_in(self._readers(i), guard, graph.flag(i)) for i, guard in enumerate(graph.guards)]
+        held = [self.only_in(self._readers(i), guard, one) for i, guard in enumerate(graph.guards)]
         ends = self.ends()
         switches = dict(enumerate([*(switch for _, switch in ends), *self.switches], start=len(held)))
         scales = tuple(graph.case(f"{SIZE}{i}") for i in range(n))
-        eq = System(
-            graph=graph, names=(), t=self.t, y=self.y, f=f, bodies=(), slips_of=(), single=False, offsets=(), contacts=(), free=zero, inertia=None,
-            guards=(*held, *(guard for guard, _ in ends), *guards), signs=len(held), switches=switches,
-            modes=self.held, first_modes=(self.mode, zero, zero, zero),
-            clocks=tuple(graph.clocks), instants=tuple(instant for clock in graph.clocks for instant in instants_of(graph, clock, self.t)), impulses=(), period=graph.case(SPAN), velocity_scale=one, free_velocity=scales[0],
-            scales=scales, cyclic=False, mass=one, shares=(), offered=None, labels=2, sizes=_sizes(graph, self.y, scales),
-        )  # fmt: skip
+        instants = [instant for clock in graph.clocks for instant in instants_of(graph, clock, self.t)]
         names = (*self.numbers, *graph.constants, BEGIN, MOST, *(scale.name for scale in scales), SPAN)
-        return FlowSystem(replace(eq, names=names), dict(graph.constants), self.modes)
+        eq = System(
+            graph=graph, names=names, t=self.t, y=self.y, f=f, bodies=(), slips_of=(), single=False, offsets=(), contacts=(), free=zero,
+            inertia=None, guards=(*held, *(guard for guard, _ in ends), *guards), signs=len(held), switches=switches,
+            modes=self.held, first_modes=(self.mode, zero, zero, zero), clocks=tuple(graph.clocks), instants=tuple(instants), impulses=(),
+            period=graph.case(SPAN), velocity_scale=one, free_velocity=scales[0], scales=scales, cyclic=False, mass=one, shares=(),
+            offered=None, labels=2, sizes=_sizes(graph, self.y, scales),
+        )  # fmt: skip
+        return FlowSystem(eq, dict(graph.constants), self.modes)
 
     def _readers(self, flag: int) -> set[int]:
         """The modes in which something reads a flag."""
@@ -221,7 +219,12 @@ class _Tracer:
 
 
 def flow_system(flow: Any, n: int) -> FlowSystem:
-    """The equations of a flow of n states; `TraceError`, or what its functions raise, where it does with a symbol what only a number can do.
+    """The equations of a flow of n states.
+
+    Raises
+    ------
+    TraceError
+        Where a function of the flow does with a symbol what only a number can do; or what it raises itself.
 
     Examples
     --------

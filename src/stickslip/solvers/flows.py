@@ -22,6 +22,7 @@ Array = Any
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 _BUDGET = 200_000  # steps
 _NO_NUMBER = 4
+_FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
 #: What a status code of a flow says.
@@ -132,54 +133,57 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
     SolveError
         Where it cannot be followed, and why.
     """
-    n, number = len(y), 0
+    n, labels = len(y), list(flow.fields)
     found, kernel, names = _kernel(flow, n, record=True)
-    number = 1 + list(flow.fields).index(mode)
     row = _row(flow, found, names, y[None, :], duration, begin, most)
-    job, end, kept = lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET), [], []
-    for j in range(n if growth else 1):
-        start = np.concatenate([[0.0], y, np.eye(n)[j] if growth else np.zeros(n), [0.0, number]])
-        result = lanes.run(kernel, row, start[None, :], job, keep_pieces=True)
-        _check(flow, result, found, begin, n, most)
-        end.append(result.end[0, 1:])
-        kept.append(result.pieces)
-    status, last = int(result.status[0]), round(float(result.memory[0, 0]))
-    rows = kept[0]
-    closing = rows[:, 0] >= 1  # what a lane does after its end
-    within, after = rows[~closing], rows[closing][:1]
-    sides = np.concatenate(
-        [within[:, 4:6], after[:, 4:6] if len(after) else [[last, within[-1, 5] + 1 if status == ENDED else within[-1, 5]]]]
-    )
-    where = np.flatnonzero(np.diff(sides[:, 1]) > 0)
-    times, labels = within[:, 2], list(flow.fields)
-    events = [ModeChange(begin + float(times[k]), labels[int(sides[k, 0]) - 1], labels[int(sides[k + 1, 0]) - 1]) for k in where]
-    long = times > within[:, 1]
-    coefficients = within[long, 7:].reshape(int(long.sum()), kernel.states, -1)[:, :n]
-    nodes = begin + np.concatenate([within[:1, 1], times[long]])
-    if status != ENDED:
-        nodes[-1] = begin + duration
-    M, forgets = _growth(np.array(kept), np.array(end), where, n, kernel.states) if growth else (None, False)
+    results = []
+    for direction in np.eye(n) if growth else np.zeros((1, n)):
+        start = np.concatenate([[0.0], y, direction, [0.0, 1 + labels.index(mode)]])
+        results.append(lanes.run(kernel, row, start[None, :], lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET), keep_pieces=True))
+        _check(flow, results[-1], begin, n, most)
+    whole, early = results[0], int(results[0].status[0]) == ENDED
+    last = round(float(whole.memory[0, 0]))
+    steps = whole.pieces[whole.pieces[:, 0] < 1]  # without what a lane does after its end
+    after = whole.pieces[len(steps) : len(steps) + 1, 4:6] if len(whole.pieces) > len(steps) else [[last, steps[-1, 5] + early]]
+    sides = np.concatenate([steps[:, 4:6], after])
+    where = np.flatnonzero(np.diff(sides[:, 1]) > 0)  # one switch more than before
+    told = [labels[int(number) - 1] for number in sides[:, 0]]
+    events = [ModeChange(begin + float(steps[k, 2]), told[k], told[k + 1]) for k in where]
+    long = steps[steps[:, 2] > steps[:, 1]]
+    nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
+    nodes[-1] = nodes[-1] if early else begin + duration
+    M, forgets = _growth(results, where, n, kernel.states) if growth else (None, False)
+    coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, -1)[:, :n]
+    state = whole.end[0, 1 : 1 + n] + 0.0  # no negative zero
     return Followed(
-        nodes, within[long, 4].astype(int) - 1, coefficients, events, end[0][:n] + 0.0, labels[last - 1], float(nodes[-1]) if long.any() else
-        (begin if status == ENDED else begin + duration), M, forgets, int(result.accepted[0]),
-    )  # fmt: skip
+        nodes,
+        long[:, 4].astype(int) - 1,
+        coefficients,
+        events,
+        state,
+        labels[last - 1],
+        float(nodes[-1]),
+        M,
+        forgets,
+        int(whole.accepted[0]),
+    )
 
 
-def _growth(kept: Array, end: Array, where: Array, n: int, states: int) -> tuple[Array, bool]:
+def _growth(results: list[Any], where: Array, n: int, states: int) -> tuple[Array, bool]:
     """The derivative of the end by the start, nan where a switch was only touched; and whether one wiped out a direction.
 
-    `kept` are the steps (direction, step, column), which all directions share, `end` the ends (direction, state).
+    The results of all directions share their steps; each holds the change of the state along its own, and that of the last switch.
     """
-    M = end[:, n : 2 * n].T
+    end = np.array([result.end[0, 1:] for result in results])
+    M, kept = end[:, n : 2 * n].T, np.array([result.pieces for result in results])
+    c = kept[..., _FIRST:].reshape(*kept.shape[:2], states, -1)
     forgets, touched = False, not np.isfinite(M).all()
-    c = kept[..., 7:].reshape(*kept.shape[:2], states, -1)
     for k in where:
-        last = k + 1 >= c.shape[1]
-        after = end[:, n : 2 * n + 1] if last else c[:, k + 1, n : 2 * n + 1, 0]
+        after = c[:, k + 1, n : 2 * n + 1, 0] if k + 1 < c.shape[1] else end[:, n : 2 * n + 1]
         forgets = forgets or bool((after[:, :n] == 0.0).all(axis=0).any())
         h = kept[0, k, 2] - kept[0, k, 1]
         if h > 0.0 and np.isfinite(after).all():
-            before = np.array([polynomials(c[j, k : k + 1], np.ones(1))[0] for j in range(len(c))])
+            before = np.array([polynomials(each[k : k + 1], np.ones(1))[0] for each in c])
             rates = (c[0, k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h
             touched = touched or bool(abs(after[:, n]).max() * abs(rates).max() > _SHARP * abs(before[:, n : 2 * n]).max())
     return np.full((n, n), np.nan) if touched else M + 0.0, forgets
@@ -209,22 +213,23 @@ def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0
     return y, np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int), status
 
 
-def _check(flow: Any, result: Any, found: FlowSystem, begin: float, n: int, most: int | None) -> None:
+def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> None:
     """`SolveError` where a run ended before its time."""
     status, rows = int(result.status[0]), result.pieces
-    width = (rows.shape[1] - 7) // (2 * n + 1)
-    lost = np.flatnonzero(~np.isfinite(rows[:, 7 : 7 + n * width]).all(axis=1)) if status <= 1 else []
-    if len(lost):
+    width = (rows.shape[1] - _FIRST) // (2 * n + 1)
+    lost = np.flatnonzero(~np.isfinite(rows[:, _FIRST : _FIRST + n * width]).all(axis=1))
+    if status <= 1 and len(lost):
         rows, status = rows[: lost[0]], _NO_NUMBER
     if status <= 1 or (status == ENDED and most is not None):
         return
-    t = begin + float(rows[-1, 2]) if len(rows) else begin
-    names, end = [repr(mode) for mode in flow.fields], result.end[0, 1 : 1 + n].tolist()
+    t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
+    names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))
     if status in (ENDED, RESTLESS):
-        seen = [names[int(k) - 1] for k in [*rows[-3:, 4], float(result.memory[0, 0])]]
+        seen = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
         raise Unfollowed(accumulates(t, seen, None if status == RESTLESS else MOST_SWITCHES), status)
-    mode = names[round(float(result.memory[0, 0])) - 1]
-    raise Unfollowed(f"the flow could not be followed in mode {mode} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}", status)
+    end = result.end[0, 1 : 1 + n].tolist()
+    told = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
+    raise Unfollowed(told, status)
 
 
 def accumulates(t: float, modes: list[str], most: int | None) -> str:

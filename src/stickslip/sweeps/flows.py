@@ -56,34 +56,27 @@ def sweep_of_flow(
 
 def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
     """What gives the columns of one case."""
-    varying = space.at(np.arange(space.cases))
-    fixed = {name: value for name, value in space.fixed.items() if not name.startswith(_START)}
-    begun = {name.removeprefix(_START): value for name, value in space.fixed.items() if name.startswith(_START)}
-    first = flow.replace(fixed)
-    start = arguments["start"]
-    if begun or any(name.startswith(_START) for name in varying):
-        if start is not None and not isinstance(start, dict):
-            raise InputError("sweep", [f"start = {start!r} beside axes of the start; allowed is a dict; type start={{'x': 0.1}}"])
-        start = {**(start or {}), **begun}
+    varying, fixed = space.at(np.arange(space.cases)), space.fixed
+    numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
+    starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
+    flow, start = flow.replace(first), arguments["start"]
+    if (starts or begun) and start is not None and not isinstance(start, dict):
+        raise InputError("sweep", [f"start = {start!r} beside axes of the start; allowed is a dict; type start={{'x': 0.1}}"])
+
+    def asked(k: int) -> Any:
+        own = {**(start or {}), **begun, **{name: float(values[k]) for name, values in starts.items()}} if starts or begun else start
+        return asked_of(flow.replace({name: float(values[k]) for name, values in numbers.items()}), **{**arguments, "start": own})
 
     def case(k: int) -> dict[str, Any]:
-        own = {name: float(values[k]) for name, values in varying.items()}
-        numbers = {name: value for name, value in own.items() if not name.startswith(_START)}
-        starts = {name.removeprefix(_START): value for name, value in own.items() if name.startswith(_START)}
-        if not np.all(np.isfinite(list(own.values()))):
-            return {"status": BAD}
         try:
-            one = first.replace(numbers)
+            todo = asked(k)
         except InputError:
             return {"status": BAD}
-        asked = asked_of(one, **arguments | {"start": {**start, **starts} if starts else start})
-        return columns_of(one, asked.states[0], asked.mode, float(asked.spans[0]), float(asked.settled[0]))
+        return columns_of(todo.flow, todo.states[0], todo.mode, float(todo.spans[0]), float(todo.settled[0]))
 
-    if space.cases:
-        asked_of(first.replace({n: float(v[0]) for n, v in varying.items() if not n.startswith(_START) and np.isfinite(v[0])}), **arguments | {
-            "start": {**start, **{n.removeprefix(_START): float(v[0]) for n, v in varying.items() if n.startswith(_START)}}
-            if isinstance(start, dict) else start
-        })  # fmt: skip
+    good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
+    if len(good):
+        asked(int(good[0]))  # what is wrong with the arguments is told before the work
     return case
 
 
