@@ -42,6 +42,8 @@ class FlowRun:
         Which of the flow's modes each step is in, by its place among `model.fields`.
     coefficients : array (n, states, degree + 1)
         Polynomials of the states in (t - start of the step) / (its length), lowest power first.
+    passed : array (passed, states)
+        States in which it is for an instant, between two switches.
     events : list of ModeChange
         The switches in order; t, before and after.
     method : str
@@ -67,6 +69,7 @@ class FlowRun:
     nodes: Array
     modes: Array
     coefficients: Array
+    passed: Array
     events: list[ModeChange]
     method: str
     state: Array
@@ -164,8 +167,7 @@ class FlowRun:
     # ---- extremes and strobe ----
     @cached_property
     def _extremes(self) -> tuple[Array, Array]:
-        low, high = extremes(self.coefficients)
-        return np.minimum(low, self.state), np.maximum(high, self.state)
+        return extremes(self.coefficients, np.vstack([self.passed, self.state]))
 
     @property
     def lowest(self) -> Array:
@@ -239,31 +241,28 @@ def polynomials(coefficients: Array, theta: Array) -> Array:
     return value
 
 
-def extremes(coefficients: Array) -> tuple[Array, Array]:
-    """The smallest and the largest value of each state on all pieces, also between the looks.
+def extremes(coefficients: Array, states: Array) -> tuple[Array, Array]:
+    """The smallest and the largest value of each state on all pieces, also between the looks, and among some states besides.
 
     Examples
     --------
-    >>> low, high = extremes(np.array([[[0.0, 1.0, -1.0]]]))  # t - t^2
+    >>> low, high = extremes(np.array([[[0.0, 1.0, -1.0]]]), np.zeros((1, 1)))  # t - t^2
     >>> float(low[0]), float(high[0])
     (0.0, 0.25)
     """
-    count, powers = coefficients.shape[1], np.arange(coefficients.shape[2])
-    looks = np.linspace(0.0, 1.0, _LOOKS)
-    values = coefficients @ looks[None, :] ** powers[:, None]
-    whole = np.moveaxis(values, 1, 0).reshape(count, -1)
-    low, high = whole.min(axis=1), whole.max(axis=1)
+    powers, looks = np.arange(coefficients.shape[2]), np.linspace(0.0, 1.0, _LOOKS)
     slope = coefficients[..., 1:] * powers[1:]
     curve = slope[..., 1:] * powers[1:-1]
-    for found, sign, pick in ((high, 1.0, np.maximum), (low, -1.0, np.minimum)):
-        inner = sign * values
-        piece, state, k = np.nonzero((inner[..., 1:-1] >= inner[..., :-2]) & (inner[..., 1:-1] >= inner[..., 2:]))
-        if not len(piece):
-            continue
-        theta = looks[k + 1]
-        for _ in range(4):
-            d, dd = (polynomials(c[piece, state][:, None, :], theta)[:, 0] for c in (slope, curve))
-            with np.errstate(divide="ignore", invalid="ignore"):
-                theta = np.clip(np.where(dd != 0.0, theta - d / dd, theta), looks[k], looks[k + 2])
-        pick.at(found, state, polynomials(coefficients[piece, state][:, None, :], theta)[:, 0])
+    rates = slope @ looks[None, :] ** powers[:-1, None]
+    piece, state, k = np.nonzero(rates[..., :-1] * rates[..., 1:] < 0.0)  # it turns between two looks
+    before, after = rates[piece, state, k], rates[piece, state, k + 1]
+    theta = looks[k] + before / (before - after) / (_LOOKS - 1)
+    for _ in range(4):
+        d, dd = (polynomials(c[piece, state][:, None, :], theta)[:, 0] for c in (slope, curve))
+        theta = np.clip(theta - d / np.where(dd == 0.0, np.inf, dd), looks[k], looks[k + 1])
+    turns = polynomials(coefficients[piece, state][:, None, :], theta)[:, 0]
+    ends = np.concatenate([coefficients[..., 0], coefficients.sum(axis=-1), states])
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    np.minimum.at(low, state, turns)
+    np.maximum.at(high, state, turns)
     return low, high

@@ -96,7 +96,7 @@ class FlowOrbit:
     @property
     def events(self) -> list[Any]:
         """Its switches."""
-        return self.passage.events
+        return list(self.passage.events)
 
     @cached_property
     def run(self) -> Any:

@@ -119,10 +119,10 @@ def passage(
     if method == "exact" and why:
         raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
     if method == "dop853" or why:
-        return Passage(*judged(plain, y, mode, float(duration), float(begin), rtol, switches), method="dop853", why=why)
+        end, last, t, events, M, forgets, low, high = judged(plain, y, mode, float(duration), float(begin), rtol, switches)
+        return Passage(end, last, t, events, M, forgets, low, high, "dop853", why)
     done = followed(flow, y, mode, float(duration), float(begin), switches)
-    low, high = extremes(done.coefficients) if len(done.coefficients) else (y, y)
-    low, high = np.minimum(low, done.state), np.maximum(high, done.state)
+    low, high = extremes(done.coefficients, np.vstack([y, done.passed, done.state]))
     return Passage(done.state, done.mode, done.time, done.events, done.growth, done.forgets, low, high)
 
 

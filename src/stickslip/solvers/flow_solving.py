@@ -174,7 +174,7 @@ def _run(asked: Asked, start: Any) -> FlowRun:
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
     given = dict(zip(flow.names(len(y)), map(float, y), strict=True))
     return FlowRun(
-        flow, done.nodes, done.modes, done.coefficients, done.events, "exact", done.state, done.mode, asked.periods, asked.settle,
+        flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods, asked.settle,
         STATUS[0], asked.samples, given, {"versions": versions}, {"steps": done.steps},
     )  # fmt: skip
 
@@ -212,12 +212,12 @@ def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> d
         unsolved = {f"{what}_{name}": np.nan for what in ("mean", "min", "max", "end") for name in names}
         return unsolved | {"end_mode": -1, "switches": -1} | ({"period": 0} if flow.period is not None else {}) | {"status": error.status}
     nodes, c, end = done.nodes, done.coefficients, done.state
-    low, high = extremes(c)
+    low, high = extremes(c, np.vstack([done.passed, end]))
     powers = np.arange(1, c.shape[-1] + 1)
     mean = (np.diff(nodes)[:, None] * (c / powers).sum(axis=-1)).sum(axis=0) / (nodes[-1] - nodes[0])
     found = {f"mean_{name}": mean[i] for i, name in enumerate(names)}
-    found |= {f"min_{name}": min(low[i], end[i]) for i, name in enumerate(names)} | {
-        f"max_{name}": max(high[i], end[i]) for i, name in enumerate(names)
+    found |= {f"min_{name}": low[i] for i, name in enumerate(names)} | {
+        f"max_{name}": high[i] for i, name in enumerate(names)
     }
     found |= {f"end_{name}": end[i] for i, name in enumerate(names)}
     found |= {"end_mode": list(flow.fields).index(done.mode), "switches": len(done.events)}

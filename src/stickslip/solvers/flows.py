@@ -52,6 +52,7 @@ class Followed:
     modes: Array  # of each step, by the place among the flow's modes
     coefficients: Array
     events: list[ModeChange]
+    passed: Array  # states (switch, state) in which it is for an instant, between two switches
     state: Array
     mode: Any
     time: float
@@ -149,24 +150,17 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
     where = np.flatnonzero(np.diff(sides[:, 1]) > 0)  # one switch more than before
     told = [labels[int(number) - 1] for number in sides[:, 0]]
     events = [ModeChange(begin + float(steps[k, 2]), told[k], told[k + 1]) for k in where]
-    long = steps[steps[:, 2] > steps[:, 1]]
+    lasts = steps[:, 2] > steps[:, 1]
+    long, passed = steps[lasts], steps[~lasts, _FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
     nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
     nodes[-1] = nodes[-1] if early else begin + duration
     M, forgets = _growth(results, where, n, kernel.states) if growth else (None, False)
-    coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, -1)[:, :n]
+    coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
     state = whole.end[0, 1 : 1 + n] + 0.0  # no negative zero
     return Followed(
-        nodes,
-        long[:, 4].astype(int) - 1,
-        coefficients,
-        events,
-        state,
-        labels[last - 1],
-        float(nodes[-1]),
-        M,
-        forgets,
+        nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, forgets,
         int(whole.accepted[0]),
-    )
+    )  # fmt: skip
 
 
 def _growth(results: list[Any], where: Array, n: int, states: int) -> tuple[Array, bool]:
