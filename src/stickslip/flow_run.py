@@ -257,10 +257,12 @@ def extremes(coefficients: Array, states: Array) -> tuple[Array, Array]:
     piece, state, k = np.nonzero(rates[..., :-1] * rates[..., 1:] < 0.0)  # it turns between two looks
     before, after = rates[piece, state, k], rates[piece, state, k + 1]
     theta = looks[k] + before / (before - after) / (_LOOKS - 1)
+    own, slope, curve = (c[piece, state] for c in (coefficients, slope, curve))
     for _ in range(4):
-        d, dd = (polynomials(c[piece, state][:, None, :], theta)[:, 0] for c in (slope, curve))
+        power = theta[:, None] ** powers
+        d, dd = (slope * power[:, :-1]).sum(axis=1), (curve * power[:, :-2]).sum(axis=1)
         theta = np.clip(theta - d / np.where(dd == 0.0, np.inf, dd), looks[k], looks[k + 1])
-    turns = polynomials(coefficients[piece, state][:, None, :], theta)[:, 0]
+    turns = (own * theta[:, None] ** powers).sum(axis=1)
     ends = np.concatenate([coefficients[..., 0], coefficients.sum(axis=-1), states])
     low, high = ends.min(axis=0), ends.max(axis=0)
     np.minimum.at(low, state, turns)

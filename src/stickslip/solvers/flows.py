@@ -12,7 +12,7 @@ from stickslip.engine.flow_system import BEGIN, ENDED, MOST, RESTLESS, SIZE, Flo
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import part_in, tangent
 from stickslip.errors import SolveError
-from stickslip.flow_run import ModeChange, polynomials
+from stickslip.flow_run import ModeChange
 from stickslip.sealing import sealed
 from stickslip.summary import STATUS
 
@@ -177,9 +177,8 @@ def _growth(results: list[Any], where: Array, n: int, states: int) -> tuple[Arra
         forgets = forgets or bool((after[:, :n] == 0.0).all(axis=0).any())
         h = kept[0, k, 2] - kept[0, k, 1]
         if h > 0.0 and np.isfinite(after).all():
-            before = np.array([polynomials(each[k : k + 1], np.ones(1))[0] for each in c])
-            rates = (c[0, k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h
-            touched = touched or bool(abs(after[:, n]).max() * abs(rates).max() > _SHARP * abs(before[:, n : 2 * n]).max())
+            before, rates = c[:, k, n : 2 * n].sum(axis=-1), (c[0, k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h
+            touched = touched or bool(abs(after[:, n]).max() * abs(rates).max() > _SHARP * abs(before).max())
     return np.full((n, n), np.nan) if touched else M + 0.0, forgets
 
 
