@@ -32,7 +32,7 @@ from stickslip.dynamics.newton import STEP, Found, newton_within
 from stickslip.dynamics.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
-from stickslip.flow import is_flow, knows_mode, unknown_mode
+from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.layout import of_one_contact
 from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
@@ -188,6 +188,8 @@ class PeriodicOrbit(ClosedMotion):
 
 
 @overload
+def periodic_orbit(model: SwitchingFlow, *arguments: Any, **more: Any) -> FlowOrbit: ...
+@overload
 def periodic_orbit(model: BlockOnBelt | PulledMass, *arguments: Any, **more: Any) -> LimitCycle: ...
 @overload
 def periodic_orbit(model: Robot | ForcedOscillator | Chain, *arguments: Any, **more: Any) -> PeriodicOrbit: ...
@@ -196,7 +198,7 @@ def periodic_orbit(model: Any, *arguments: Any, **more: Any) -> PeriodicOrbit | 
 @explains_arguments
 def periodic_orbit(
     model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
-) -> PeriodicOrbit | LimitCycle:
+) -> PeriodicOrbit | LimitCycle | FlowOrbit:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
     Where nothing drives (a block on a belt) it is a limit cycle, and how long it takes is found too.

@@ -174,8 +174,8 @@ def _run(asked: Asked, start: Any) -> FlowRun:
     versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
     given = dict(zip(flow.names(len(y)), map(float, y), strict=True))
     return FlowRun(
-        flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods, asked.settle,
-        STATUS[0], asked.samples, given, {"versions": versions}, {"steps": done.steps},
+        flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods,
+        asked.settle, STATUS[0], asked.samples, given, {"versions": versions}, {"steps": done.steps},
     )  # fmt: skip
 
 

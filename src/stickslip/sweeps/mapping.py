@@ -77,7 +77,7 @@ def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
         raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
     grid = sweep(flow, **arguments)
     if len(grid.sizes) != 2:
-        named = ", ".join(map(str, grid.sizes)) or "none"
+        named = ", ".join(f"{name}" for name in grid.sizes) or "none"
         raise InputError("map", [f"the axes are {named}; allowed are exactly two, of numbers; type sweep for others"])
     return grid
 
