@@ -10,7 +10,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.machine import machine_of
-from stickslip.maths import pi, sin
+from stickslip.maths import cos, pi, sin
 
 SHAKEN = ss.Robot(
     body_mass=0.06259, inner_mass=0.00948, drive=ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), friction=ss.Coulomb(0.15, 0.21)
@@ -74,6 +74,38 @@ class Tow(ss.Machine):
 
     def links(self):
         return {("head", "sledge"): ss.Spring(self.stiffness, self.damping)}
+
+
+def den_hartog(F, r=0.7):
+    """x'' + x + F sgn x' = cos(r t), with rest."""
+    offered = lambda t, y: -y[0] + cos(r * t)  # noqa: E731
+    slide = lambda side: lambda t, y: (y[1], offered(t, y) - side * F)  # noqa: E731
+    after = lambda t, y: 1 if offered(t, y) > F else -1 if offered(t, y) < -F else 0  # noqa: E731
+    stop = lambda t, y: (y[0], 0.0)  # noqa: E731
+    switches = {
+        1: (ss.Switch(lambda t, y: y[1], after, stop),),
+        -1: (ss.Switch(lambda t, y: -y[1], after, stop),),
+        0: (ss.Switch(lambda t, y: F - offered(t, y), 1), ss.Switch(lambda t, y: F + offered(t, y), -1)),
+    }
+    return ss.SwitchingFlow({1: slide(1), -1: slide(-1), 0: lambda t, y: (0.0 * y[0], 0.0)}, switches, 2 * pi / r)
+
+
+def _den_hartog():
+    """The same with its numbers by name."""
+    offered = lambda t, y, n: -y[0] + cos(n.r * t)  # noqa: E731
+    slide = lambda side: lambda t, y, n: (y[1], offered(t, y, n) - side * n.F)  # noqa: E731
+    after = lambda t, y, n: 1 if offered(t, y, n) > n.F else -1 if offered(t, y, n) < -n.F else 0  # noqa: E731
+    stop = lambda t, y, n: (y[0], 0.0)  # noqa: E731
+    switches = {
+        1: (ss.Switch(lambda t, y, n: y[1], after, stop),),
+        -1: (ss.Switch(lambda t, y, n: -y[1], after, stop),),
+        0: (ss.Switch(lambda t, y, n: n.F - offered(t, y, n), 1), ss.Switch(lambda t, y, n: n.F + offered(t, y, n), -1)),
+    }
+    fields = {1: slide(1), -1: slide(-1), 0: lambda t, y, n: (0.0 * y[0], 0.0)}
+    return ss.SwitchingFlow(fields, switches, lambda n: 2 * pi / n.r, numbers={"F": 0.3, "r": 0.7}, states=("x", "v"))
+
+
+DEN_HARTOG = _den_hartog()
 
 
 def _chain(module):
