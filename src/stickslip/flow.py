@@ -156,6 +156,15 @@ class SwitchingFlow:
         }
         return SwitchingFlow(fields, switches, self.period, {}, self.states, self.scales)
 
+    def to_toml(self) -> str:
+        """Refused: the functions of a flow are Python, which no file holds."""
+        raise InputError("SwitchingFlow", [_NO_FILE])
+
+    @classmethod
+    def from_toml(cls, text: str) -> SwitchingFlow:
+        """Refused, as `to_toml` is."""
+        raise InputError("SwitchingFlow", [_NO_FILE])
+
     def names(self, count: int) -> tuple[str, ...]:
         """Names of so many coordinates."""
         return self.states if self.states is not None else tuple(f"y{i}" for i in range(count))
@@ -165,6 +174,9 @@ class SwitchingFlow:
             f", {name} = {value if not is_array(value) else f'array of shape {np.shape(value)}'}" for name, value in self.numbers.items()
         )
         return f"<SwitchingFlow: modes {', '.join(map(repr, self.fields))}{told}>"
+
+
+_NO_FILE = "the functions of a flow are Python, which no file holds; write them in a module, and import it"
 
 
 def is_flow(model: Any) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
 from stickslip.sealing import sealed
+from stickslip.storage import FORMAT
 
 __all__ = ["FlowRun", "ModeChange", "extremes", "polynomials"]
 
@@ -223,7 +224,8 @@ class FlowRun:
         if path.suffix == ".csv":
             self.to_xarray().to_dataframe().to_csv(path)
         elif path.suffix == ".nc":
-            self.to_xarray().to_netcdf(path)
+            told = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
+            self.to_xarray().assign_attrs(told).to_netcdf(path)
         else:
             raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are .csv and .nc"])
         return path
