@@ -101,6 +101,7 @@ from .flow import (
     Switch as Switch,
     SwitchingFlow as SwitchingFlow,
 )
+from .flow_run import FlowRun as FlowRun
 from .friction import (
     GMS as GMS,
     LAWS as LAWS,
