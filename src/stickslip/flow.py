@@ -114,11 +114,11 @@ class SwitchingFlow:
         numbers = _checked_numbers(problems, numbers)
         _check_states(problems, states, numbers)
         _check_scales(problems, scales, states)
-        given = (fields, switches, period, numbers, states and tuple(states), scales and tuple(scales))
+        _check_period(problems, period, numbers)
+        problems.check()
+        given = (fields, switches, period, numbers, None if states is None else tuple(states), None if scales is None else tuple(scales))
         for name, value in zip(("fields", "switches", "forcing", "numbers", "states", "scales"), given, strict=True):
             object.__setattr__(self, name, value)
-        _check_period(problems, self, period)
-        problems.check()
 
     @property
     def period(self) -> Any:
@@ -252,28 +252,27 @@ def _check_scales(problems: Problems, scales: Any, states: Any) -> None:
         sizes = np.asarray(number(scales), float)
     except ValueError:
         sizes = np.empty(0)
-    if (
-        sizes.ndim != 1
-        or not len(sizes)
-        or not np.all(np.isfinite(sizes) & (sizes > 0))
-        or (states is not None and len(states) != len(sizes))
-    ):
+    count = len(states) if isinstance(states, (tuple, list)) else sizes.size
+    if sizes.shape != (count,) or not count or not np.all(np.isfinite(sizes) & (sizes > 0)):
         problems.add(f"scales = {scales!r}; allowed are positive numbers, one for each state; type for example scales=(1e-3, 0.1)")
 
 
-def _check_period(problems: Problems, flow: SwitchingFlow, given: Any) -> None:
+def _check_period(problems: Problems, given: Any, numbers: Mapping[str, Any]) -> None:
     if given is None or (callable(given) and problems.found):
         return
     period = given
     if callable(given):
         try:
-            period = flow.period
+            period = given(SimpleNamespace(**numbers))
         except Exception as error:
             told = "allowed is a function of the numbers; type period=lambda n: 2 * pi / n.omega"
             problems.add(f"period raised {type(error).__name__}: {error}; {told}")
             return
-    good = isinstance(period, (int, float, np.number, np.ndarray)) or hasattr(period, "dims")
-    if isinstance(period, bool) or not good or not np.all(np.isfinite(period) & (np.asarray(period) > 0)):
+    try:
+        sizes = np.asarray(number(period), float)
+    except ValueError:
+        sizes = np.array(np.nan)
+    if (sizes.ndim and not callable(given)) or not np.all(np.isfinite(sizes) & (sizes > 0)):
         problems.add(f"period = {given!r}; allowed is a positive number, or None for a flow that does not depend on time")
 
 

@@ -342,8 +342,8 @@ def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
         mode, start = start["mode"], {name: value for name, value in start.items() if name != "mode"}
         if not knows_mode(flow.fields, mode):
             problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
-    elif np.shape(start) == (len(at.names),):
-        mode, start = list(flow.fields)[round(float(start[-1]))], start[:-1]
+    elif np.shape(start) == (len(at.names),) and start[-1] in range(len(flow.fields)):
+        mode, start = list(flow.fields)[int(start[-1])], start[:-1]
     state = starts_of(flow, start, Labels(()), problems)[0]
     problems.check()
     return np.append(state, list(flow.fields).index(mode))
