@@ -63,7 +63,7 @@ class FlowRun:
     >>> ball = ss.SwitchingFlow({0: lambda t, y: (y[1], -9.81)}, {0: (hit,)}, states=("height", "v"))
     >>> run = ss.solve(ball, start={"height": 1.0}, duration=1.0)
     >>> run.method, round(run.events[0].t, 6), round(float(run.at(0.7)["height"]), 6), round(float(run.highest[0]), 6)
-    ('exact', 0.451524, 0.577842, 1.0)
+    ('exact', 0.451524, 0.577653, 1.0)
     """
 
     model: Any
@@ -256,7 +256,8 @@ def extremes(coefficients: Array, states: Array) -> tuple[Array, Array]:
     slope = coefficients[..., 1:] * powers[1:]
     curve = slope[..., 1:] * powers[1:-1]
     rates = slope @ looks[None, :] ** powers[:-1, None]
-    piece, state, k = np.nonzero(rates[..., :-1] * rates[..., 1:] < 0.0)  # it turns between two looks
+    rises = rates > 0.0
+    piece, state, k = np.nonzero(rises[..., :-1] != rises[..., 1:])  # it turns between two looks
     before, after = rates[piece, state, k], rates[piece, state, k + 1]
     theta = looks[k] + before / (before - after) / (_LOOKS - 1)
     own, slope, curve = (c[piece, state] for c in (coefficients, slope, curve))
