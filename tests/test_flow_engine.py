@@ -9,7 +9,7 @@ import pytest
 
 import stickslip as ss
 from every import DEN_HARTOG, den_hartog
-from stickslip.maths import cos, exp, pi, sin, sqrt, where
+from stickslip.maths import cos, exp, pi, sin, sqrt, where, within
 from stickslip.solvers import flows
 
 R, X = 0.7, 1.88569985041425  # Den Hartog 1930: frequency over the natural one, and the amplitude at friction 0.3
@@ -151,6 +151,39 @@ def test_a_jump_of_the_field_within_a_mode_moves_disturbances():
     """y' = -1 above 1/2 and -1/2 below it: y(1) = 1/2 - (1 - (y0 - 1/2))/2, so its derivative by y0 is 1/2, and not 1."""
     done = ss.passage(asked(lambda t, y: (where(y[0] > 0.5, -1.0, -0.5),)), [1.0], 0, 1.0)
     assert done.state[0] == pytest.approx(0.25, abs=1e-15) and done.monodromy[0, 0] == pytest.approx(0.5, abs=1e-13)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.25, 3.0])
+def test_a_condition_on_time_alone_changes_at_its_instant(begin):
+    """y' = 1 before t = 1 and -1 after it, by `where` and by `if`."""
+    expected = 2 * max(1.0 - begin, 0.0) - 2.5
+    for field in (lambda t, y: (where(t < 1.0, 1.0, -1.0),), lambda t, y: (1.0 if t < 1.0 else -1.0,)):
+        done = ss.passage(asked(field), [0.0], 0, 2.5, begin=begin)
+        assert (done.method, done.events) == ("exact", []) and done.state[0] == pytest.approx(expected, abs=1e-14)
+
+
+def test_time_within_a_period_is_not_guessed():
+    """A flow's time goes on; what begins anew with each period would be right for the first two only."""
+    with pytest.raises(ss.InputError, match=r"the time of a flow goes on.*within"):
+        ss.solve(asked(lambda t, y: (where(within(t, 1.0) < 0.5, 1.0, -1.0),)), start=[0.0], duration=2.75)
+
+
+def test_a_mode_may_be_chosen_by_where():
+    fields = {1: lambda t, y: (-1.0,), -1: lambda t, y: (0.5,), 3: lambda t, y: (2.0,)}
+    flow = ss.SwitchingFlow(fields, {1: (ss.Switch(lambda t, y: y[0], lambda t, y: where(t > 0.5, 3, -1)),)})
+    late, early = (ss.passage(flow, [y], 1, 2.0) for y in (1.0, 0.25))
+    assert (late.mode, early.mode, late.method) == (3, -1, "exact") and late.state[0] == pytest.approx(2.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+@pytest.mark.parametrize("pace", [1e-9, 1.0, 1e9])
+def test_units_change_nothing(size, pace):
+    """An impact oscillator in other units of length and time: states and instants to some roundings of a hundred steps."""
+    swing = lambda t, y: (y[1] / pace, (-y[0] + 0.1 * size * cos(2 * t / pace)) / pace)  # noqa: E731
+    hit = ss.Switch(lambda t, y: y[0] + 0.5 * size, 0, lambda t, y: (-0.5 * size, -0.8 * y[1]))
+    done = ss.passage(ss.SwitchingFlow({0: swing}, {0: (hit,)}), [size, 0.0], 0, 10 * pace)
+    np.testing.assert_allclose(done.state / size, [0.0250937518, -0.7590137155], atol=1e-9)
+    assert done.events[-1][0] / pace == pytest.approx(6.300787377277333, rel=1e-13)
 
 
 def test_at_equality_a_switch_decides_as_python_does():

@@ -55,6 +55,7 @@ class _Asking(Graph):
 
     def __init__(self) -> None:
         super().__init__()
+        self.begins_anew = False
         self.constants: dict[str, float] = {}
         self.of_user = False  # whether the numbers that come stand in a user's lines
         self._script: list[bool] = []
@@ -151,6 +152,11 @@ class _Tracer:
         """The number of the mode that a function tells."""
         if isinstance(found, _Choice):
             return found.condition.__ss_where__(self._number_of(found.yes), self._number_of(found.no))
+        if isinstance(found, Sym) and found.op == "select":
+            held, yes, no = found.args
+            return self.graph.select(held, self._number_of(yes), self._number_of(no))
+        if isinstance(found, Sym):
+            found = self.graph.constants.get(found.name, found.value if found.op == "constant" else None)
         if found not in self.modes:
             raise TraceError(f"{found!r} is no mode of the flow")
         return self.graph.constant(1.0 + self.modes.index(found))

@@ -114,6 +114,8 @@ class Sym:
         return self.graph.power(self, 0.5)
 
     def __ss_within__(self, period: Any) -> Sym:
+        if not self.graph.begins_anew and self.graph.varies(self):
+            raise TraceError("the time of a flow goes on from period to period, so within(t, period) is not known; write sin and cos of t")
         if self.op == "variable" or self.level < STATE:
             return self  # the engine's time begins anew with each period
         return self._with(maths.wrapped(self, period))  # what is ahead of it, or behind
@@ -187,6 +189,7 @@ class Graph:
         self.clocks: list[Sym] = []  # clocks[k] is linear in time, and its sign is the flag clk<k>
         self.units: dict[str, Sym] = {}  # typical sizes of variables, by name
         self.assumed: dict[int, float] = {}  # signs that are not asked for: number of a node -> +1 or -1
+        self.begins_anew = True  # time is 0 at the beginning of each period
         self.at_once = False  # conditions are those of one instant: nothing is held, so that no flag is made
         self._derivatives: dict[tuple[int, int], Sym] = {}
         self._varies: dict[int, frozenset[str]] = {}
