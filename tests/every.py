@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
+from stickslip.flow import is_flow
 from stickslip.machine import machine_of
-from stickslip.maths import pi, sin
+from stickslip.maths import cos, pi, sin
 
 SHAKEN = ss.Robot(
     body_mass=0.06259, inner_mass=0.00948, drive=ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), friction=ss.Coulomb(0.15, 0.21)
@@ -76,6 +77,38 @@ class Tow(ss.Machine):
         return {("head", "sledge"): ss.Spring(self.stiffness, self.damping)}
 
 
+def den_hartog(F, r=0.7):
+    """x'' + x + F sgn x' = cos(r t), with rest."""
+    offered = lambda t, y: -y[0] + cos(r * t)  # noqa: E731
+    slide = lambda side: lambda t, y: (y[1], offered(t, y) - side * F)  # noqa: E731
+    after = lambda t, y: 1 if offered(t, y) > F else -1 if offered(t, y) < -F else 0  # noqa: E731
+    stop = lambda t, y: (y[0], 0.0)  # noqa: E731
+    switches = {
+        1: (ss.Switch(lambda t, y: y[1], after, stop),),
+        -1: (ss.Switch(lambda t, y: -y[1], after, stop),),
+        0: (ss.Switch(lambda t, y: F - offered(t, y), 1), ss.Switch(lambda t, y: F + offered(t, y), -1)),
+    }
+    return ss.SwitchingFlow({1: slide(1), -1: slide(-1), 0: lambda t, y: (0.0 * y[0], 0.0)}, switches, 2 * pi / r)
+
+
+def _den_hartog():
+    """The same with its numbers by name."""
+    offered = lambda t, y, n: -y[0] + cos(n.r * t)  # noqa: E731
+    slide = lambda side: lambda t, y, n: (y[1], offered(t, y, n) - side * n.F)  # noqa: E731
+    after = lambda t, y, n: 1 if offered(t, y, n) > n.F else -1 if offered(t, y, n) < -n.F else 0  # noqa: E731
+    stop = lambda t, y, n: (y[0], 0.0)  # noqa: E731
+    switches = {
+        1: (ss.Switch(lambda t, y, n: y[1], after, stop),),
+        -1: (ss.Switch(lambda t, y, n: -y[1], after, stop),),
+        0: (ss.Switch(lambda t, y, n: n.F - offered(t, y, n), 1), ss.Switch(lambda t, y, n: n.F + offered(t, y, n), -1)),
+    }
+    fields = {1: slide(1), -1: slide(-1), 0: lambda t, y, n: (0.0 * y[0], 0.0)}
+    return ss.SwitchingFlow(fields, switches, lambda n: 2 * pi / n.r, numbers={"F": 0.3, "r": 0.7}, states=("x", "v"))
+
+
+DEN_HARTOG = _den_hartog()
+
+
 def _chain(module):
     return ss.Chain((module, module), link=ss.Spring(stiffness=1200.0, damping=0.4), phases=(0.0, 1.57))
 
@@ -90,6 +123,7 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "Chain, LuGre": (_chain(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)), "link.stiffness", (500.0, 1200.0)),
     "capsule with an elastic stop": (Capsule(300.0, DRY), "stiffness", (280.0, 300.0)),
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
+    "a SwitchingFlow": (DEN_HARTOG, "F", (0.3, 0.4)),
 }
 OWN = (Capsule, Tow)
 
@@ -145,7 +179,13 @@ def _sweep(c):
 def _map(c):
     other = {"modules.0.inner_mass": [0.009, 0.0095]} if isinstance(c.machine, ss.Chain) else {"friction.mu_plus": [0.2, 0.25]}
     grid = ss.map(c.machine, **c.axis, **other, **c.length)
-    assert grid.mean_velocity.shape == (2, 2) and ss.plot.velocity_map(grid).get_xlabel()
+    assert grid.mean_velocity.shape == (2, 2)
+
+
+def _velocity_map(c):
+    other = {"modules.0.inner_mass": [0.009, 0.0095]} if isinstance(c.machine, ss.Chain) else {"friction.mu_plus": [0.2, 0.25]}
+    other = {"r": [0.7, 0.8]} if is_flow(c.machine) else other
+    assert ss.plot.velocity_map(ss.map(c.machine, **c.axis, **other, **c.length)).get_xlabel()
 
 
 def _study(c):
@@ -303,7 +343,7 @@ def _command(c):
 
 #: Doors by what a user types.
 every_door = {
-    "ss.solve": _solve, "a batch": _batch, "ss.sweep": _sweep, "ss.map, plot.velocity_map": _map, "a study folder": _study,
+    "ss.solve": _solve, "a batch": _batch, "ss.sweep": _sweep, "ss.map": _map, "plot.velocity_map": _velocity_map, "a study folder": _study,
     "ss.motion": _motion, "ss.energy": _energy, "ss.check": _check, "ss.periodic_mean_velocity": _periodic_mean_velocity,
     "ss.periodic_orbit": _orbit,
     "ss.continuation": _continuation, "ss.lyapunov": _lyapunov, "ss.basins": _basins, "ss.bifurcation": _bifurcation,
@@ -313,3 +353,51 @@ every_door = {
     "ss.spectrum": _spectrum, "ss.latex": _latex,
     "ss.mirrored": _mirrored, "explorer": _explorer, "stickslip run": _command,
 }  # fmt: skip
+
+
+# ---- the same doors for a flow, whose runs have its own states and no bodies ----
+def _solve_flow(c):
+    run = c.run()
+    assert run.status == "finished" and run.y.shape == (len(run.t), 2) and run.method == "exact"
+
+
+def _batch_of_flow(c):
+    many = ss.solve(c.machine.replace({c.number: np.array(c.values)}), keep="summary", **c.length)
+    alone = ss.solve(c.machine.replace({c.number: c.values[1]}), **c.length)
+    assert np.isclose(many.end_x[1], alone.state[0], rtol=1e-9, atol=1e-9)
+
+
+def _sweep_of_flow(c):
+    grid = ss.sweep(c.machine, **c.axis, **c.length)
+    assert grid.mean_x.dims == (c.number,) and np.isfinite(grid.max_v.values).all() and "motion_type" not in grid
+
+
+def _map_of_flow(c):
+    assert ss.map(c.machine, **c.axis, r=[0.7, 0.8], **c.length).max_x.shape == (2, 2)
+
+
+def _basins_of_flow(c):
+    assert ss.basins(c.machine, x=[0.0, 0.5], settle=100).attractors
+
+
+def _xarray_of_flow(c):
+    assert {"x", "v", "mode"} <= set(c.run().to_xarray())
+
+
+def _csv_of_flow(c):
+    assert Path(c.run().save(c.folder / "run.csv")).read_text(encoding="utf-8").startswith("time,x,v,mode")
+
+
+def _phase_of_flow(c):
+    assert ss.plot.phase(c.run()).get_ylabel() == "v"
+
+
+_OF_FLOW = {
+    "ss.solve": _solve_flow, "a batch": _batch_of_flow, "ss.sweep": _sweep_of_flow, "ss.map": _map_of_flow, "ss.basins": _basins_of_flow,
+    "run.to_xarray": _xarray_of_flow, "CSV": _csv_of_flow, "plot.phase": _phase_of_flow,
+}  # fmt: skip
+
+
+def door_of(door, case):
+    """What tries a door for a machine, or for a flow."""
+    return _OF_FLOW.get(door, every_door[door]) if is_flow(case.machine) else every_door[door]

@@ -97,7 +97,7 @@ def test_the_slow_method_gives_the_same_multiplier():
     robot = dimensionless_robot(0.4, 0.5)
     orbit = ss.periodic_orbit(robot)
     v = float(orbit.state[0])
-    done = ss.passage(ss.switching_flow(robot), [0.0, v], 1 if v > 0 else -1, robot.period)
+    done = ss.passage(ss.switching_flow(robot), [0.0, v], 1 if v > 0 else -1, robot.period, method="dop853")
     assert done.state[1] == pytest.approx(v, abs=1e-13 * UNIT + 1e-13)
     assert done.monodromy[1, 1] == pytest.approx(float(orbit.multipliers[0]), abs=1e-10)
 

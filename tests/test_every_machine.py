@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import stickslip as ss
-from every import Case, every_door, every_machine
+from every import Case, door_of, every_door, every_machine
 from stickslip.analysis.works import lost_at_hits
 
 PAGE = Path(__file__).parent.parent / "docs" / "which-machine.md"
@@ -28,7 +28,7 @@ def test_every_machine_is_taken_or_refused_with_a_reason(case, door):
     """As the page says: a door that opens and is not in the table, or closes and is, is as wrong as an AttributeError."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = cell(every_door[door], case)
+        found = cell(door_of(door, case), case)
     kept = kept_table(PAGE.read_text(encoding="utf-8"))
     assert found == kept[case.name, door], "if that is meant, python docs/_ext/which_machine.py writes the page anew"
 

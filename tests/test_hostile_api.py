@@ -125,7 +125,10 @@ def examples():
         "Spring": (ss.Spring, {"stiffness": 100.0, "damping": 1.0, "length": 0.1}),
         "Stop": (ss.Stop, {"gap": 0.1, "restitution": None, "stiffness": 1e4, "damping": 0.0, "side": 1}),
         "Body": (ss.Body, {"mass": 1.0, "position": 0.0}), "Contact": (ss.Contact, {"body": "head", "friction": robot.friction}),
-        "SwitchingFlow": (ss.SwitchingFlow, {"fields": {0: lambda t, y: y}, "switches": {}, "period": 1.0}),
+        "SwitchingFlow": (ss.SwitchingFlow, {"fields": {0: lambda t, y: y}, "switches": {}, "period": 1.0, "states": ("x",),
+             "scales": (1.0,), "numbers": None}),
+        "solve of a flow": (ss.solve, {"model": flow, "start": [1.0, 0.0], "duration": 1.0, "keep": None, "samples": 10, "mode": 0,
+             "method": "auto"}),
         "Switch": (ss.Switch, {"guard": lambda t, y: y[0], "to": 0, "reset": None}),
         "fold": (tracks.fold, {"mu": 0.2, "tilt": 0.03}),
         # methods
@@ -155,6 +158,7 @@ def examples():
         "plot.velocity": (ss.plot.velocity, {"run": run, "periods": 2, "ax": None, "labels": None, "duration": None}),
         "plot.phase": (ss.plot.phase, {"run": run, "periods": 2, "ax": None, "labels": None}),
         "plot.contacts": (ss.plot.contacts, {"run": run, "periods": 2, "ax": None, "duration": None}),
+        "plot.states": (ss.plot.states, {"run": ss.solve(flow, start=[1.0, 0.0], duration=1.0), "duration": None, "ax": None}),
         "plot.forces": (ss.plot.forces, {"run": run, "periods": 2, "ax": None, "duration": None}),
         "plot.bench": (ss.plot.bench, {"found": bench, "figure": None}), "plot.bifurcation": (ss.plot.bifurcation, {"diagram": diagram,
              "observable": "v", "ax": None}),
@@ -186,8 +190,8 @@ def examples():
 
 #: Public names that are no door: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
-    "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "InputError", "LAWS", "Level", "Lyapunov", "Machine",
-    "Motion", "PeriodicOrbit", "Progress", "Record", "Rigid", "SolveError", "StickslipError", "Sum", "Trajectory", "Verdict",
+    "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "InputError", "LAWS", "Level", "Lyapunov",
+    "Machine", "Motion", "PeriodicOrbit", "Progress", "Record", "Rigid", "SolveError", "StickslipError", "Sum", "Trajectory", "Verdict",
     "__version__", "designs", "paper", "plot", "presets",
 }  # fmt: skip
 

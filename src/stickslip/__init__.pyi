@@ -89,11 +89,7 @@ from .dynamics.sensitivity import (
     Sensitivity as Sensitivity,
     sensitivity as sensitivity,
 )
-from .dynamics.switched import (
-    Switch as Switch,
-    SwitchingFlow as SwitchingFlow,
-    passage as passage,
-)
+from .dynamics.switched import passage as passage
 from .dynamics.tracked import attractors as attractors
 from .engine.latex import latex as latex
 from .errors import (
@@ -101,6 +97,11 @@ from .errors import (
     SolveError as SolveError,
     StickslipError as StickslipError,
 )
+from .flow import (
+    Switch as Switch,
+    SwitchingFlow as SwitchingFlow,
+)
+from .flow_run import FlowRun as FlowRun
 from .friction import (
     GMS as GMS,
     LAWS as LAWS,

@@ -2,7 +2,8 @@
 
 A field annotated ``float`` (or ``float | None``) is a number: it may hold a float, a NumPy array or a labelled
 `xarray.DataArray`. A field annotated ``tuple[float, ...]`` holds several numbers, named ``field.0``, ``field.1``, …; how many
-there are belongs to the kind. So do a record's parts: one record, or a tuple of them with numbers ``field.0.name``, ….
+there are belongs to the kind. So do a record's parts: one record, or a tuple
+of them with numbers ``field.0.name``, …. A field annotated ``Mapping[str, float]`` holds numbers by names of their own.
 Every other field belongs to the kind. A user's own law needs nothing from here.
 """
 
@@ -50,12 +51,17 @@ Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 def is_number_field(field: dataclasses.Field[Any]) -> bool:
     """Whether a dataclass field holds a number (and not a part of the kind)."""
     text = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", str(field.type))
-    return "float" in text and "tuple" not in text and "Callable" not in text
+    return "float" in text and not any(word in text for word in ("tuple", "Callable", "Mapping"))
 
 
 def is_tuple_field(field: dataclasses.Field[Any]) -> bool:
     """Whether a dataclass field holds a tuple of numbers; of one that begins with ``float |`` also one number for all."""
     return "tuple[float" in str(field.type)
+
+
+def is_named_field(field: dataclasses.Field[Any]) -> bool:
+    """Whether a dataclass field holds numbers by names of their own."""
+    return "Mapping[str, float]" in str(field.type)
 
 
 def is_array(value: Any) -> bool:
@@ -402,7 +408,10 @@ def same(a: Any, b: Any) -> bool:
 def _plan(cls: type) -> tuple[tuple[str, str], ...]:
     """Names of a record's fields, and what each holds: a number, numbers, or a kind."""
     return tuple(
-        (field.name, "number" if is_number_field(field) else "numbers" if is_tuple_field(field) else "kind")
+        (
+            field.name,
+            "number" if is_number_field(field) else "numbers" if is_tuple_field(field) else "named" if is_named_field(field) else "kind",
+        )
         for field in dataclasses.fields(cls)
     )
 
@@ -435,6 +444,8 @@ def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple
                 yield from leaves(part, f"{prefix}{name}.{i}.", kinds)
         elif holds == "numbers" and isinstance(value, tuple):
             yield from ((f"{prefix}{name}.{i}", v) for i, v in enumerate(value))
+        elif holds == "named":
+            yield from ((prefix + own, v) for own, v in value.items())
         elif (holds != "kind" and value is not None) or kinds:
             yield prefix + name, value
 
@@ -463,9 +474,11 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
     copy = object.__new__(type(record))
     for name, value in _beside_fields(record).items():
         object.__setattr__(copy, name, value)
-    for field, _ in _plan(type(record)):  # type: ignore[arg-type]
+    for field, holds in _plan(type(record)):  # type: ignore[arg-type]
         value, name = getattr(record, field), prefix + field
-        if is_record(value):
+        if holds == "named":
+            value = {own: values.get(prefix + own, v) for own, v in value.items()}
+        elif is_record(value):
             value = replace_leaf(value, values, name + ".")
         elif _are_records(value):
             value = tuple(replace_leaf(part, values, f"{name}.{i}.") for i, part in enumerate(value))

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip import recurrence, steadiness
 from stickslip.arguments import Model, explains_arguments
 from stickslip.errors import InputError, is_whole
+from stickslip.flow import is_flow
 from stickslip.layout import of_one_contact
 from stickslip.summary import Summary
 
@@ -213,6 +214,10 @@ def periodic_mean_velocity(model: Model, periods: int = 2000, rtol: float = 1e-1
     >>> round(float(periodic_mean_velocity(robot)), 9)
     0.002014682
     """
+    if is_flow(model):
+        raise InputError(
+            "periodic_mean_velocity", ["a flow makes no way; type ss.solve(flow, keep='summary', ...) for the means of its states"]
+        )
     closed = closed_mean_velocity(model)
     if closed is not None:
         return closed

@@ -17,6 +17,7 @@ from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import number
+from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 
@@ -37,7 +38,7 @@ class Attractor:
     period : int
         Drive periods until it repeats; 0 where it does not within 32.
     mean_velocity : float
-        V [m/s].
+        V [m/s]; nan of a flow, which makes no way.
     state : array
         A strobe state on it.
     share : float
@@ -58,7 +59,8 @@ class Attractor:
     def __repr__(self) -> str:
         low, high = self.interval
         kind = f"period {self.period}" if self.period else "no period up to 32"
-        return f"<Attractor: {kind}, V = {self.mean_velocity:.7g} m/s, share {self.share:.3f} ({low:.3f} to {high:.3f})>"
+        way = f"V = {self.mean_velocity:.7g} m/s, " if np.isfinite(self.mean_velocity) else ""
+        return f"<Attractor: {kind}, {way}share {self.share:.3f} ({low:.3f} to {high:.3f})>"
 
 
 @sealed
@@ -140,9 +142,9 @@ def basins(
     >>> len(b.attractors), b.fractions
     (1, [1.0])
     """
-    needs_model("basins", model)
+    needs_model("basins", model, flows=True)
     at = coordinates(model)
-    axes = start_axes("basins", at, starts, settle, workers)
+    axes = start_axes("basins", at, starts, settle, workers, model)
     grid = np.meshgrid(*axes.values(), indexing="ij")
     table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
     states = on_grid(table, model)
@@ -157,9 +159,10 @@ def on_grid(table: dict[str, Array], model: Any) -> Array:
     return np.column_stack([table.get(name, np.full(count, value)) for name, value in zip(coordinates(model).names, rest, strict=True)])
 
 
-def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any) -> dict[str, Array]:
+def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any, model: Any = None) -> dict[str, Array]:
     """The axes of a grid of starts, checked."""
-    problems, known = Problems(what), (*at.names, "phase")
+    flow = is_flow(model)
+    problems, known = Problems(what), at.names[: at.smooth] if flow else (*at.names, "phase")
     problems.whole("workers", workers, 1, example=2)
     problems.whole("settle", settle, 1, example=300)
     axes = {}
@@ -221,7 +224,7 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
     found = [_attractor(model, members[k], int((good != UNDONE).sum()), points, period, V, by_phase) for k in order]
     columns = {
         "attractor": (tuple(axes), rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
-        "mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"}),
+        **({} if is_flow(model) else {"mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
         "period": (
             tuple(axes),
             period.reshape(shape),
@@ -229,7 +232,7 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
         ),
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    coords = {n: (n, a, phase if n == "phase" else state_attrs(n, "at the start")) for n, a in axes.items()}
+    coords = {n: (n, a, phase if n == "phase" else {} if is_flow(model) else state_attrs(n, "at the start")) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
 
 
@@ -298,7 +301,8 @@ def _attractor(model: Any, members: Array, cases: int, points: Array, period: Ar
         except (SolveError, InputError):
             orbit = None
     share = len(members) / cases
-    return Attractor(count, float(np.mean(V[members])), points[first, -1], share, wilson(len(members), cases), orbit)
+    way = np.nan if is_flow(model) else float(np.mean(V[members]))
+    return Attractor(count, way, points[first, -1], share, wilson(len(members), cases), orbit)
 
 
 def wilson(hits: int, cases: int, z: float = 1.959963984540054) -> tuple[float, float]:

@@ -14,12 +14,14 @@ from stickslip.dynamics.cycle_paths import CyclePath, border_of_rest, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
 from stickslip.dynamics.diagrams import strobe_attrs
 from stickslip.dynamics.family import Family, family
+from stickslip.dynamics.flow_paths import FlowPath
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.marked import Special, certain
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.paths import Path, Point, follow
 from stickslip.dynamics.special import Located, located
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.flow import is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
@@ -81,15 +83,20 @@ class Branch:
         """The branch as an `xarray.Dataset` over ``point``, with the parameter as a coordinate."""
         import xarray as xr
 
-        single = machine_of(self.orbits[0].model).is_single
+        flow = is_flow(self.orbits[0].model)
+        single = not flow and machine_of(self.orbits[0].model).is_single
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
         columns: dict[str, Any] = {
-            name: ("point", [o.state[i] for o in self.orbits], {} if single else strobe_attrs(name))
+            name: ("point", [o.state[i] for o in self.orbits], {} if single or flow else strobe_attrs(name))
             for i, name in enumerate(self.orbits[0].names)
         }
-        known = [name for name in _COLUMNS if (single or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
-        columns |= {name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known}
-        if single:
+        known = [name for name in _COLUMNS if (single or flow or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
+        columns |= {
+            name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known if not flow or name != "pattern"
+        }
+        if flow:
+            columns["pattern"] = ("point", [" ".join(map(str, o.pattern)) for o in self.orbits])
+        elif single:
             columns["motion_type"] = ("point", [o.type for o in self.orbits])
         else:
             driven: Any = self.orbits  # nothing of several contacts goes without a drive
@@ -204,7 +211,10 @@ def continuation(
     _check(start, stop, step, points)
     first = periodic_orbit(robots.robot(start), period, guess, rtol=rtol)
     same = (robots, period, coordinates(first.model), float(start), abs(float(stop) - float(start)), rtol, 1e-12)
-    path = CyclePath(*same, clock(first.model)) if isinstance(first, LimitCycle) else Path(*same)
+    if is_flow(first.model):
+        path: Path = FlowPath(*same)
+    else:
+        path = CyclePath(*same, clock(first.model)) if isinstance(first, LimitCycle) else Path(*same)
     found = path.at_value(path.scaled(first, start), start, path.remembered(first))
     if not found.good:
         raise SolveError(

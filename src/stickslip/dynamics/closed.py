@@ -37,6 +37,11 @@ class ClosedMotion(ABC):
         return coordinates(self.model).names
 
     @property
+    def strobe_state(self) -> Array:
+        """The state with all that is held beside it."""
+        return self.state
+
+    @property
     def start(self) -> dict[str, Any]:
         """The state as `solve` takes a start."""
         return coordinates(self.model).start(self.state)

@@ -15,6 +15,7 @@ from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
 from stickslip.engine.texts import recurrence
 from stickslip.errors import Problems
+from stickslip.flow import is_flow
 from stickslip.sweeps.progress import Watch
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def bifurcation(
     """
     robots = family("bifurcation", make, (parameter,), fixed)
     values = _check(values, settle, points, workers)
-    needs_model("bifurcation", robots.robot(values[0]))
+    needs_model("bifurcation", robots.robot(values[0]), flows=True)
     at = coordinates(robots.robots(values))
     first = states_of(start, robots.robots(values))
     if follow:
@@ -221,13 +222,16 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     T = np.asarray(robots.robots(values).period, float)
     period = periods_of(points, at.scales)
     period[~np.isfinite(points).all(axis=(-1, -2))] = UNDONE
-    columns: dict[str, Any] = {name: (whole, points[..., i], strobe_attrs(name)) for i, name in enumerate(at.names)}
+    flow = is_flow(robots.robot(values[0]))
+    told = {name: {} if flow else strobe_attrs(name) for name in at.names}
+    columns: dict[str, Any] = {name: (whole, points[..., i], told[name]) for i, name in enumerate(at.names)}
+    if not flow:  # which makes no way
+        columns["displacement"] = (whole, ways, {"units": "m", "long_name": "displacement in a drive period"})
+        columns["mean_velocity"] = (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"})
     columns |= {
-        "displacement": (whole, ways, {"units": "m", "long_name": "displacement in a drive period"}),
-        "mean_velocity": (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"}),
         "period": (flat, period, {"units": "1", "long_name": "drive periods until it repeats (0: none found, -1: not computed)"}),
     }
-    if at.mechanics is None:
+    if at.mechanics is None and not flow:
         columns["v_max"] = (flat, v_max[..., 0], {"units": "m/s", "long_name": "largest velocity"})
         columns["v_min"] = (flat, v_min[..., 0], {"units": "m/s", "long_name": "smallest velocity"})
     coords = {parameter: (parameter, values, robots.describe(parameter)), "direction": list(directions)}

@@ -18,6 +18,7 @@ from stickslip.dynamics.tangents import Changes, changes_along, not_followed
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
 from stickslip.fields import between, checked_number, number
+from stickslip.flow import is_flow
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
@@ -77,6 +78,8 @@ def lyapunov(
     >>> round(l.largest, 6)  # type IV: the logarithm of its multiplier
     -2.418858
     """
+    if is_flow(model):
+        return _of_flow(model, periods, settle, start)
     _check(model, periods, settle)
     state = settled(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
@@ -93,6 +96,17 @@ def lyapunov(
     return _told(np.concatenate(logs))
 
 
+def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
+    """The same of a flow, from the derivative that its tangent gives of each period."""
+    from stickslip.dynamics.flow_orbits import exponents_of
+
+    needs_model("lyapunov", flow, flows=True)
+    _check_lengths(periods, settle)
+    state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
+    mode = list(flow.fields)[round(float(state[-1]))]
+    return _told(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
+
+
 def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
     """The strobe state after some periods: array (1, coordinates)."""
     from stickslip.dynamics.orbits import states_of
@@ -107,6 +121,10 @@ def _check(model: Any, periods: Any, settle: Any) -> None:
     if why := not_followed(model):
         hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
         raise InputError("lyapunov", [f"what becomes of disturbances is not followed here, as {why}; {hint}"])
+    _check_lengths(periods, settle)
+
+
+def _check_lengths(periods: Any, settle: Any) -> None:
     problems = Problems("lyapunov")
     problems.whole("periods", periods, _LEAST, example=2000)
     problems.whole("settle", settle, 0, example=200)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,14 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.closed import multipliers_of
 from stickslip.dynamics.order import needs_one_body
-from stickslip.dynamics.switched import Passage, Switch, SwitchingFlow, derivative, passage, started
+from stickslip.dynamics.switched import Passage, derivative, passage, started
 from stickslip.errors import InputError, Problems, SolveError, is_whole
+from stickslip.flow import Switch, SwitchingFlow, is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 
-__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "switching_flow"]
+__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flow"]
 
 Array = Any
 _STILL = 1e-9  # of the size of the state: what moves by less stands still
@@ -46,6 +48,8 @@ class FlowOrbit:
         Once around.
     notes : tuple of str
         What else is to be said: of a forced flow, that nothing moves in it.
+    model : SwitchingFlow
+        The flow.
 
     Examples
     --------
@@ -62,6 +66,45 @@ class FlowOrbit:
     residual: float
     passage: Passage
     notes: tuple[str, ...] = ()
+    model: Any = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the numbers of the state."""
+        return self.model.names(len(self.state))
+
+    @property
+    def period(self) -> int:
+        """Periods of the forcing until it repeats; 1 where nothing forces it."""
+        return 1 if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
+
+    @property
+    def rtol(self) -> float:
+        """Tolerance of its runs, which are exact to rounding."""
+        return 1e-12
+
+    @property
+    def strobe_state(self) -> Array:
+        """The state, and the place of the mode among the flow's modes."""
+        return np.append(self.state, list(self.model.fields).index(self.mode))
+
+    @property
+    def monodromy(self) -> Array:
+        """The derivative of the state after the motion by the state before it."""
+        return self.passage.monodromy
+
+    @property
+    def events(self) -> list[Any]:
+        """Its switches."""
+        return list(self.passage.events)
+
+    @cached_property
+    def run(self) -> Any:
+        """Once around, with its dense output."""
+        from stickslip.solvers import solve
+
+        length: dict[str, Any] = {"duration": self.duration} if self.model.period is None else {"periods": self.period, "settle": 0}
+        return solve(self.model, start=self.state, mode=self.mode, keep="trajectory", **length)
 
     @property
     def stable(self) -> bool:
@@ -85,6 +128,7 @@ def flow_orbit(
     settle: int = 0,
     most: int = 30,
     rtol: float = 1e-12,
+    method: str = "auto",
 ) -> FlowOrbit:
     """A periodic orbit of a switching flow, by Newton's method with the derivative that saltation gives.
 
@@ -102,7 +146,9 @@ def flow_orbit(
     most : int
         Largest number of iterations.
     rtol : float
-        Tolerance.
+        Tolerance of SciPy's integrator, and of the orbit.
+    method : {"auto", "exact", "dop853"}
+        As for `passage`: the compiled engine, or SciPy's integrator as a second opinion.
 
     Returns
     -------
@@ -126,22 +172,23 @@ def flow_orbit(
     >>> round(float(o.passage.highest[0]), 3), o.stable  # X = 1.8857
     (1.886, True)
     """
-    y, T = _checked(flow, state, mode, periods, duration, settle, most, rtol), periods * float(flow.period or duration or 0.0)
+    y, T = _checked(flow, state, mode, periods, duration, settle, most, rtol, method), periods * float(flow.period or duration or 0.0)
+    how: dict[str, Any] = {"rtol": rtol, "method": method}
     if flow.period is None:
-        y, mode, T = _returned(flow, y, mode, T, settle, rtol)
+        y, mode, T = _returned(flow, y, mode, T, settle, how)
     for _ in range(settle if flow.period else 0):
-        done = passage(flow, y, mode, T, rtol=rtol)
+        done = passage(flow, y, mode, T, **how)
         y, mode = done.state, done.mode
-    return _once(flow, _closed(flow, y, mode, T, most, rtol), periods, most, rtol)
+    return _once(flow, _closed(flow, y, mode, T, most, how), periods, most, how)
 
 
-def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any) -> Array:
+def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any, method: Any) -> Array:
     """The guess; an error where something else was given."""
     problems = Problems("flow_orbit")
     problems.whole("periods", periods, 1, example=1, what=" of periods of the forcing")
     problems.whole("settle", settle, 0, example=20)
     problems.whole("most", most, 1, example=30)
-    free = isinstance(flow, SwitchingFlow) and flow.period is None
+    free = is_flow(flow) and flow.period is None
     if free and duration is None:
         problems.add("the flow has no period; give duration=, a guess of how long the orbit takes")
     if free and is_whole(periods) and periods > 1:
@@ -149,21 +196,21 @@ def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, sett
     if not free and duration is not None:
         problems.add(f"duration = {duration!r}, but the flow has a period; leave duration out, and give periods=")
     problems.check()
-    return started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit")
+    return started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit", method)
 
 
-def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, rtol: float) -> FlowOrbit:
+def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: dict[str, Any]) -> FlowOrbit:
     """The orbit to which Newton's method goes from a guess."""
-    free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, rtol=rtol)
+    free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, **how)
     for _ in range(most):
         miss = done.state - y
         size, extent, scale = float(abs(miss).max()), float((done.highest - done.lowest).max()), float(1 + abs(y).max())
         still = extent <= max(_STILL * scale, 3 * size)
-        if size <= 3 * rtol * scale and done.mode == mode and (not free if still else extent >= _APART * size):
+        if size <= 3 * how["rtol"] * scale and done.mode == mode and (not free if still else extent >= _APART * size):
             break
         if still and free and size <= _STILL * scale:
             raise SolveError(_nothing_moves(y, mode, T, guessed))
-        y, T, mode, done = _nearer(flow, y, mode, T, done, rtol)
+        y, T, mode, done = _nearer(flow, y, mode, T, done, how)
     else:
         if size > 1e-8 * scale or done.mode != mode:
             raise SolveError(
@@ -174,16 +221,16 @@ def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, rtol:
     notes = ("nothing moves in it: an equilibrium, which repeats after any time",) if still else ()
     if not np.isfinite(done.monodromy).all():
         raise SolveError(_touches(done))
-    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes)
+    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes, flow)
 
 
-def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, rtol: float) -> tuple[Array, float, Any, Passage]:
+def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> tuple[Array, float, Any, Passage]:
     """The next guess and its passage: Newton's step, or the part of it that first makes the miss smaller."""
     step, longer, after = _newton_step(flow, y, mode, T, done)
     size = abs(done.state - y).max()
     for part in _SHARES:
         ahead, then = y + part * step, T + part * longer
-        found = passage(flow, ahead, after, then, rtol=rtol)
+        found = passage(flow, ahead, after, then, **how)
         if abs(found.state - ahead).max() < size or part == _SHARES[-1]:
             break
     return ahead, then, after, found
@@ -207,31 +254,31 @@ def _touches(done: Passage) -> str:
     )
 
 
-def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, rtol: float) -> FlowOrbit:
+def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, how: dict[str, Any]) -> FlowOrbit:
     """The orbit gone around once: the shortest duration of a free flow, an error where forced motions repeat before `periods` are over."""
     for k in _PARTS if flow.period is None else [k for k in range(periods, 1, -1) if periods % k == 0 and not orbit.notes]:
-        part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, rtol=rtol)
+        part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, **how)
         extent = float((orbit.passage.highest - orbit.passage.lowest).max())
         if part.mode != orbit.mode or abs(part.state - orbit.state).max() > max(_SAME * extent, 10 * orbit.residual):
             continue
         if flow.period is not None:
             told = f"the motion found repeats after {periods // k} of {periods} periods"
             raise SolveError(f"{told}; type periods={periods // k}, or give another guess")
-        return _once(flow, _closed(flow, orbit.state, orbit.mode, orbit.duration / k, most, rtol), periods, most, rtol)
+        return _once(flow, _closed(flow, orbit.state, orbit.mode, orbit.duration / k, most, how), periods, most, how)
     return orbit
 
 
-def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle: int, rtol: float) -> tuple[Array, Any, float]:
+def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle: int, how: dict[str, Any]) -> tuple[Array, Any, float]:
     """A better guess for a flow that does not depend on time: a state after its last switch, and the time since the same one before."""
     whole = max(settle, 3) * duration
-    done = passage(flow, y, mode, whole, rtol=rtol)
+    done = passage(flow, y, mode, whole, **how)
     events = done.events
     same = [k for k, event in enumerate(events) if event[1:] == events[-1][1:]]
     if len(same) < 2:
         return (done.state, done.mode, duration) if settle else (y, mode, duration)
-    done = passage(flow, y, mode, whole, rtol=rtol, switches=same[-1] + 1)
+    done = passage(flow, y, mode, whole, **how, switches=same[-1] + 1)
     onward = 0.5 * (events[same[-2] + 1][0] - events[same[-2]][0])  # not on a switch, but half way to the next
-    done = passage(flow, done.state, done.mode, onward, rtol=rtol) if onward > 0 else done
+    done = passage(flow, done.state, done.mode, onward, **how) if onward > 0 else done
     return done.state, done.mode, events[same[-1]][0] - events[same[-2]][0]
 
 
@@ -243,19 +290,31 @@ def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passa
     if flow.period is not None:
         step = np.linalg.lstsq(A, -miss, rcond=1e-12)[0]
         return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
-    along = derivative(flow.fields[mode], 0.0, y)[0]
-    ahead = derivative(flow.fields[done.mode], T, done.state)[0]
+    plain = flow.plain
+    along = derivative(plain.fields[mode], 0.0, y)[0]
+    ahead = derivative(plain.fields[done.mode], T, done.state)[0]
     whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
     step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
     step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
     return step[:n], float(step[n]), mode
 
 
+def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: float) -> FlowOrbit:
+    """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
+    y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
+    done = passage(flow, y, mode, periods * float(flow.period))
+    known = np.isfinite(done.monodromy).all()
+    multipliers = multipliers_of(done.monodromy, done.forgets) if known else np.full(len(y), np.nan)
+    notes = () if known else (_touches(done),)
+    return FlowOrbit(y, mode, periods * float(flow.period), multipliers, residual, done, notes, flow)
+
+
 @explains_arguments
 def switching_flow(model: Model) -> SwitchingFlow:
     """Any model with a set-valued law as a switching flow with modes +1, 0 and -1 and the states x and v.
 
-    Its orbits come from an integrator and from Python's own loops: slow, and independent of our solvers.
+    With ``method="dop853"`` its passages and orbits come from SciPy's integrator and from Python's own loops: slow, and independent of our
+    solvers.
 
     Parameters
     ----------
@@ -306,9 +365,7 @@ def switching_flow(model: Model) -> SwitchingFlow:
     return SwitchingFlow(fields, switches, model.period and float(model.period))
 
 
-def exponents_of(
-    flow: SwitchingFlow, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float
-) -> tuple[Array, float]:
+def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
     """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
     y, t, every = np.array(state, float), 0.0, float(flow.period or every)
     for _ in range(int(np.ceil(max(settle, 0.0) / every))):

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
-from stickslip.dynamics.switched import SwitchingFlow
 from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
 from stickslip.fields import number as plain_number
+from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 
 __all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
@@ -222,7 +222,7 @@ def lyapunov_of_flow(
     [-0.1, -0.1]
     """
     x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
-    if isinstance(f, SwitchingFlow):
+    if is_flow(f):
         from stickslip.dynamics.flow_orbits import exponents_of
 
         logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)

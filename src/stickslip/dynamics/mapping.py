@@ -16,6 +16,7 @@ from stickslip.batch import labels_of
 from stickslip.dynamics.order import Order, numbered, order_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
+from stickslip.flow import is_flow
 from stickslip.forces import inner_start
 from stickslip.machine import MachineAdapter, machine_of
 from stickslip.position import knows_position
@@ -118,6 +119,8 @@ def coordinates(model: Any) -> Coordinates:
     >>> coordinates(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)).names
     ('v', 'z')
     """
+    if is_flow(model):
+        return coordinates_of_flow(model)
     order, machine = order_of(model), machine_of(model)
     mechanics, laws = machine.mechanics, machine.laws
     speed = largest(machine.free_velocity) or largest(machine.velocity_scale) or 1.0
@@ -144,6 +147,8 @@ def at_rest(model: Any) -> Array:
     [[0.0, 0.0], [0.0, 0.0]]
     """
     at = coordinates(model)
+    if is_flow(model):
+        return np.zeros((int(np.prod(labels_of(model).shape, dtype=int)), len(at.names)))
     if at.mechanics is not None:
         return states_of_parts("start", model, None)
     z = inner_start(model)
@@ -178,7 +183,7 @@ def largest(value: Any) -> float:
 def spread_over(model: Any, cases: int) -> Any:
     """A single case as a batch of `cases` equal ones; a batch stays what it is."""
     numbers = dict(leaves(model))
-    if any(np.ndim(value) for value in numbers.values()):
+    if is_flow(model) or any(np.ndim(value) for value in numbers.values()):
         return model
     name = next(iter(numbers))
     return replace_leaf(model, {name: np.full(cases, float(numbers[name]))})
@@ -206,6 +211,8 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
+    if is_flow(model):
+        return _of_flow(model, states, periods)
     machine = machine_of(model)
     refuse_chance(machine)
     if not all(law.compiles for law in machine.laws):
@@ -264,6 +271,29 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
     return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset)
 
 
+def coordinates_of_flow(flow: Any) -> Coordinates:
+    """The states of a flow by their names, and the place of its mode among its modes, which is a memory."""
+    if flow.states is None:
+        raise InputError(
+            "SwitchingFlow", ["its states have no names, so that nobody knows how many there are; type states=('x', 'v') where it is made"]
+        )
+    n = len(flow.states)
+    order = Order(flow.states, slice(0, n), slice(n, n), slice(0, 0), (), False)
+    return Coordinates((*flow.states, "mode"), np.append(np.ones(n) if flow.scales is None else flow.scales, 1.0), order, 1)
+
+
+def _of_flow(flow: Any, states: Array, periods: int) -> Ends:
+    """The same of a flow that switches. It makes no way."""
+    from stickslip.solvers.flow_solving import untraced
+    from stickslip.solvers.flows import ends, unknown
+
+    if why := unknown(flow, states.shape[1] - 1):
+        raise InputError("SwitchingFlow", [untraced(why)])
+    y, modes, status = ends(flow, states[:, :-1], np.round(states[:, -1]), periods * np.asarray(flow.period, float))
+    none = np.full(len(states), np.nan)
+    return Ends(np.column_stack([y, np.where(modes < 0, np.nan, modes)]), np.zeros(len(states)), status, none, none)
+
+
 def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> Ends:
     """The states of a model without a period after some time, one duration for all or one for each.
 
@@ -315,6 +345,10 @@ def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any
     """The trajectory from a strobe state, with its dense output and its events."""
     from stickslip.solvers import solve
 
+    if is_flow(model):
+        state = np.asarray(state, float)
+        mode = list(model.fields)[round(float(state[-1]))]
+        return solve(model, periods=periods, settle=0, start=state[:-1], mode=mode, keep="trajectory")
     options = {"rtol": rtol} if machine_of(model).has_inner_states else {}
     return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)
 

@@ -12,13 +12,17 @@ from stickslip.dynamics.mapping import cases_of, coordinates, largest
 from stickslip.dynamics.order import order_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves
+from stickslip.flow import is_flow
 from stickslip.machine import is_machine, machine_of
 
 __all__ = ["needs_model"]
 
 
-def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False) -> None:
-    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given."""
+def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
+    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too."""
+    if is_flow(model):
+        _needs_flow(what, model, batch, flows)
+        return
     if not is_machine(model):
         raise InputError(
             what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
@@ -38,6 +42,20 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False)
                                 "and no force changes (by a link of stiffness 0, or as nothing joins two groups of them): they drift "
                                 "apart and never come back; allowed are bodies that links hold together; give it a link, or a stiffness "
                                 "that is not 0"])  # fmt: skip
+
+
+def _needs_flow(what: str, flow: Any, batch: bool, flows: bool) -> None:
+    """The same of a flow that switches."""
+    if not flows:
+        taken = "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.bifurcation or ss.lyapunov, which take a flow"
+        raise InputError(what, [f"it is a flow without bodies and contacts; allowed are machines; {taken}"])
+    if not batch and any(np.ndim(value) for _, value in leaves(flow)):
+        raise InputError(
+            what, ["the flow is a batch (some of its numbers are arrays); allowed is one flow; type each number as a single value"]
+        )
+    if flow.period is None:
+        hint = "for its orbit type ss.flow_orbit(flow, state, mode, duration=...), for its exponents ss.lyapunov_of_flow(flow, state)"
+        raise InputError(what, [f"SwitchingFlow has no period, so it has no strobe; allowed are flows with a period; {hint}"])
 
 
 def _drifts(model: Any) -> bool:

@@ -10,8 +10,10 @@ import numpy as np
 
 from stickslip.analysis.motion import Motion, Motions, motion
 from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import Labels
 from stickslip.dynamics.closed import ClosedMotion, largest_first, multipliers_of, resting
 from stickslip.dynamics.cycles import limit_cycle
+from stickslip.dynamics.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.mapping import (
     Coordinates,
     at_rest,
@@ -30,9 +32,11 @@ from stickslip.dynamics.newton import STEP, Found, newton_within
 from stickslip.dynamics.tangents import changes_along, jacobian_of, not_followed, orders_differ
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.fields import number
+from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
 from stickslip.layout import of_one_contact
 from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
+from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
 
 if TYPE_CHECKING:
@@ -184,6 +188,8 @@ class PeriodicOrbit(ClosedMotion):
 
 
 @overload
+def periodic_orbit(model: SwitchingFlow, *arguments: Any, **more: Any) -> FlowOrbit: ...
+@overload
 def periodic_orbit(model: BlockOnBelt | PulledMass, *arguments: Any, **more: Any) -> LimitCycle: ...
 @overload
 def periodic_orbit(model: Robot | ForcedOscillator | Chain, *arguments: Any, **more: Any) -> PeriodicOrbit: ...
@@ -192,14 +198,14 @@ def periodic_orbit(model: Any, *arguments: Any, **more: Any) -> PeriodicOrbit | 
 @explains_arguments
 def periodic_orbit(
     model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
-) -> PeriodicOrbit | LimitCycle:
+) -> PeriodicOrbit | LimitCycle | FlowOrbit:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
     Where nothing drives (a block on a belt) it is a limit cycle, and how long it takes is found too.
 
     Parameters
     ----------
-    model : Robot or mechanism
+    model : Robot, mechanism, machine or SwitchingFlow
         One of them.
     period : int
         Drive periods after which the motion repeats; turns of the spring where nothing drives.
@@ -214,7 +220,7 @@ def periodic_orbit(
 
     Returns
     -------
-    PeriodicOrbit, or LimitCycle where nothing drives
+    PeriodicOrbit, LimitCycle where nothing drives, or FlowOrbit of a flow
         `multipliers`, `stable`, `mean_velocity`, `type`, `state`, `events`, `residual`; with a drive also `margin`, without `duration`.
 
     Raises
@@ -230,10 +236,12 @@ def periodic_orbit(
     (False, -2.625)
     """
     autonomous = is_machine(model) and model.period is None
-    needs_model("periodic_orbit", model, driven=not autonomous)
+    needs_model("periodic_orbit", model, driven=not autonomous, flows=True)
     problems = Problems("periodic_orbit")
     problems.whole("period", period, 1, example=1, what=" of drive periods")
     problems.check()
+    if is_flow(model):
+        return _orbit_of_flow(model, int(period), guess)
     if autonomous:
         return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
     at, tried = coordinates(model), []
@@ -245,6 +253,14 @@ def periodic_orbit(
             state = with_rests(model, state, int(period), rtol)
             return PeriodicOrbit(model, int(period), state, found.residual, rtol)
     raise SolveError(_failure(int(period), tried, guess))
+
+
+def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
+    """A periodic orbit of a forced flow; without a guess from where it settles."""
+    state = states_of(guess, flow)[0]
+    return flow_orbit(
+        flow, state[:-1], list(flow.fields)[round(float(state[-1]))], periods=period, settle=0 if guess is not None else _SETTLING
+    )
 
 
 def _failure(period: int, tried: list[Found], guess: Any) -> str:
@@ -305,12 +321,32 @@ def states_of(start: Any, model: Any) -> Array:
     at, rest = coordinates(model), at_rest(model)
     if start is None:
         return rest
+    if is_flow(model):
+        return np.tile(_flow_state(start, model, at), (len(rest), 1))
     if isinstance(start, dict) and at.mechanics is not None:
         return _checked(start, states_of_parts("start", model, start), at)
     if isinstance(start, dict):
         columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
         return _checked(start, np.stack(columns, axis=1), at)
     return np.tile(_one_state(start, at), (len(rest), 1))
+
+
+def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
+    """The state of a flow and the place of its mode, from an orbit, a run's end, a dict, or numbers."""
+    if hasattr(start, "strobe_state"):
+        return start.strobe_state
+    if hasattr(start, "mode") and hasattr(start, "state"):
+        return np.append(start.state, list(flow.fields).index(start.mode))
+    mode, problems = next(iter(flow.fields)), Problems("start")
+    if isinstance(start, dict) and "mode" in start:
+        mode, start = start["mode"], {name: value for name, value in start.items() if name != "mode"}
+        if not knows_mode(flow.fields, mode):
+            problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    elif np.shape(start) == (len(at.names),) and start[-1] in range(len(flow.fields)):
+        mode, start = list(flow.fields)[int(start[-1])], start[:-1]
+    state = starts_of(flow, start, Labels(()), problems)[0]
+    problems.check()
+    return np.append(state, list(flow.fields).index(mode))
 
 
 def _one_state(start: Any, at: Coordinates) -> Array:

@@ -62,7 +62,7 @@ class Point:
         It changes its sign where a doubled motion falls together with its two halves.
         """
         orbit, at = self.orbit, coordinates(self.orbit.model)
-        moved = strobe_map(orbit.model, orbit.state, orbit.period // 2, orbit.rtol).state[0] - orbit.state
+        moved = strobe_map(orbit.model, orbit.strobe_state, orbit.period // 2, orbit.rtol).state[0] - orbit.strobe_state
         if at.mechanics is None:
             return float(moved[0])
         share = np.linspace(1.0, 2.0, at.smooth)  # of all: the first body may rest on the strobe
@@ -97,11 +97,11 @@ class Path:
 
     def scaled(self, orbit: Any, value: float) -> Array:
         """The point u of an orbit."""
-        return np.append(orbit.state[: self.at.smooth] / self.scales, (value - self.origin) / self.span)
+        return np.append(orbit.strobe_state[: self.at.smooth] / self.scales, (value - self.origin) / self.span)
 
     def remembered(self, orbit: Any) -> Array:
         """What the law remembers on the strobe of an orbit."""
-        return orbit.state[self.at.smooth :]
+        return orbit.strobe_state[self.at.smooth :]
 
     def ends(self, U: Array, memory: Array) -> Array:
         """The states after the period."""

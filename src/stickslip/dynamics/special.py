@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.dynamics.marked import certain
 from stickslip.dynamics.paths import Path, Point
+from stickslip.flow import is_flow
 from stickslip.machine import machine_of
 
 __all__ = ["Located", "located", "root"]
@@ -48,7 +49,7 @@ def located(path: Path, a: Point, b: Point) -> list[Located]:
     if a.turning * b.turning < 0:
         found += _turning(path, a, b)
     found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
-    found += _changes(path, a, b, _word, _kind_of_change, _said_of_words)
+    found += _changes(path, a, b, _word, _kind_of_switches if is_flow(a.orbit.model) else _kind_of_change, _said_of_words)
     return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
 
 
@@ -153,13 +154,15 @@ def _word(orbit: Any) -> str:
 
     Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp.
     """
+    if is_flow(orbit.model):
+        return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
     if not machine_of(orbit.model).is_single:
         return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
     return orbit.type if _is_dynamic(orbit) else orbit.pattern
 
 
 def _is_dynamic(orbit: Any) -> bool:
-    return machine_of(orbit.model).has_inner_states
+    return not is_flow(orbit.model) and machine_of(orbit.model).has_inner_states
 
 
 def _reversals(orbit: Any) -> int:
@@ -172,10 +175,16 @@ def _said_of_reversals(before: int, after: int, orbit: Any) -> str:
 
 
 def _said_of_words(before: str, after: str, orbit: Any) -> str:
-    m = getattr(orbit, "motion", None) if machine_of(orbit.model).is_single else None
+    m = getattr(orbit, "motion", None) if not is_flow(orbit.model) and machine_of(orbit.model).is_single else None
     if m is not None and m.slip_ratio is not None:
         return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
     return f"pattern {before} becomes {after}"
+
+
+def _kind_of_switches(before: str, after: str) -> str:
+    """More or fewer switches among the same modes begin where a guard is touched; of a flow any other change is a border of types."""
+    modes = [set(word.partition(" to ")[2].split(", ")) - {""} for word in (before, after)]
+    return "grazing" if modes[0] <= modes[1] or modes[1] <= modes[0] else "type-border"
 
 
 def _kind_of_change(before: str, after: str) -> str:

@@ -52,7 +52,7 @@ class Kernel:
     record: bool
     names: tuple[str, ...]
     modes: int  # memories of the laws, kept with each piece
-    contacts: int
+    contacts: int  # or what else is kept with each piece
     owners: tuple[int | None, ...]  # of each coordinate, the contact whose slip its state is
     layout: StateLayout  # what its states are
     bodies: tuple[int, ...]  # of each body the coordinate with which it moves; none where no signals are noted
@@ -161,8 +161,8 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         step.degree,
         record,
         eq.names,
-        len(eq.modes) if eq.dynamic else 0,
-        len(eq.contacts),
+        eq.memories,
+        eq.sides,
         tuple(next((i for i, c in enumerate(eq.contacts) if c.state == j), None) for j in range(eq.coordinates)),
         _states_of(eq),
         tuple(j for _, j in eq.bodies) if eq.signals else (),
@@ -262,9 +262,9 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "LANES": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
         "SET_VALUED": int(not eq.dynamic), "OFFERED": int(eq.offered is not None), "CYCLIC": int(eq.cyclic), "MODES": len(eq.modes),
-        "KEPT_MODES": len(eq.modes) if eq.dynamic else 0, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
+        "KEPT_MODES": eq.memories, "CLOCKS": len(eq.clocks), "IMPULSES": len(eq.impulses), "BREAKS": breaks,
         "BREAK_AT": constants - len(eq.impulses) * eq.coordinates - breaks,
-        "COORDINATES": eq.coordinates, "CONTACTS": len(eq.contacts), "SHARES": len(eq.shares),
+        "COORDINATES": eq.coordinates, "CONTACTS": eq.sides, "SHARES": len(eq.shares),
         "SHARE_AT": share_at, "PASSIVE": eq.passive, "CARRIED": len(eq.carried), "DELAY_AT": share_at + len(eq.shares), "ORDERED": 0,
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
         "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(has_arms(eq)),
@@ -282,7 +282,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_CLK": "clk0",
         "F_G": "g0_0",
         "F_CLEAR": "clear0",
-        "F_HELD": "held0",
+        "F_HELD": "side" if eq.labels else "held0",
         "F_FIRED": "fired",
     }
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")

@@ -395,7 +395,7 @@ def ended_by(eq: System) -> list[str]:
 
 def sides(eq: System) -> list[str]:
     """Fields of the sides, or modes, of the contacts as a step holds them."""
-    return [f"side{i or ''}" for i in range(len(eq.contacts))]
+    return [f"side{i or ''}" for i in range(eq.sides)]
 
 
 def _log2(x: float) -> float:

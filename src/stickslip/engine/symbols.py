@@ -86,12 +86,14 @@ class Sym:
     def __gt__(self, other: Any) -> Condition:
         return Condition(self - other)
 
-    __ge__ = __gt__
+    def __ge__(self, other: Any) -> Condition:
+        return Condition(self - other, weak=True)
 
     def __lt__(self, other: Any) -> Condition:
         return Condition(other - self)
 
-    __le__ = __lt__
+    def __le__(self, other: Any) -> Condition:
+        return Condition(other - self, weak=True)
 
     def __eq__(self, other: object) -> Any:
         raise TraceError("a law asks whether a symbol equals something (==); friction is traced, so write where(v > 0, a, b)")
@@ -112,6 +114,8 @@ class Sym:
         return self.graph.power(self, 0.5)
 
     def __ss_within__(self, period: Any) -> Sym:
+        if not self.graph.begins_anew and self.graph.varies(self):
+            raise TraceError("the time of a flow goes on from period to period, so within(t, period) is not known; write sin and cos of t")
         if self.op == "variable" or self.level < STATE:
             return self  # the engine's time begins anew with each period
         return self._with(maths.wrapped(self, period))  # what is ahead of it, or behind
@@ -132,16 +136,18 @@ _IF = "a law uses `if`, `and`, `or`, `min` or `max` on a symbol; write where(con
 
 
 class Condition:
-    """`difference > 0`, not decided; `where` turns it into a select on a held flag."""
+    """`difference > 0`, or where it is weak `difference >= 0`, not decided; `where` turns it into a select on a held flag."""
 
-    def __init__(self, difference: Sym):
-        self.difference = difference
+    def __init__(self, difference: Sym, weak: bool = False):
+        self.difference, self.weak = difference, weak
 
     def __bool__(self) -> bool:
-        raise TraceError(_IF)
+        return self.difference.graph.decided(self)
 
     def __ss_where__(self, yes: Any, no: Any) -> Sym:
         graph = self.difference.graph
+        if graph.at_once and self.weak:
+            return graph.select(-self.difference, self.difference._with(no), self.difference._with(yes))
         held = graph.sign(self.difference) if graph.varies(self.difference) else self.difference
         return graph.select(held, self.difference._with(yes), self.difference._with(no))
 
@@ -152,7 +158,7 @@ class Condition:
         return _Both(self, other, both=False)
 
     def __invert__(self) -> Condition:
-        return Condition(-self.difference)
+        return Condition(-self.difference, not self.weak)
 
 
 class _Both(Condition):
@@ -160,6 +166,9 @@ class _Both(Condition):
 
     def __init__(self, first: Condition, second: Condition, both: bool):
         self.first, self.second, self.both = first, second, both
+
+    def __bool__(self) -> bool:
+        return bool(self.first and self.second) if self.both else bool(self.first or self.second)
 
     def __ss_where__(self, yes: Any, no: Any) -> Sym:
         if self.both:
@@ -180,6 +189,8 @@ class Graph:
         self.clocks: list[Sym] = []  # clocks[k] is linear in time, and its sign is the flag clk<k>
         self.units: dict[str, Sym] = {}  # typical sizes of variables, by name
         self.assumed: dict[int, float] = {}  # signs that are not asked for: number of a node -> +1 or -1
+        self.begins_anew = True  # time is 0 at the beginning of each period
+        self.at_once = False  # conditions are those of one instant: nothing is held, so that no flag is made
         self._derivatives: dict[tuple[int, int], Sym] = {}
         self._varies: dict[int, frozenset[str]] = {}
 
@@ -188,6 +199,10 @@ class Graph:
         if key not in self._known:
             self._known[key] = Sym(self, op, args, max((a.level for a in args), default=0) if level is None else level, name, value)
         return self._known[key]
+
+    def decided(self, condition: Condition) -> bool:
+        """What plain Python is told that asks whether a condition holds."""
+        raise TraceError(_IF)
 
     def constant(self, value: Any) -> Sym:
         """A literal number."""
@@ -360,7 +375,7 @@ class Graph:
             return self.constant(1.0)
         if a.op == "reciprocal" or a.op in _ODD:
             return self.sign(a.args[0])
-        if not self.varies(a):
+        if not self.varies(a) or self.at_once:
             return a if _is_sign(a) else self.select(a, self.constant(1.0), self.constant(-1.0))
         if self.varies(a) == {"t"} and not self.varies(self.derivative(a, self.variable("t"))):
             return self._clock(a)

@@ -102,11 +102,23 @@ class System:
     kicks: tuple[tuple[Sym, ...], ...] = ()  # change of each impulse
     forgetting: dict[int, Sym] = field(default_factory=dict)  # changes where an impulse takes v through zero, by number of the state
     settled: dict[int, Sym] = field(default_factory=dict)  # changes with which a run begins, by number of the state: of what rests there
+    labels: int = 0  # without contacts, the first so many modes are kept with each piece; the very first one is given with a start
+    sizes: tuple[Sym, ...] = ()  # of the states where a step begins, if no machine says how large they are; a step is as exact as these
 
     @property
     def dynamic(self) -> bool:
         """Whether the laws have a rate and a force, and so never rest exactly."""
-        return all(contact.branches is None for contact in self.contacts)
+        return not self.labels and all(contact.branches is None for contact in self.contacts)
+
+    @property
+    def sides(self) -> int:
+        """How many modes are kept with each piece of the motion: of each contact one."""
+        return len(self.contacts) or self.labels
+
+    @property
+    def memories(self) -> int:
+        """How many modes are given with a start."""
+        return len(self.modes) if self.dynamic else min(self.labels, 1)
 
     @property
     def states(self) -> int:

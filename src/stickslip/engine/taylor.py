@@ -89,7 +89,7 @@ class _SeriesWriter:
         for switch in self.eq.switches.values():  # what they need is held by the lane too
             for new in (*switch.modes, *switch.states):
                 self._hold(new)
-        for node in (self.eq.offset, self.eq.period):
+        for node in (*self.eq.offsets[:1], self.eq.period):
             self._hold(node)
         return Step(tuple(self.w.lines), tuple(self._fields()), tuple(self.w.case_nodes), ORDER, series=True)
 
@@ -119,28 +119,44 @@ class _SeriesWriter:
         w = self.w
         w.line("_longest", f"{literal(LONGEST)} * {self.period}")
         w.line("_hh", "1.0 * _longest")
-        tolerated = self._tolerated()
-        w.begin(f"for m in range({ORDER - 1}, {ORDER + 1})")
-        for row, least in tolerated:
-            self._limit(row, least)
-        w.end()
+        if self.eq.sizes:  # nothing says how long a step is but the states: what a guard may leave out is measured within theirs
+            self._limit_by(self._of_states())
+            self._limit_by(self._of_guards("_hh"))
+        else:
+            self._limit_by([*self._of_states(), *self._of_guards("_longest")])
         w.line("_rem", "_tend - _t")
         w.line("_last", "1.0 if _rem <= _hh * 1.0000001 else 0.0")
         w.line("_hh", "_rem if _last > 0.5 else _hh")
 
-    def _tolerated(self) -> list[tuple[str, str]]:
-        """The rows that limit a step, each with the size that its last terms may have."""
-        w, eq = self.w, self.eq
-        scales = (*(eq.velocity_scale for _ in eq.offsets), *eq.scales[eq.coordinates :])
-        found = [(y, f"{literal(ROUNDING)} * {self._value(s)}") for y, s in zip(self.eq.y, scales, strict=True) if s is not None]
+    def _limit_by(self, tolerated: list[tuple[Sym, str]]) -> None:
+        """Shorten the step until the last terms of some series are below their sizes."""
+        w = self.w
+        rows = [(self.rows[node.number], w.line(w.fresh(), text)) for node, text in tolerated]
+        if not rows:
+            return
+        w.begin(f"for m in range({ORDER - 1}, {ORDER + 1})")
+        for row, least in rows:
+            self._limit(row, least)
+        w.end()
+
+    def _of_states(self) -> list[tuple[Sym, str]]:
+        """The states that limit a step, each with the size that its last terms may have."""
+        eq = self.eq
+        passive = (None,) * eq.passive
+        scales = (*eq.sizes, *passive) if eq.sizes else (*(eq.velocity_scale for _ in eq.offsets), *eq.scales[eq.coordinates :])
+        return [(y, f"{literal(ROUNDING)} * {self._value(s)}") for y, s in zip(eq.y, scales, strict=True) if s is not None]
+
+    def _of_guards(self, reach: str) -> list[tuple[Sym, str]]:
+        """The same of the guards, which are as large as they become within some time, and of quotients."""
+        found = []
         for _, guard in self.watched:
             if guard.number in self.rows:
                 low = [self._value(guard), *(f"{self.rows[guard.number]}[{m}]" for m in (1, 2, 3))]
-                size = horner([f"abs({c})" for c in low], "_longest")
+                size = horner([f"abs({c})" for c in low], reach)
                 found.append((guard, f"{literal(ROUNDING)} * ({size} + 1e-290)"))
         for quotient, ways in self.quotients.items():
             found.append((quotient, f"{literal(NEAR_POLE)} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
-        return [(self.rows[node.number], w.line(w.fresh(), text)) for node, text in found]
+        return found
 
     def _counts(self, ways: list[Way]) -> str:
         """Whether what is held leads to a part of the equations."""

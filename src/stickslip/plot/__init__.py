@@ -5,6 +5,7 @@ from stickslip.plot.chaos import chaos_map
 from stickslip.plot.contacts import contacts
 from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
+from stickslip.plot.flows import states
 from stickslip.plot.maps import motion_map, velocity_map
 from stickslip.plot.records import comparison, fitted, record_spectrum, residuals
 from stickslip.plot.runs import forces, phase, velocity
@@ -13,5 +14,6 @@ from stickslip.plot.tracked import attractors
 
 __all__ = [
     "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted",
-    "forces", "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "velocity", "velocity_map",
+    "forces", "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
+    "velocity", "velocity_map",
 ]  # fmt: skip

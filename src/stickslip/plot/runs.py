@@ -12,10 +12,12 @@ from stickslip.analysis.steady import LONGEST_PERIOD, period_number
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.datasets import names_of
 from stickslip.errors import InputError
+from stickslip.flow import is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
+from stickslip.plot.flows import flow_phase
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 
@@ -199,6 +201,8 @@ def phase(
     ax: Ax = None,
     labels: Sequence[str] | None = None,
     duration: float | None = None,
+    x: str | None = None,
+    y: str | None = None,
 ) -> Any:
     """Phase portrait: velocity against the displacement without its drift, with the strobe points marked.
 
@@ -218,6 +222,8 @@ def phase(
         Names of the runs; their laws' names if not given.
     duration : float, optional
         How much of the end of the runs to show [s], for a mechanism that nothing drives; all if not given.
+    x, y : str, optional
+        Of a run of a `SwitchingFlow` the states to draw against each other; the first two if not given.
 
     Returns
     -------
@@ -230,6 +236,8 @@ def phase(
     >>> ss.plot.phase(run).get_xlabel()
     'displacement without drift $x - Vt$ (µm)'
     """
+    if is_flow(getattr(run, "model", None)) and not isinstance(run, Summary):
+        return flow_phase(run, x, y, ax, duration)
     runs = _runs(run, several=True)
     names = _labels(runs, labels)
     if duration is not None and runs[0].model.period is not None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Literal, overload
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.flow import is_flow
 from stickslip.solvers.methods import METHODS, method_for
 from stickslip.solvers.request import request
 from stickslip.summary import Summary
@@ -44,7 +45,7 @@ def solve(
 
     Parameters
     ----------
-    model : Robot or PulledMass, BlockOnBelt, ForcedOscillator
+    model : Robot or PulledMass, BlockOnBelt, ForcedOscillator, a machine of several bodies, or a SwitchingFlow
         What to solve. If any of its numbers is an array it is a batch, and the result has that shape.
     periods : int, optional
         Drive periods to simulate, 200 if neither this nor `duration` is given.
@@ -56,7 +57,7 @@ def solve(
     start : dict
         Start values of ``x`` [m], ``v`` [m/s], inner states ``z`` [m] and, of a law that remembers, its whole numbers ``memory``; what is
         left out is zero. Arrays broadcast with the batch. Where a law has several of ``z`` or of ``memory`` their shape is (batch, count):
-        the last axis holds them, and one number stands for all of them.
+        the last axis holds them, and one number stands for all of them. Of a `SwitchingFlow` its states by name, or a list of them.
     workers : int
         Threads for a batch. The result does not depend on it.
     keep : {"trajectory", "summary"}, optional
@@ -74,11 +75,12 @@ def solve(
     observe : dict of Observable, optional
         Columns of your own for a batch, by name: see `observable`.
     **options
-        Options of the method: ``steps`` per period for "rk4".
+        Options of the method: ``steps`` per period for "rk4". Of a `SwitchingFlow` ``mode``, in which it begins; the first if not given.
 
     Returns
     -------
     Trajectory or Summary
+        Of one case of a `SwitchingFlow` a `FlowRun`.
 
     Raises
     ------
@@ -94,6 +96,10 @@ def solve(
     >>> f"{ss.mean_velocity(run):.6f} m/s"
     '0.002015 m/s'
     """
+    if is_flow(model):
+        from stickslip.solvers import flow_solving
+
+        return flow_solving.solve(model, periods, settle, start, keep, samples, method, progress, duration, options)
     todo = request(
         model, periods, settle, rtol, start, workers, keep, samples, method, slip_ratio, dwell, progress, options, duration, observe
     )

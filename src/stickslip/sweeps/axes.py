@@ -12,6 +12,7 @@ from stickslip.arguments import parameters_of
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, masked_in
+from stickslip.flow import is_flow
 
 __all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
@@ -180,12 +181,15 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
     if known is None:
         return
     for name in given:
-        if name not in known and name not in START:
-            problems.add(f"{name!r} is not known; {did_you_mean(name, [*known, *options, *START])}")
+        starts = () if is_flow(make) else START
+        if name not in known and name not in starts:
+            problems.add(f"{name!r} is not known; {did_you_mean(name, [*known, *options, *starts])}")
 
 
 def _known(make: Any, given: Sequence[str], problems: Problems) -> list[str] | None:
     """Names that a maker takes; None if it takes any."""
+    if is_flow(make):
+        return [*(name for name, _ in leaves(make)), *(f"start.{name}" for name in make.states or ())]
     if not callable(make):
         if not hasattr(make, "replace"):
             problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")

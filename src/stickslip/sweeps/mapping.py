@@ -10,11 +10,12 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems
+from stickslip.flow import is_flow
 from stickslip.sweeps.columns import BETWEEN, all_failed, empty, part_columns
 from stickslip.sweeps.datasets import dataset, labels_of, provenance_of
 from stickslip.sweeps.planning import SOLVER, Plan, planned
 from stickslip.sweeps.progress import Watch
-from stickslip.sweeps.running import carried_out
+from stickslip.sweeps.running import carried_out, sweep
 from stickslip.sweeps.solving import Cancelled, solved_points
 
 if TYPE_CHECKING:
@@ -57,6 +58,8 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     >>> bool((grid.status == 102).mean() > 0.6), grid.motion_type.sel(amplitude=6e-4, omega=205, method="nearest").item()
     (True, 'III')
     """
+    if is_flow(make):
+        return _of_flow(make, refine, arguments)
     how = {name: arguments.pop(name) for name in _HOW if name in arguments}
     if refine:
         _check_refining({**how, **arguments}, coarse)
@@ -67,6 +70,17 @@ def map(make: Maker, refine: bool = False, coarse: int = 33, **arguments: Any) -
     if not refine:
         return carried_out(plan, tile, **how)
     return _Refined(plan, how.get("workers", 1), Watch(plan.cases, how.get("progress"))).grid(coarse)
+
+
+def _of_flow(flow: Any, refine: bool, arguments: dict[str, Any]) -> Any:
+    """Two numbers of a flow, or of its start."""
+    if refine:
+        raise InputError("map", ["refine=True looks for borders of motion types, which a flow has not; leave it out"])
+    grid = sweep(flow, **arguments)
+    if len(grid.sizes) != 2:
+        named = ", ".join(f"{name}" for name in grid.sizes) or "none"
+        raise InputError("map", [f"the axes are {named}; allowed are exactly two, of numbers; type sweep for others"])
+    return grid
 
 
 _HOW = ("workers", "out", "resume", "shard", "client", "retries", "progress")

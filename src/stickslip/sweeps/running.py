@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
+from stickslip.flow import is_flow
 from stickslip.sweeps.columns import all_failed, base_of
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
@@ -114,6 +115,13 @@ def sweep(
     >>> dict(grid.sizes), grid.motion_type.sel(tilt_deg=1.7).values.tolist()
     ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
     """
+    if is_flow(make):
+        from stickslip.sweeps.flows import sweep_of_flow
+
+        periods = None if duration is not None and periods == 200 else periods  # type: ignore[assignment]
+        how = {"continue_along": continue_along, "out": out, "resume": resume, "shard": shard, "client": client}
+        asked = {"periods": periods, "settle": settle, "start": start, "method": method, "duration": duration}
+        return sweep_of_flow(make, designs, axes, workers, progress, how, **asked, keep=None, samples=400, options={})
     options = {
         "periods": periods,
         "duration": duration,

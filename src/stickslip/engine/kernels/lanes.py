@@ -175,6 +175,16 @@ def next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, STAR
     return True
 
 
+@njit(boolean(f1, i1), **OPTIONS)
+def is_piece(S, D):
+    """Whether the last step took some time, or switched at one instant what is kept with a piece."""
+    piece = S[D[F_T]] != S[D[F_T0]]
+    if D[SET_VALUED] == 1:
+        for i in range(D[CONTACTS]):
+            piece = piece or S[D[F_SIDE] + i] != S[D[F_MODE] + i]
+    return piece
+
+
 @njit(void(f1, i2, i1, f2, i1), **OPTIONS)
 def keep_piece(S, N, CURSOR, PIECES, D):
     """Write the last step's dense output, in powers of its own part of the step."""
@@ -278,7 +288,7 @@ def advance(
         call_step(D[AT_STEP], S, rtol, budget)
         if D[SET_VALUED] == 1:
             call_land(D[AT_LAND], S, budget, D)
-        if pieces_wanted and S[D[F_T]] != S[D[F_T0]]:
+        if pieces_wanted and is_piece(S, D):
             keep_piece(S, N, CURSOR, PIECES, D)
         if recording > 0:
             watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)

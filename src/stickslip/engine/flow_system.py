@@ -1,0 +1,260 @@
+"""A switching flow as a System: its plain Python is called with symbols, and a mode chooses what a step computes with.
+
+A flow has no contacts. Its mode is a number that a step holds, of which each rate is a choice; a guard is watched in its own mode
+alone. Plain Python may ask: where a field, a guard, a reset or the mode after a switch says ``if``, it is called once for each
+answer, and the answers become choices. A field's condition is held for a step and found at its zero, as that of a friction law is;
+what a switch asks it asks at its instant. Numbers that stand in a flow's lines are numbers of the case, so that flows that differ in
+nothing else share a kernel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+from stickslip.engine.symbolic import SPAN
+from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
+from stickslip.engine.system import Switch, System
+from stickslip.engine.trace import instants_of
+from stickslip.engine.values import needed_by
+
+__all__ = ["BEGIN", "ENDED", "MOST", "RESTLESS", "SIZE", "FlowSystem", "flow_system"]
+
+#: Columns of a row beside a flow's own numbers: the time at the start, the most switches, and what each state is measured against.
+BEGIN, MOST, SIZE = "#begin", "#most", "#size"
+#: Status of a run that ended after as many switches as it may have, and of one whose switches accumulate.
+ENDED, RESTLESS = 8, 9
+_MANY, _AT_ONCE = 100.0, 1e-7  # so many switches within this part of a run accumulate: at that rate it would have 1e9
+_PATHS = 200  # answers to all that a function asks
+_PLAIN = frozenset((0.0, 0.5, 1.0, 2.0))
+_SMALL, _LEAST = 1e-3, 1e-9  # of the largest state, and of the start: what a state that passes zero is measured against
+
+
+@dataclass(frozen=True)
+class FlowSystem:
+    """A traced flow.
+
+    Parameters
+    ----------
+    system : System
+    constants : dict
+        The numbers that stand in the flow's lines, by the names of their columns.
+    modes : tuple
+        The flow's modes; the first has number 1.
+    """
+
+    system: System
+    constants: Mapping[str, float]
+    modes: tuple[Any, ...]
+
+
+class _Asking(Graph):
+    """A graph that answers plain Python's questions as a script says, and takes the numbers that it meets for numbers of the case."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.begins_anew = False
+        self.constants: dict[str, float] = {}
+        self.of_user = False  # whether the numbers that come stand in a user's lines
+        self._script: list[bool] = []
+        self._asked: dict[int, Condition] = {}
+        self._answers: dict[int, bool] = {}
+
+    def constant(self, value: Any) -> Sym:
+        """A number: of the case, unless it is one that shapes equations, such as 0 and 1."""
+        found = super().constant(value)
+        if abs(found.value) in _PLAIN or not self.of_user:
+            return found
+        name = f"#{found.value!r}"
+        self.constants[name] = found.value
+        return self.case(name)
+
+    def decided(self, condition: Condition) -> bool:
+        """The answer on this path."""
+        asked = condition.difference
+        if asked.op == "constant":
+            return asked.value > 0.0 or (condition.weak and asked.value == 0.0)
+        if asked.number not in self._answers:
+            self._asked[asked.number] = condition
+            self._answers[asked.number] = self._script[len(self._answers)] if len(self._answers) < len(self._script) else True
+        return self._answers[asked.number]
+
+    def explored(self, f: Callable[[], Any]) -> Any:
+        """What a function gives on every path through it: a tree of `_Choice` with its answers for leaves."""
+        return self._path(f, [], [_PATHS])
+
+    def _path(self, f: Callable[[], Any], script: list[bool], left: list[int]) -> Any:
+        left[0] -= 1
+        if left[0] < 0:
+            raise TraceError(f"a function asks more than {_PATHS} questions of `if`")
+        self._script, self._asked, self._answers = script, {}, {}
+        found = f()
+        answers, asked = list(self._answers.values()), list(self._asked.values())
+        for k in range(len(answers) - 1, len(script) - 1, -1):
+            found = _Choice(asked[k], found, self._path(f, [*answers[:k], False], left))
+        return found
+
+
+@dataclass(frozen=True)
+class _Choice:
+    condition: Condition
+    yes: Any
+    no: Any
+
+
+class _Tracer:
+    """One flow of n states, called with symbols."""
+
+    def __init__(self, flow: Any, n: int):
+        self.flow, self.n, self.graph = flow, n, _Asking()
+        graph = self.graph
+        self.modes = tuple(flow.fields)
+        self.t, self.y = graph.variable("t"), tuple(graph.variable(f"y{i}") for i in range(n))
+        self.time = self.t + graph.case(BEGIN)
+        self.held = tuple(graph.mode(f"mode{k}") for k in range(4))
+        self.mode, self.count, self.burst, self.since = self.held
+        self.numbers = {name: graph.case(name) for name in flow.numbers}
+        self.fields = [self._numbers(self._called(flow.fields[mode]), n) for mode in self.modes]
+        exits = [(k, switch) for k, mode in enumerate(self.modes) for switch in flow.switches.get(mode, ())]
+        self.guards = [(k, self._numbers(self._called(switch.guard), 1)[0]) for k, switch in exits]
+        graph.at_once = True  # from here on nothing is held
+        self.switches = [self._switch(switch) for _, switch in exits]
+
+    # ---- what a user's functions give ----
+    def _called(self, f: Callable[..., Any]) -> Any:
+        extra = (SimpleNamespace(**self.numbers),) if self.numbers else ()
+        self.graph.of_user = True
+        found = self.graph.explored(lambda: f(self.time, list(self.y), *extra))
+        self.graph.of_user = False
+        return found
+
+    def _numbers(self, found: Any, count: int) -> list[Sym]:
+        """So many expressions, choices as selects."""
+        if isinstance(found, _Choice):
+            yes, no = self._numbers(found.yes, count), self._numbers(found.no, count)
+            return [found.condition.__ss_where__(a, b) for a, b in zip(yes, no, strict=True)]
+        rows = list(found) if hasattr(found, "__iter__") else [found]
+        if len(rows) != count:
+            raise TraceError(f"{len(rows)} numbers where {count} are wanted")
+        return [self._number(row) for row in rows]
+
+    def _number(self, row: Any) -> Sym:
+        if isinstance(row, Sym):
+            return row
+        self.graph.of_user = True
+        found = self.graph.constant(_plain(row))
+        self.graph.of_user = False
+        return found
+
+    def _number_of(self, found: Any) -> Sym:
+        """The number of the mode that a function tells."""
+        if isinstance(found, _Choice):
+            return found.condition.__ss_where__(self._number_of(found.yes), self._number_of(found.no))
+        if isinstance(found, Sym) and found.op == "select":
+            held, yes, no = found.args
+            return self.graph.select(held, self._number_of(yes), self._number_of(no))
+        if isinstance(found, Sym):
+            found = self.graph.constants.get(found.name, found.value if found.op == "constant" else None)
+        if found not in self.modes:
+            raise TraceError(f"{found!r} is no mode of the flow")
+        return self.graph.constant(1.0 + self.modes.index(found))
+
+    # ---- what a mode chooses ----
+    def within(self, low: int, high: int, of: Callable[[int], Sym]) -> Sym:
+        """What the modes from low to below high choose, by halves."""
+        if high - low == 1:
+            return of(low)
+        middle = (low + high) // 2
+        beyond = self.mode - self.graph.constant(middle + 0.5)
+        return self.graph.select(beyond, self.within(middle, high, of), self.within(low, middle, of))
+
+    def only_in(self, places: set[int], guard: Sym, other: Sym) -> Sym:
+        """A guard in some modes, and what does not vary in the others."""
+        return self.within(0, len(self.modes), lambda k: guard if k in places else other)
+
+    # ---- switches ----
+    def _switch(self, switch: Any) -> Switch:
+        to = self._number_of(self._called(switch.to) if callable(switch.to) else switch.to)
+        states = tuple(self._numbers(self._called(switch.reset), self.n)) if switch.reset is not None else self.y
+        graph, one = self.graph, self.graph.constant(1.0)
+        late = self.t - self.since - graph.constant(_AT_ONCE) * graph.case(SPAN)
+        early = self.since - self.t  # a period has begun
+        near = graph.select(late, graph.constant(0.0), graph.select(early, graph.constant(0.0), one))
+        modes = (to, self.count + one, near * (self.burst + one), graph.select(near, self.since, self.t))
+        return Switch(modes, tuple(None if new is y else new for new, y in zip(states, self.y, strict=True)))
+
+    def ends(self) -> list[tuple[Sym, Switch]]:
+        """What ends a run: as many switches as it may have, and switches that accumulate."""
+        same, none, half = self.held, (None,) * self.n, self.graph.constant(0.5)
+        return [
+            (self.graph.case(MOST) - half - self.count, Switch(same, none, ENDED)),
+            (self.graph.constant(_MANY - 0.5) - self.burst, Switch(same, none, RESTLESS)),
+        ]
+
+    # ---- together ----
+    def flow_system(self) -> FlowSystem:
+        graph, N, n = self.graph, len(self.modes), self.n
+        f = tuple(self.within(0, N, lambda k, i=i: self.fields[k][i]) for i in range(n))  # type: ignore[misc]
+        one, zero = graph.constant(1.0), graph.constant(0.0)
+        guards = [self.only_in({k}, guard, one) for k, guard in self.guards]
+        held = [self.only_in(self._readers(i), guard, one) for i, guard in enumerate(graph.guards)]
+        ends = self.ends()
+        switches = dict(enumerate([*(switch for _, switch in ends), *self.switches], start=len(held)))
+        scales = tuple(graph.case(f"{SIZE}{i}") for i in range(n))
+        instants = [instant for clock in graph.clocks for instant in instants_of(graph, clock, self.t)]
+        names = (*self.numbers, *graph.constants, BEGIN, MOST, *(scale.name for scale in scales), SPAN)
+        eq = System(
+            graph=graph, names=names, t=self.t, y=self.y, f=f, bodies=(), slips_of=(), single=False, offsets=(), contacts=(), free=zero,
+            inertia=None, guards=(*held, *(guard for guard, _ in ends), *guards), signs=len(held), switches=switches,
+            modes=self.held, first_modes=(self.mode, zero, zero, zero), clocks=tuple(graph.clocks), instants=tuple(instants), impulses=(),
+            period=graph.case(SPAN), velocity_scale=one, free_velocity=scales[0], scales=scales, cyclic=False, mass=one, shares=(),
+            offered=None, labels=2, sizes=_sizes(graph, self.y, scales),
+        )  # fmt: skip
+        return FlowSystem(eq, dict(graph.constants), self.modes)
+
+    def _readers(self, flag: int) -> set[int]:
+        """The modes in which something reads a flag."""
+        name, found = f"b{flag}", set()
+        for k, field in enumerate(self.fields):
+            own = [guard for mode, guard in self.guards if mode == k]
+            if any(node.op == "flag" and node.name == name for node in needed_by([*field, *own])):
+                found.add(k)
+        return found
+
+
+def flow_system(flow: Any, n: int) -> FlowSystem:
+    """The equations of a flow of n states.
+
+    Raises
+    ------
+    TraceError
+        Where a function of the flow does with a symbol what only a number can do; or what it raises itself.
+
+    Examples
+    --------
+    >>> ball = SimpleNamespace(fields={"air": lambda t, y: (y[1], -9.81)}, switches={}, numbers={})
+    >>> found = flow_system(ball, 2)
+    >>> found.system.f, found.constants
+    ((y1, #-9.81), {'#-9.81': -9.81})
+    """
+    return _Tracer(flow, n).flow_system()
+
+
+def _sizes(graph: _Asking, y: Sequence[Sym], scales: Sequence[Sym]) -> tuple[Sym, ...]:
+    """What the states are measured against where a step begins: themselves, the others where they pass zero, and the start where all do."""
+    whole = graph.constant(0.0)
+    for state in y:
+        whole = whole + state * state
+    part, least = graph.constant(_SMALL**2), graph.constant(_LEAST**2)
+    return tuple(graph.call("sqrt", state * state + part * whole + least * (scale * scale)) for state, scale in zip(y, scales, strict=True))
+
+
+def _plain(row: Any) -> float:
+    """A plain number of whatever type."""
+    if isinstance(row, (int, float)) and not isinstance(row, bool):
+        return float(row)
+    if getattr(row, "size", 0) == 1 and getattr(getattr(row, "dtype", None), "kind", "") in "fiu":
+        return float(row.ravel()[0])
+    raise TraceError(f"{row!r} is no number")

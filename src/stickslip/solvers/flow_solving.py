@@ -1,0 +1,239 @@
+"""`solve` of a switching flow: one run with its dense output, or numbers of every case of a batch."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import Labels, labels_of, numbers_by_name, spread
+from stickslip.callbacks import told_of_progress
+from stickslip.engine.texts import recurrence
+from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
+from stickslip.fields import number
+from stickslip.flow import knows_mode, unknown_mode
+from stickslip.flow_run import FlowRun, extremes, polynomials
+from stickslip.solvers.flows import STATUSES, Unfollowed, followed, unknown
+from stickslip.summary import STATUS, Summary
+
+__all__ = ["Asked", "asked_of", "cases_of_flow", "columns_of", "solve", "starts_of", "untraced"]
+
+Array = Any
+_LONGEST = 32  # periods after which a motion may repeat
+_SAME = 1e-8  # of its size: strobe points this close are one
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """Arguments of `solve` in their final form."""
+
+    flow: Any
+    labels: Labels
+    states: Array  # (cases, n)
+    mode: Any
+    spans: Array  # (cases,) how long each is followed
+    settled: Array  # (cases,) what of it the numbers leave out
+    periods: int | None
+    settle: int
+    samples: int
+    keep: str
+
+
+def solve(
+    flow: Any,
+    periods: Any,
+    settle: Any,
+    start: Any,
+    keep: Any,
+    samples: Any,
+    method: Any,
+    progress: Any,
+    duration: Any,
+    options: dict[str, Any],
+) -> Any:
+    """A `FlowRun` of one case, or the `Summary` of a batch."""
+    asked = asked_of(flow, periods, settle, start, keep, samples, method, duration, options)
+    if asked.keep == "trajectory":
+        return _run(asked, start)
+    return _summary(asked, told_of_progress(progress, "solve"))
+
+
+def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, samples: Any, method: Any, duration: Any, options: Any) -> Asked:
+    """Check the arguments of `solve`; everything wrong with them is reported at once."""
+    problems = Problems("solve")
+    labels, mode = labels_of(flow), options.get("mode", next(iter(flow.fields)))
+    for name in options:
+        if name != "mode":
+            problems.add(
+                f"{name!r} is not an argument of solve for a flow; {did_you_mean(name, ('mode', 'start', 'duration', 'periods', 'settle'))}"
+            )
+    if not knows_mode(flow.fields, mode):
+        problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    if not is_one_of(method, ("auto", "exact")):
+        judge = 'for the second opinion of SciPy\'s integrator type ss.passage(flow, state, mode, duration, method="dop853")'
+        problems.add(f'method = {method!r}; allowed for a flow are "auto" and "exact"; {judge}')
+    if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
+        problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
+    if is_one_of(keep, ("trajectory",)) and labels.shape:
+        problems.add(
+            f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
+        )
+    problems.whole("samples", samples, 4, example=200)
+    states = starts_of(flow, start, labels, problems)
+    spans, settled, periods, left = _spans(flow, labels, periods, settle, duration, problems)
+    problems.check()
+    if why := unknown(flow, states.shape[1]):
+        raise InputError("solve", [untraced(why)])
+    keep = keep or ("summary" if labels.shape else "trajectory")
+    return Asked(flow, labels, states, mode, spans, settled, periods, left, int(samples), keep)
+
+
+def _spans(flow: Any, labels: Labels, periods: Any, settle: Any, duration: Any, problems: Problems) -> tuple[Array, Array, int | None, int]:
+    """How long each case is followed, how much of that is left out of its numbers, and both in periods of the forcing."""
+    cases = int(np.prod(labels.shape, dtype=np.int64))
+    T = None if flow.period is None else np.broadcast_to(spread(flow.period, labels), (cases,))
+    if duration is not None:
+        if periods is not None:
+            problems.add(f"periods = {periods!r} and duration = {duration!r} are both given; allowed is one of them; leave periods out")
+        if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < 1e12:
+            problems.add(f"duration = {duration!r}; allowed is a positive time; type for example duration=10.0")
+            duration = 1.0
+        if settle not in (None, 0, "auto"):
+            problems.add(f"settle = {settle!r} counts periods, and duration= is given; leave settle out, or give periods=")
+        return np.full(cases, float(duration)), np.zeros(cases), None, 0
+    if T is None:
+        problems.add("the flow has no period, so periods does not say how long to run; type duration=60.0")
+        return np.ones(cases), np.zeros(cases), None, 0
+    periods = 200 if periods is None else periods
+    problems.whole("periods", periods, 1, example=200)
+    if not is_whole(periods) or periods < 1:
+        return np.ones(cases), np.zeros(cases), None, 0
+    left = periods // 2 if settle is None or is_one_of(settle, ("auto",)) else settle
+    if not is_whole(left) or not 0 <= left < periods:
+        problems.add(f"settle = {settle!r}; allowed is a whole number from 0 below periods = {periods!r}, or None")
+        left = 0
+    return periods * T, left * T, int(periods), int(left)
+
+
+def starts_of(flow: Any, start: Any, labels: Labels, problems: Problems) -> Array:
+    """The states in which the cases begin (cases, n), from a dict by name or from numbers along the last axis."""
+    cases = int(np.prod(labels.shape, dtype=np.int64))
+    if isinstance(start, Mapping) or (start is None and flow.states is not None):
+        return _named_starts(flow, start or {}, labels, cases, problems)
+    try:
+        array = np.asarray(number(start), float)
+        n = len(flow.states) if flow.states is not None else array.shape[-1]
+        if array.ndim and array.shape[-1] == n and n and np.all(np.isfinite(array)):
+            return np.broadcast_to(array, (*labels.shape, n)).reshape(cases, n) + 0.0
+    except (TypeError, ValueError, IndexError):
+        pass
+    told = (
+        "a list of finite numbers, one for each coordinate"
+        if flow.states is None
+        else f"finite numbers for {', '.join(flow.states)}, or a dict of them"
+    )
+    problems.add(f"start = {start!r}; allowed is {told}; type for example start=[0.5, 0.0]")
+    return np.zeros((cases, 1))
+
+
+def _named_starts(flow: Any, start: Any, labels: Labels, cases: int, problems: Problems) -> Array:
+    if flow.states is None:
+        problems.add(
+            f"start = {start!r}, but the states of the flow have no names; type start=[0.5, 0.0], or give the flow states=('x', 'v')"
+        )
+        return np.zeros((cases, 1))
+    table = np.zeros((cases, len(flow.states)))
+    for name, value in start.items():
+        if name not in flow.states:
+            problems.add(f"start has no {name!r}; {did_you_mean(str(name), flow.states)}")
+            continue
+        try:
+            table[:, flow.states.index(name)] = np.broadcast_to(spread(number(value), labels), (cases,))
+        except (TypeError, ValueError) as error:
+            problems.add(f"start {name} = {value!r}; allowed is a finite number, or one for each case ({error})")
+    if not np.isfinite(table).all():
+        problems.add(f"start = {start!r} has numbers that are not finite")
+    return table
+
+
+def cases_of_flow(flow: Any) -> list[Any]:
+    """Every case of a batch as a flow of single numbers."""
+    cases = int(np.prod(labels_of(flow).shape, dtype=np.int64))
+    columns = {name: np.broadcast_to(np.asarray(value, float), (cases,)) for name, value in numbers_by_name(flow).items()}
+    return [flow.replace({name: float(column[k]) for name, column in columns.items()}) if columns else flow for k in range(cases)]
+
+
+def _run(asked: Asked, start: Any) -> FlowRun:
+    flow, y = asked.flow, asked.states[0]
+    done = followed(flow, y, asked.mode, float(asked.spans[0]), growth=False)
+    import stickslip
+
+    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
+    given = dict(zip(flow.names(len(y)), map(float, y), strict=True))
+    return FlowRun(
+        flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods,
+        asked.settle, STATUS[0], asked.samples, given, {"versions": versions}, {"steps": done.steps},
+    )  # fmt: skip
+
+
+def untraced(why: str) -> str:
+    """Why the engine cannot follow a flow, and what to type."""
+    judge = "type ss.passage(flow, state, mode, duration), which SciPy's integrator follows on plain Python"
+    return (
+        f"the engine cannot call the flow's functions with symbols: {why}; write them in plain arithmetic with stickslip.maths, or {judge}"
+    )
+
+
+def _summary(asked: Asked, progress: Any) -> Summary:
+    found: list[dict[str, Any]] = []
+    for k, flow in enumerate(cases_of_flow(asked.flow)):
+        found.append(columns_of(flow, asked.states[k], asked.mode, float(asked.spans[k]), float(asked.settled[k])))
+        if progress is not None:
+            progress(k + 1, len(asked.states))
+    names = list(found[0])
+    columns = {name: np.array([row[name] for row in found]).reshape(asked.labels.shape) for name in names}
+    settings = {"periods": asked.periods, "settle": asked.settle, "method": "exact"}
+    return Summary(asked.flow, asked.labels, columns, dict(STATUSES), {"settings": settings})
+
+
+def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> dict[str, Any]:
+    """The numbers of one case: mean, smallest and largest value of each state after settling, the switches there, and where it ends."""
+    names = flow.names(len(y))
+    try:
+        begin = 0.0
+        if settled > 0.0:
+            before = followed(flow, y, mode, settled, growth=False)
+            y, mode, begin = before.state, before.mode, settled
+        done = followed(flow, y, mode, span - settled, begin, growth=False)
+    except Unfollowed as error:
+        unsolved = {f"{what}_{name}": np.nan for what in ("mean", "min", "max", "end") for name in names}
+        return unsolved | {"end_mode": -1, "switches": -1} | ({"period": 0} if flow.period is not None else {}) | {"status": error.status}
+    nodes, c, end = done.nodes, done.coefficients, done.state
+    low, high = extremes(c, np.vstack([done.passed, end]))
+    powers = np.arange(1, c.shape[-1] + 1)
+    mean = (np.diff(nodes)[:, None] * (c / powers).sum(axis=-1)).sum(axis=0) / (nodes[-1] - nodes[0])
+    found = {f"mean_{name}": mean[i] for i, name in enumerate(names)}
+    found |= {f"min_{name}": low[i] for i, name in enumerate(names)} | {f"max_{name}": high[i] for i, name in enumerate(names)}
+    found |= {f"end_{name}": end[i] for i, name in enumerate(names)}
+    found |= {"end_mode": list(flow.fields).index(done.mode), "switches": len(done.events)}
+    if flow.period is not None:
+        found["period"] = _period(nodes, c, end, float(flow.period))
+    return found | {"status": 0}
+
+
+def _period(nodes: Array, c: Array, end: Array, T: float) -> int:
+    """After how many periods of the forcing the motion repeats; 0 if that is not seen."""
+    t = nodes[0] + np.arange(int((nodes[-1] - nodes[0]) / T + 1e-9) + 1) * T
+    if len(t) < 3:
+        return 0
+    t = np.minimum(t, nodes[-1])
+    index = np.clip(np.searchsorted(nodes, t, side="right") - 1, 0, len(c) - 1)
+    y = polynomials(c[index], (t - nodes[index]) / (nodes[index + 1] - nodes[index]))
+    y[-1] = end
+    points = np.column_stack([np.zeros(len(y)), y])
+    scales = np.full(c.shape[1], max(float(abs(y).max()), 1e-300))
+    last = len(points) - 1
+    return int(recurrence().period_number(points, last, last, _LONGEST, scales, _SAME, _SAME)[0])

@@ -1,0 +1,237 @@
+"""Switching flows on the compiled engine: one run with all that happened in it and how disturbances grow, or the ends of many."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.engine import lanes
+from stickslip.engine.flow_system import BEGIN, ENDED, MOST, RESTLESS, SIZE, FlowSystem, flow_system
+from stickslip.engine.symbolic import SPAN
+from stickslip.engine.tangent import part_in, tangent
+from stickslip.errors import SolveError
+from stickslip.flow_run import ModeChange
+from stickslip.sealing import sealed
+from stickslip.summary import STATUS
+
+__all__ = ["MOST_SWITCHES", "STATUSES", "Followed", "Unfollowed", "ends", "followed", "unknown"]
+
+Array = Any
+MOST_SWITCHES = 10_000  # in one run, if it is not said
+_BUDGET = 200_000  # steps
+_NO_NUMBER = 4
+_FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
+_KEPT = 64  # flows whose equations are kept
+_SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
+#: What a status code of a flow says.
+STATUSES = {
+    **STATUS,
+    ENDED: f"more than {MOST_SWITCHES} switches",
+    RESTLESS: "its switches accumulate: it chatters, or comes to rest in ever shorter jumps",
+}
+_systems: dict[Any, FlowSystem | str] = {}
+_kernels: dict[Any, tuple[lanes.Kernel, tuple[str, ...]]] = {}
+
+
+class Unfollowed(SolveError):
+    """A run that ended before its time, with its status."""
+
+    def __init__(self, told: str, status: int):
+        super().__init__(told)
+        self.status = status
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """What the engine found of one start: its steps, its switches and its end; `growth` is the derivative of the end by the start."""
+
+    nodes: Array
+    modes: Array  # of each step, by the place among the flow's modes
+    coefficients: Array
+    events: list[ModeChange]
+    passed: Array  # states (switch, state) in which it is for an instant, between two switches
+    state: Array
+    mode: Any
+    time: float
+    growth: Array | None
+    forgets: bool
+    steps: int
+
+
+def unknown(flow: Any, n: int) -> str:
+    """Why the engine cannot follow a flow of n states: what one of its functions does that only plain numbers can do; "" if it can."""
+    found = _system(flow, n)
+    return found if isinstance(found, str) else ""
+
+
+def _key(flow: Any, n: int) -> Any:
+    """What a flow's equations depend on: its functions, and the names of its numbers."""
+    switches = tuple((mode, tuple(exits)) for mode, exits in flow.switches.items())
+    return tuple(flow.fields.items()), switches, tuple(flow.numbers), n
+
+
+def _system(flow: Any, n: int) -> FlowSystem | str:
+    """The equations of a flow, or why there are none."""
+    key = _key(flow, n)
+    if key not in _systems:
+        if len(_systems) >= _KEPT:
+            oldest = next(iter(_systems))
+            del _systems[oldest]
+            for record in (True, False):
+                _kernels.pop((oldest, record), None)
+        try:
+            _systems[key] = flow_system(flow, n)
+        except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
+            _systems[key] = str(error) or type(error).__name__
+    return _systems[key]
+
+
+def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
+    """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
+    found, key = _system(flow, n), (_key(flow, n), record)
+    if isinstance(found, str):
+        raise SolveError(found)
+    if key not in _kernels:
+        system = tangent(found.system, tuple(flow.numbers)) if record else found.system
+        made = lanes.kernel(system, None, "SwitchingFlow", record)
+        _kernels[key] = lanes.ordered(made, 1), system.names
+    return found, *_kernels[key]
+
+
+def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:
+    """Numbers of the case in the order of its kernel, for each start (cases, columns)."""
+    cases, size = len(y), np.max(abs(y), axis=1, initial=0.0)
+    size = np.where(size > 0.0, size, 1.0)
+    known: dict[str, Any] = {**found.constants, **flow.numbers, BEGIN: begin, MOST: MOST_SWITCHES if most is None else most, SPAN: span}
+    known |= {f"{SIZE}{i}": np.maximum(abs(y[:, i]), 1e-3 * size) for i in range(y.shape[1])}
+    known |= {part_in(name): 0.0 for name in names if part_in(name) in names}
+    return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
+
+
+def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0, most: int | None = None, growth: bool = True) -> Followed:
+    """Follow a flow from one start.
+
+    Parameters
+    ----------
+    flow : SwitchingFlow
+        Of single numbers.
+    y : array
+        Where it begins.
+    mode
+        In which mode.
+    duration, begin : float
+        How long, and the time at the start.
+    most : int, optional
+        It ends after so many switches.
+    growth : bool
+        Whether the derivative of the end by the start is asked for.
+
+    Raises
+    ------
+    SolveError
+        Where it cannot be followed, and why.
+    """
+    n, labels = len(y), list(flow.fields)
+    found, kernel, names = _kernel(flow, n, record=True)
+    row = _row(flow, found, names, y[None, :], duration, begin, most)
+    results = []
+    for direction in np.eye(n) if growth else np.zeros((1, n)):
+        start = np.concatenate([[0.0], y, direction, [0.0, 1 + labels.index(mode)]])
+        results.append(lanes.run(kernel, row, start[None, :], lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET), keep_pieces=True))
+        _check(flow, results[-1], begin, n, most)
+    whole, early = results[0], int(results[0].status[0]) == ENDED
+    last = round(float(whole.memory[0, 0]))
+    steps = whole.pieces[whole.pieces[:, 0] < 1]  # without what a lane does after its end
+    after = whole.pieces[len(steps) : len(steps) + 1, 4:6] if len(whole.pieces) > len(steps) else [[last, steps[-1, 5] + early]]
+    sides = np.concatenate([steps[:, 4:6], after])
+    where = np.flatnonzero(np.diff(sides[:, 1]) > 0)  # one switch more than before
+    told = [labels[int(number) - 1] for number in sides[:, 0]]
+    events = [ModeChange(begin + float(steps[k, 2]), told[k], told[k + 1]) for k in where]
+    lasts = steps[:, 2] > steps[:, 1]
+    long, passed = steps[lasts], steps[~lasts, _FIRST:].reshape(-1, kernel.states, kernel.degree + 1)[:, :n, 0]
+    nodes = begin + np.concatenate([steps[:1, 1], long[:, 2]])
+    nodes[-1] = nodes[-1] if early else begin + duration
+    M, forgets = _growth(results, where, n, kernel.states) if growth else (None, False)
+    coefficients = long[:, _FIRST:].reshape(len(long), kernel.states, kernel.degree + 1)[:, :n]
+    state = whole.end[0, 1 : 1 + n] + 0.0  # no negative zero
+    return Followed(
+        nodes, long[:, 4].astype(int) - 1, coefficients, events, passed, state, labels[last - 1], float(nodes[-1]), M, forgets,
+        int(whole.accepted[0]),
+    )  # fmt: skip
+
+
+def _growth(results: list[Any], where: Array, n: int, states: int) -> tuple[Array, bool]:
+    """The derivative of the end by the start, nan where a switch was only touched; and whether one wiped out a direction.
+
+    The results of all directions share their steps; each holds the change of the state along its own, and that of the last switch.
+    """
+    end = np.array([result.end[0, 1:] for result in results])
+    M, kept = end[:, n : 2 * n].T, np.array([result.pieces for result in results])
+    c = kept[..., _FIRST:].reshape(*kept.shape[:2], states, -1)
+    forgets, touched = False, not np.isfinite(M).all()
+    for k in where:
+        after = c[:, k + 1, n : 2 * n + 1, 0] if k + 1 < c.shape[1] else end[:, n : 2 * n + 1]
+        forgets = forgets or bool((after[:, :n] == 0.0).all(axis=0).any())
+        h = kept[0, k, 2] - kept[0, k, 1]
+        if h > 0.0 and np.isfinite(after).all():
+            before, rates = c[:, k, n : 2 * n].sum(axis=-1), (c[0, k, :n] * np.arange(c.shape[-1])).sum(axis=-1) / h
+            touched = touched or bool(abs(after[:, n]).max() * abs(rates).max() > _SHARP * abs(before).max())
+    return np.full((n, n), np.nan) if touched else M + 0.0, forgets
+
+
+def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0.0) -> tuple[Array, Array, Array]:
+    """The states and the modes (by place) of many starts after some time, side by side, and how each ended.
+
+    Parameters
+    ----------
+    flow : SwitchingFlow
+        Its numbers single, or an array with one for each start.
+    states : array (cases, n)
+    modes : array (cases,) of int
+        By the place among the flow's modes.
+    duration : float or array (cases,)
+        How long each is followed.
+    """
+    n = states.shape[1]
+    found, kernel, names = _kernel(flow, n, record=False)
+    rows = _row(flow, found, names, states, duration, begin, None)
+    start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
+    result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET))
+    status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, _NO_NUMBER))
+    good = status <= 1
+    y = np.where(good[:, None], result.end[:, 1:], np.nan)
+    return y, np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int), status
+
+
+def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> None:
+    """`SolveError` where a run ended before its time."""
+    status, rows = int(result.status[0]), result.pieces
+    width = (rows.shape[1] - _FIRST) // (2 * n + 1)
+    lost = np.flatnonzero(~np.isfinite(rows[:, _FIRST : _FIRST + n * width]).all(axis=1))
+    if status <= 1 and len(lost):
+        rows, status = rows[: lost[0]], _NO_NUMBER
+    if status <= 1 or (status == ENDED and most is not None):
+        return
+    t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
+    names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))
+    if status in (ENDED, RESTLESS):
+        seen = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
+        raise Unfollowed(accumulates(t, seen, None if status == RESTLESS else MOST_SWITCHES), status)
+    end = result.end[0, 1 : 1 + n].tolist()
+    told = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
+    raise Unfollowed(told, status)
+
+
+def accumulates(t: float, modes: list[str], most: int | None) -> str:
+    """That switches do not end."""
+    what = (
+        "the flow chatters, which needs a mode that slides along the guard, or it comes to rest in ever shorter jumps (Zeno), which needs "
+        "a mode of rest and a guard that leads there"
+    )
+    how = f"switches accumulate at t = {t:.9g} (modes {' -> '.join(modes)})"
+    if most is None:
+        return f"{how}: {what}"
+    return f"{how}: {most} until then; {what}; if they are meant, say how many: switches={10 * most}"
