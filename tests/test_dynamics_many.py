@@ -160,7 +160,7 @@ def test_a_maker_of_several_kinds_is_refused_and_the_kinds_are_named(make, told)
 # maps --------------------------------------------------------------------------------------------------------------
 
 
-def test_exponents_of_a_map_are_those_of_multipliers_and_of_the_variational_equation():
+def test_exponents_of_a_map_are_those_of_multipliers_and_of_the_tangent():
     found = ss.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=[4e-4, 6e-4], tilt_deg=1.7, settle=200, periods=100)
     for mu0, period in ((0.04, 2), (0.05, 1)):
         here = found.sel(mu0=mu0, amplitude=6e-4)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 import problems
 import stickslip as ss
+from stickslip.dynamics.mapping import coordinates, strobe_map
 from test_several_bodies import assert_phases, last_period
 
 ROWS = {**problems.COUPLED, **problems.MASSES}
@@ -137,3 +139,27 @@ def test_a_pair_starts_where_either_module_alone_would(phase):
     for amplitude, moves in ((border * (1 - 1e-9), False), (border * (1 + 1e-6), True)):
         run = ss.solve(problems.chain(0.0, phase, modules=(problems.module(amplitude=amplitude),) * 2), periods=3)
         assert bool(np.any(run.mode != 0)) == moves
+
+
+@dataclass(frozen=True, eq=False)
+class LaterWorm(problems.Worm):
+    """The worm, whose wave is somewhere else when it starts."""
+
+    begin: float = 0.0
+
+    def links(self):
+        omega = 2 * math.pi * self.frequency
+        first, last = (problems.Wave(self.amplitude, omega, self.begin + phase, "cosines") for phase in (0.0, self.lag))
+        return {("head", "middle"): first, ("middle", "tail"): last}
+
+
+def test_feet_that_take_over_from_one_another_do_not_chatter():
+    """At the handover two slips are zero at once, as well as the instant is known; every thirtieth start went to and fro there for ever."""
+    random = np.random.default_rng(0)
+    worms = LaterWorm(0.2, 0.2, 5.0, begin=random.uniform(-3, 3, 400))
+    ends = strobe_map(worms, random.normal(size=(400, 1)) * 0.03, 3)
+    assert np.all(ends.status == 0)
+    worm = LaterWorm(0.2, 0.2, 5.0, begin=-0.46387667)
+    start = coordinates(worm).start(np.array([0.01]))
+    one, judge = (ss.solve(worm, periods=3, settle=0, start=start, **more) for more in ({}, {"method": "dop853", "rtol": 1e-12}))
+    np.testing.assert_allclose(one.strobe_v, judge.strobe_v, atol=1e-13)

@@ -63,7 +63,7 @@ def test_a_machine_in_the_mirror_does_the_mirrored_motion(name):
     np.testing.assert_allclose(there, -here, rtol=1e-13, atol=1e-14 * np.max(abs(here)))
 
 
-@pytest.mark.parametrize("name", SOME[:-1])
+@pytest.mark.parametrize("name", SOME)
 def test_a_machine_that_begins_later_is_where_the_other_one_goes_on(name):
     """Twice later by parts that make up a period is the machine itself: clocks and impulses come back to their places."""
     machine, state = MACHINES[name], moving(MACHINES[name])

@@ -20,7 +20,7 @@ _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, 
 
 
 _ASIDE = 1e-4  # how far away the slope of a test function is taken
-_MULTIPLIERS = 1e-10  # how well they are known: the steps of the variational equation are halved until they change by ten times that
+_MULTIPLIERS = 1e-10  # how well they are known: under dynamic laws, at a tolerance of 1e-12, they are some 3e-11 from those at 3e-12
 _RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
 _BETWEEN = " | "  # the patterns of several contacts
 _UNSEEN = 1e-12  # an arc shorter than 1e-13 of a period is not seen; borders known in closed form are moved by up to 6e-13 of their value

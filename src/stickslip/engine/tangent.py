@@ -70,7 +70,7 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
     return replace(
         found,
         names=(*system.names, *map(part_in, names)),
-        switches=system.switches | switches,
+        switches=found.switches | switches,
         carried=tuple(rates),
         delays=tuple(given),
         kicks=tuple(tuple(map(along.of, jumps)) for _, jumps in system.impulses),

@@ -11,6 +11,7 @@ BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
 MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
 ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
 SHORTEST = 1e-22  # of a period
+SOON = 1.5e-14  # of a period: 64 roundings of the time
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
 BEGUN = 1e-3  # of a step: what touches zero before has begun there
 NEWTON = 60  # iterations at most; a handful is usual
@@ -81,14 +82,17 @@ def lowest(S, at, lo, hi):
     return x
 
 
-@njit(float64(f1, int64), **OPTIONS)
-def first_zero(S, at):
-    """Where a polynomial first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile, to rounding."""
+@njit(float64(f1, int64, float64, float64), **OPTIONS)
+def first_zero(S, at, h, period):
+    """Where a polynomial first falls below zero in [0, 1]; 2 if it does not, 3 if it touches zero meanwhile, to rounding.
+
+    One that begins below zero and rises through it at once is not below: so much does the time of the event before it not know.
+    """
     terms = 0.0
     for m in range(ORDER + 1):
         terms += abs(S[at + m * L])
     noise = NOISE * terms
-    if S[at] < noise:
+    if S[at] < noise and not (S[at + L] > 0.0 and -S[at] * h <= SOON * period * S[at + L]):
         return 0.0
     none, a, da = 2.0, 0.0, S[at + L]
     for j in range(LOOKS):
@@ -177,13 +181,13 @@ def moving(lane, S, D):
 def end_of_step(lane, S, W, D):
     """Where in its step a lane must stop (above 1: at its end), and the guard that stops it (-1: none)."""
     theta, which, touched = 2.0, -1.0, False
-    count = D[WATCHED] + D[EXPONENTS]
+    count, h, period = D[WATCHED] + D[EXPONENTS], S[D[F_HH] + lane], S[D[F_C] + D[PERIOD] * L + lane]
     for j in range(count):
         k = count - 1 - j if D[ORDERED] < 0 else j
         at = D[F_G] + k * (ORDER + 1) * L + lane
         if S[D[F_CLEAR] + k * L + lane] > 0.0 or (k >= D[WATCHED] and S[at] <= BELOW):
             continue
-        zero = first_zero(S, at)
+        zero = first_zero(S, at, h, period)
         touched = touched or (zero > 2.0 and k < D[WATCHED])
         if zero < (theta - TOGETHER if D[ORDERED] != 0 and which >= 0.0 and k < D[WATCHED] else theta):
             theta, which = zero, float(k) if k < D[WATCHED] else -1.0

@@ -58,6 +58,15 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
+@njit(void(int64, float64, boolean, boolean, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
+def carry_through(lane, slip_ratio, within, first, S, N, K, PARAM, SEGT, SEGC, D):
+    """The same with passive states that are changes of others: their part depends on the rates before and after."""
+    before, row = np.empty(D[CARRIED]), PARAM[N[lane, CASE]]
+    rates_now(lane, S[D[F_T] + lane], before, S, row, D)
+    pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
+    shift_changes(lane, within, first, before, S, row, D)
+
+
 @njit(void(int64, f1, i2, f2, f3, f3, f2, i2, f3, i1), **OPTIONS)
 def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     """Write a case's results."""
@@ -238,15 +247,14 @@ def watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
 @njit(void(int64, int64, int64, int64, float64, float64, f1, i2, f2, f3, f3, f2, f3, f2, f2, f2, b2, i1), **OPTIONS)
 def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D):
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
-    jumped, within, done, before = False, False, 0, np.empty(D[CARRIED])
+    jumped, within, done = False, False, 0
     if D[BREAKS] > 0:
         jumped = is_thrown(lane, S, D)
-        if D[CARRIED] > 0:
-            rates_now(lane, S[D[F_T] + lane], before, S, PARAM[N[lane, CASE]], D)
-        pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
         within = S[D[F_T] + lane] < S[D[F_C] + D[PERIOD] * D[LANES] + lane]
         if D[CARRIED] > 0:
-            shift_changes(lane, within, D[SET_VALUED] == 1 and jumped, before, S, PARAM[N[lane, CASE]], D)
+            carry_through(lane, slip_ratio, within, D[SET_VALUED] == 1 and jumped, S, N, K, PARAM, SEGT, SEGC, D)
+        else:
+            pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
     if not within:
         done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
         S[D[F_T] + lane] = 0.0
