@@ -36,6 +36,11 @@ def drive(rng, name):
             )
         case "bangbang":
             return ss.BangBang(a1=speed * omega * rng.uniform(0.2, 0.5), a2=speed * omega, period=period)
+        case "pieces":
+            d, a = period * rng.dirichlet(np.full(4, 3.0)), speed * omega * rng.uniform(-1, 1, 4)
+            return ss.Pieces(durations=tuple(map(float, d)), accelerations=tuple(map(float, a - (a @ d) / period)))
+        case "sawtooth":
+            return ss.Sawtooth(stroke=amplitude, rise=period * rng.uniform(0.5, 0.9), fall=period * rng.uniform(0.1, 0.5))
         case "trapezoid":
             return ss.Trapezoid(u1=speed * rng.uniform(0.1, 0.4), u2=speed, ramp=period * rng.uniform(0.02, 0.08), period=period)
         case "verticalvibration":

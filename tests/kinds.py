@@ -9,6 +9,7 @@ SOFT = {"sigma0": 2e4, "sigma1": 20.0}  # bristles that are soft enough for plai
 DRIVES = {
     **{name: kind.example() for name, kind in ss.DRIVES.items()},
     "twophase": ss.TwoPhase(stroke=1e-3, u1=0.05, u2=0.2),
+    "sawtooth": ss.Sawtooth(stroke=1e-3, rise=0.02, fall=0.005),
     "threephase": ss.ThreePhase(u1=0.1, w1=10.0, w2=60.0, w3=12.0),
 }
 TRACKS = {

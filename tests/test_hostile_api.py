@@ -104,6 +104,10 @@ def examples():
         "design": (ss.design, {"make": ss.presets.piezo_rig, "free": {"mu0": 0.18}, "experiments": {"amplitude": [5e-4, 6e-4]},
              "noise": 1e-4,
                                "samples": 20, "together": 1, "rivals": None, "using": "velocity", "tilt_deg": 1.7, "law": "coulomb"}),
+        "sensitivity": (ss.sensitivity, {"of": run, "wrt": ["drive.amplitude"]}),
+        "observable": (ss.observable, {"function": lambda s: s.v**2, "reduce": "mean", "unit": "m^2/s^2"}),
+        "Bodies": (ss.Bodies, {"mass": 0.05, "count": 3, "friction": ss.Coulomb(0.1, 0.3)}),
+        "Gait": (ss.Gait, {"drive": ss.Harmonic(2e-3, frequency=2.0), "lag": 2.0, "length": 0.02}),
         "cantilever_eigenvalues": (ss.cantilever_eigenvalues, {"tip_mass_ratio": 0.5, "n": 3}),
         "check_law": (ss.testing.check_law, {"law": ss.Coulomb(0.15, 0.2), "load": 1.0, "raise_": True}),
         "piezo_rig": (ss.presets.piezo_rig, {**RIG, "omega": 200.0, "mu0": 0.18, "f0": 0.2, "incline": "folded", "body_mass": 0.06}),
@@ -191,8 +195,9 @@ def examples():
 #: Public names that are no door: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "InputError", "LAWS", "Level", "Lyapunov",
-    "Machine", "Motion", "PeriodicOrbit", "Progress", "Record", "Rigid", "SolveError", "StickslipError", "Sum", "Trajectory", "Verdict",
-    "__version__", "designs", "paper", "plot", "presets",
+    "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError", "StickslipError",
+    "Sum", "Trajectory", "Verdict",
+    *(name for name in ss.__all__ if inspect.ismodule(getattr(ss, name))),
 }  # fmt: skip
 
 

@@ -127,6 +127,8 @@ COVERING = [
     ("dop853", "coulombviscous", "verticalvibration", "uphill"),
     ("dop853", "tabulated", "trapezoid", "varying"),
     ("dop853", "tanhcoulomb", "reversed", "varying"),
+    ("dop853", "coulomb", "pieces", "uphill"),
+    ("dop853", "coulomb", "sawtooth", "level"),
     ("dop853", "deadband", "twophase", "level"),
     ("dop853", "karnopp", "recorded", "level"),
     ("dop853", "sum", "threephase", "downhill"),

@@ -173,6 +173,19 @@ def _bang_bang(d: Draw) -> Any:
     return ss.BangBang(a1=a1, a2=a1 * d.wide(0.3, 5), period=0.03 * d.wide(0.1, 10))
 
 
+def _pieces(d: Draw) -> Any:
+    parts, period = int(d.choice.integers(2, 6)), 0.05 * d.wide(0.1, 10)
+    shares = d.choice.dirichlet(np.full(parts, 3.0))
+    strengths = [20.0 * d.uniform(-1.0, 1.0) * d.wide(0.3, 3) for _ in range(parts)]
+    mean = sum(s * a for s, a in zip(shares, strengths, strict=True))
+    return ss.Pieces(durations=tuple(s * period for s in shares), accelerations=tuple(a - mean for a in strengths))
+
+
+def _sawtooth(d: Draw) -> Any:
+    period, part = 0.1 * d.wide(0.1, 10), d.uniform(0.5, 0.95)
+    return ss.Sawtooth(stroke=1e-2 * d.wide(0.1, 10), rise=part * period, fall=(1 - part) * period)
+
+
 def _trapezoid(d: Draw) -> Any:
     u1, period = 0.05 * d.wide(0.1, 10), 0.1 * d.wide(0.1, 10)
     u2 = u1 * d.wide(0.3, 8)
@@ -200,7 +213,8 @@ def _reversed(d: Draw) -> Any:
 
 DRIVES: dict[str, Callable[[Draw], Any]] = {
     "harmonic": _harmonic, "multiharmonic": _multi, "twophase": _two_phase, "threephase": _three_phase, "bangbang": _bang_bang,
-    "trapezoid": _trapezoid, "recorded": _recorded, "verticalvibration": _vertical, "reversed": _reversed,
+    "pieces": _pieces, "sawtooth": _sawtooth, "trapezoid": _trapezoid, "recorded": _recorded, "verticalvibration": _vertical,
+    "reversed": _reversed,
 }  # fmt: skip
 TRACKS = ("level", "incline", "varying friction", "varying friction on an incline")
 

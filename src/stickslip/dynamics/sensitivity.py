@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -83,7 +84,7 @@ class Sensitivity:
 
 
 @explains_arguments
-def sensitivity(of: Any, wrt: Any = None) -> Sensitivity:
+def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     """Derivatives of the mean velocity and of the state by numbers of a machine.
 
     They are exact: small changes are carried along the motion by the derivatives of the equations, through every switch, impulse and stop,
