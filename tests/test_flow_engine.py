@@ -101,6 +101,26 @@ def test_continuation_finds_where_rest_appears():
     assert float(branch.points.largest_multiplier.max()) < 1.0
 
 
+def impacts(omega=2.0):
+    wall = ss.Switch(lambda t, y, n: y[0] + n.gap, 0, lambda t, y, n: (-n.gap, -n.r * y[1]))
+    swing = {0: lambda t, y, n: (y[1], -y[0] - 0.2 * y[1] + cos(n.omega * t))}
+    return ss.SwitchingFlow(swing, {0: (wall,)}, lambda n: 2 * pi / n.omega, {"omega": omega, "r": 0.8, "gap": 0.1}, ("x", "v"))
+
+
+def test_impacts_double_their_period_where_a_multiplier_passes_minus_one():
+    """The flip of the branch, the motion of two periods beyond it in a sweep, and the branch that leaves there."""
+    branch = ss.continuation(impacts(), parameter="omega", start=2.3, stop=2.48)
+    (flip,) = (s for s in branch.special if s.kind == "flip")
+    assert np.min(abs(flip.orbit.multipliers + 1.0)) < 1e-7 and flip.accuracy < 1e-6
+    beside = [flip.value - 0.01, flip.value + 0.01]
+    assert ss.sweep(impacts(), omega=beside, periods=600).period.values.tolist() == [1, 2]
+    doubled = branch.doubled(stop=2.48)
+    assert doubled.period == 2 and doubled.orbits[-1].stable and len(doubled.orbits[-1].events) == 2
+    assert ss.plot.continuation(branch, observable="x").get_ylabel() and ss.plot.continuation(doubled, observable="v")
+    with pytest.raises(ss.InputError, match="it is a branch of a flow"):
+        ss.special_curve(branch, flip, "r", 0.7)
+
+
 def test_exponents_are_those_of_the_multipliers():
     orbit = ss.periodic_orbit(DEN_HARTOG, guess={"x": 1.0, "v": 0.5, "mode": 1})
     found = ss.lyapunov(DEN_HARTOG, periods=40, settle=0, start=orbit)

@@ -56,8 +56,8 @@ def _is_law(value: Any) -> bool:
 
 
 def _is_model(value: Any) -> bool:
-    """Whether something says how one body moves, or lists bodies and contacts, or fields and switches."""
-    return any(_has(*names)(value) for names in (("friction", "acceleration"), ("bodies", "contacts", "links"), ("fields", "switches")))
+    """Whether something says how one body moves, or lists bodies and contacts."""
+    return _has("friction", "acceleration")(value) or _has("bodies", "contacts", "links")(value)
 
 
 _ROBOT = "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"

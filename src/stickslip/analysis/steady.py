@@ -103,6 +103,9 @@ def _of_body(run: Any, body: int | str) -> float:
 
 def is_run(what: str, run: Any) -> None:
     """Say what to type where something else than a run was given."""
+    if is_flow(getattr(run, "model", None)):
+        told = "the run is that of a flow, which has states of its own and no bodies"
+        raise InputError(what, [f"{told}; allowed is a Trajectory; type run[name] for a state, run.strobe for its strobe points"])
     if not hasattr(run, "settle"):
         raise InputError(what, [f"{type(run).__name__} given; allowed is a Trajectory; type for example ss.{what}(ss.solve(robot))"])
 

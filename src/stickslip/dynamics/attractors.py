@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.diagrams import UNDONE, periods_of, state_attrs, steady_velocity, whole_motions
+from stickslip.dynamics.diagrams import UNDONE, own_attrs, periods_of, state_attrs, steady_velocity, whole_motions
 from stickslip.dynamics.many import Report, picked, shared
 from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.needs import needs_model
@@ -232,7 +232,8 @@ def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, go
         ),
     }
     phase = {"long_name": "phase of the drive at the start", "units": "1"}
-    coords = {n: (n, a, phase if n == "phase" else {} if is_flow(model) else state_attrs(n, "at the start")) for n, a in axes.items()}
+    attrs_of = own_attrs if is_flow(model) else state_attrs
+    coords = {n: (n, a, phase if n == "phase" else attrs_of(n, "at the start")) for n, a in axes.items()}
     return Basins(model, xr.Dataset(columns, coords), found)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.cycle_paths import CyclePath, border_of_rest, vanishing
 from stickslip.dynamics.cycles import LimitCycle, clock
-from stickslip.dynamics.diagrams import strobe_attrs
+from stickslip.dynamics.diagrams import own_attrs, strobe_attrs
 from stickslip.dynamics.family import Family, family
 from stickslip.dynamics.flow_paths import FlowPath
 from stickslip.dynamics.mapping import coordinates
@@ -86,10 +86,9 @@ class Branch:
         flow = is_flow(self.orbits[0].model)
         single = not flow and machine_of(self.orbits[0].model).is_single
         coords: dict[str, Any] = {self.parameter: ("point", self.values, self.family.describe(self.parameter))}
-        columns: dict[str, Any] = {
-            name: ("point", [o.state[i] for o in self.orbits], {} if single or flow else strobe_attrs(name))
-            for i, name in enumerate(self.orbits[0].names)
-        }
+        names = self.orbits[0].names
+        told_of = {name: own_attrs(name, "on the strobe") if flow else {} if single else strobe_attrs(name) for name in names}
+        columns: dict[str, Any] = {name: ("point", [o.state[i] for o in self.orbits], told_of[name]) for i, name in enumerate(names)}
         known = [name for name in _COLUMNS if (single or flow or name not in _OF_ONE) and hasattr(self.orbits[0], name)]
         columns |= {
             name: ("point", [getattr(o, name) for o in self.orbits], _TOLD.get(name, {})) for name in known if not flow or name != "pattern"
@@ -320,7 +319,8 @@ def _clipped(path: Path, last: Point, beyond: Point, end: float) -> Point:
 def _doubled(branch: Branch, flip: Special, low: float, high: float, step: float, points: int) -> Branch:
     orbit = flip.orbit
     at = coordinates(orbit.model)
-    path = Path(branch.family, 2 * branch.period, at, flip.value, max(high - low, 1e-300), orbit.rtol, 1e-12)
+    kind = FlowPath if is_flow(orbit.model) else Path
+    path = kind(branch.family, 2 * branch.period, at, flip.value, max(high - low, 1e-300), orbit.rtol, 1e-12)
     values, vectors = np.linalg.eig(orbit.monodromy / path.scales[:, None] * path.scales)
     aside = vectors[:, int(np.argmin(abs(values + 1)))].real
     direction = np.append(aside / np.linalg.norm(aside), 0.0)

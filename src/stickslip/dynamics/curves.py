@@ -20,6 +20,7 @@ from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.paths import tangent_of
 from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.errors import InputError, SolveError
+from stickslip.flow import is_flow
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
@@ -159,6 +160,8 @@ def special_curve(branch: Branch, special: Special, parameter: str, stop: float,
         raise InputError(
             "special_curve", ["it is a branch of limit cycles; allowed are those of driven motions; take ss.continuation at each value"]
         )
+    if is_flow(special.orbit.model):
+        raise InputError("special_curve", ["it is a branch of a flow; allowed are those of machines; take ss.continuation at each value"])
     laws = machine_of(special.orbit.model).laws
     origin, span = np.array([special.value, begin]), np.array([np.ptp(branch.values) or 1.0, abs(stop - begin)])
     if special.kind == "type-border":

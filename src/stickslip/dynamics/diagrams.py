@@ -223,7 +223,7 @@ def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list
     period = periods_of(points, at.scales)
     period[~np.isfinite(points).all(axis=(-1, -2))] = UNDONE
     flow = is_flow(robots.robot(values[0]))
-    told = {name: {} if flow else strobe_attrs(name) for name in at.names}
+    told = {name: own_attrs(name, "on the strobe") if flow else strobe_attrs(name) for name in at.names}
     columns: dict[str, Any] = {name: (whole, points[..., i], told[name]) for i, name in enumerate(at.names)}
     if not flow:  # which makes no way
         columns["displacement"] = (whole, ways, {"units": "m", "long_name": "displacement in a drive period"})
@@ -249,6 +249,11 @@ def strobe_attrs(name: str) -> dict[str, str]:
     if name.startswith("memory"):
         return {"units": "1", "long_name": f"what the law remembers on the strobe, {name}"}
     return state_attrs(name, "on the strobe", f"inner state {name}")
+
+
+def own_attrs(name: str, when: str) -> dict[str, str]:
+    """The same of a state of a flow, whose unit nobody knows."""
+    return {"units": "1", "long_name": f"{name} {when}"}
 
 
 def state_attrs(name: str, when: str, inner: str = "inner state") -> dict[str, str]:

@@ -116,6 +116,12 @@ class FlowOrbit:
         """The modes in order."""
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
+    def __repr__(self) -> str:
+        state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
+        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), "stable" if self.stable else "unstable"
+        length = f"{self.duration:.9g} long, {len(self.events)} switches"
+        return f"<FlowOrbit: {length}, {word} (multipliers {told}), mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
+
 
 @explains_arguments
 def flow_orbit(

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, Basin, Exponents, Grid, Ways, explains_arguments
 from stickslip.errors import InputError, is_whole
+from stickslip.flow import is_flow
 from stickslip.machine import machine_of
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 
@@ -133,6 +134,8 @@ def _strobed(orbit: Any, observable: str) -> Any:
     run, column = orbit.run, orbit.names.index(observable)
     if run.model.period is None:
         return orbit.state[column : column + 1]
+    if is_flow(run.model):
+        return run.strobe[: orbit.period, column]
     if observable in ("x", "v"):
         return (run.strobe_x if observable == "x" else run.strobe_v)[: orbit.period]
     family = observable.rstrip("0123456789")
@@ -279,7 +282,7 @@ def basins(found: Basin, ax: Ax = None) -> Any:
         raise InputError("plot", ["a map needs two axes with several values; type for example ss.basins(robot, v=[...], z=[...])"])
     across, upward = names[:2]
     flat = found.map.attractor.isel({d: 0 for d in found.map.attractor.dims if d not in (across, upward)}).transpose(upward, across)
-    (right, side), (up, mark) = (scaled(found.map[n].values, found.map[n].attrs["units"]) for n in (across, upward))
+    (right, side), (up, mark) = (scaled(found.map[n].values, found.map[n].attrs.get("units", "1")) for n in (across, upward))
     with publication():
         ax = axes(ax, height=2.8)
         paints: list[Any] = ["#FFFFFF", *[_pale(COLOURS[k % 7]) for k in range(max(len(found.attractors), 1))]]
