@@ -126,6 +126,10 @@ def test_exponents_are_those_of_the_multipliers():
     orbit = ss.periodic_orbit(DEN_HARTOG, guess={"x": 1.0, "v": 0.5, "mode": 1})
     found = ss.lyapunov(DEN_HARTOG, periods=40, settle=0, start=orbit)
     assert found.spectrum.sum() == pytest.approx(float(np.log(abs(orbit.multipliers)).sum()), abs=1e-8)
+    told = ss.verdict(DEN_HARTOG, periods=60, settle=60, start={"x": 1.0, "v": 0.5})
+    assert (told.kind, told.period) == ("periodic", 1)
+    neighbours = ss.largest_exponents(DEN_HARTOG, periods=60, settle=0, start=[*orbit.strobe_state])
+    assert abs(neighbours[0][0] - np.log(abs(orbit.multipliers[0]))) < 4 * neighbours[1][0]
     assert orbit.run["x"].max() == pytest.approx(X, abs=1e-4)  # columns have 400 instants in a period
 
 

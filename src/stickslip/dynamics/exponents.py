@@ -52,8 +52,8 @@ def lyapunov(
 
     Parameters
     ----------
-    model : Robot
-        One robot.
+    model : Robot or machine, or a SwitchingFlow with a period
+        One of them.
     periods : int
         Drive periods to average over.
     settle : int
@@ -78,9 +78,9 @@ def lyapunov(
     >>> round(l.largest, 6)  # type IV: the logarithm of its multiplier
     -2.418858
     """
+    _check(model, periods, settle)
     if is_flow(model):
         return _of_flow(model, periods, settle, start)
-    _check(model, periods, settle)
     state = settled(model, start, settle, rtol)
     run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
     state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
@@ -100,8 +100,6 @@ def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
     """The same of a flow, from the derivative that its tangent gives of each period."""
     from stickslip.dynamics.flow_orbits import exponents_of
 
-    needs_model("lyapunov", flow, flows=True)
-    _check_lengths(periods, settle)
     state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
     mode = list(flow.fields)[round(float(state[-1]))]
     return _told(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
@@ -116,7 +114,10 @@ def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
 
 
 def _check(model: Any, periods: Any, settle: Any) -> None:
-    needs_model("lyapunov", model)
+    needs_model("lyapunov", model, flows=True)
+    if is_flow(model):
+        _check_lengths(periods, settle)
+        return
     refuse_chance(machine_of(model))
     if why := not_followed(model):
         hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
@@ -237,7 +238,7 @@ def largest_exponents(
     """
     from stickslip.batch import labels_of
 
-    needs_model("largest_exponents", model, batch=True)
+    needs_model("largest_exponents", model, batch=True, flows=True)
     problems = Problems("largest_exponents")
     checked_number("apart", apart, problems, between(1e-14, 0.1), "a distance from 1e-14 to 0.1, in the scales of the state", "apart=1e-7")
     problems.whole("periods", periods, 1, example=400)
