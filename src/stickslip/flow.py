@@ -116,7 +116,14 @@ class SwitchingFlow:
         _check_scales(problems, scales, states)
         _check_period(problems, period, numbers)
         problems.check()
-        given = (fields, switches, period, numbers, None if states is None else tuple(states), None if scales is None else tuple(scales))
+        given = (
+            dict(fields),
+            dict(switches),
+            period,
+            numbers,
+            None if states is None else tuple(states),
+            None if scales is None else tuple(scales),
+        )
         for name, value in zip(("fields", "switches", "forcing", "numbers", "states", "scales"), given, strict=True):
             object.__setattr__(self, name, value)
 

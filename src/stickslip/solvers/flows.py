@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.engine import lanes
 from stickslip.engine.flow_system import BEGIN, ENDED, MOST, RESTLESS, SIZE, FlowSystem, flow_system
 from stickslip.engine.symbolic import SPAN
-from stickslip.engine.tangent import part_in, tangent
+from stickslip.engine.tangent import tangent
 from stickslip.errors import SolveError
 from stickslip.flow_run import ModeChange
 from stickslip.sealing import sealed
@@ -76,17 +76,14 @@ def _key(flow: Any, n: int) -> Any:
 def _system(flow: Any, n: int) -> FlowSystem | str:
     """The equations of a flow, or why there are none."""
     key = _key(flow, n)
-    if key not in _systems:
-        if len(_systems) >= _KEPT:
-            oldest = next(iter(_systems))
-            del _systems[oldest]
-            for record in (True, False):
-                _kernels.pop((oldest, record), None)
+    found = _systems.get(key)
+    if found is None:
         try:
-            _systems[key] = flow_system(flow, n)
+            found = flow_system(flow, n)
         except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
-            _systems[key] = str(error) or type(error).__name__
-    return _systems[key]
+            found = str(error) or type(error).__name__
+        _keep(_systems, key, found)
+    return found
 
 
 def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
@@ -94,11 +91,19 @@ def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, 
     found, key = _system(flow, n), (_key(flow, n), record)
     if isinstance(found, str):
         raise SolveError(found)
-    if key not in _kernels:
-        system = tangent(found.system, tuple(flow.numbers)) if record else found.system
-        made = lanes.kernel(system, None, "SwitchingFlow", record)
-        _kernels[key] = lanes.ordered(made, 1), system.names
-    return found, *_kernels[key]
+    known = _kernels.get(key)
+    if known is None:
+        system = tangent(found.system, ()) if record else found.system
+        known = lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
+        _keep(_kernels, key, known)
+    return found, *known
+
+
+def _keep(known: dict[Any, Any], key: Any, value: Any) -> None:
+    """Note what was made, in the place of the oldest where there are many; other threads may do so too."""
+    for oldest in list(known)[: len(known) - _KEPT + 1]:
+        known.pop(oldest, None)
+    known[key] = value
 
 
 def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:
@@ -107,7 +112,6 @@ def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: A
     size = np.where(size > 0.0, size, 1.0)
     known: dict[str, Any] = {**found.constants, **flow.numbers, BEGIN: begin, MOST: MOST_SWITCHES if most is None else most, SPAN: span}
     known |= {f"{SIZE}{i}": np.maximum(abs(y[:, i]), 1e-3 * size) for i in range(y.shape[1])}
-    known |= {part_in(name): 0.0 for name in names if part_in(name) in names}
     return np.stack([np.broadcast_to(np.asarray(known[name], float), (cases,)) for name in names], axis=1)
 
 
