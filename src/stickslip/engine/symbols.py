@@ -121,7 +121,13 @@ class Sym:
         return self._with(maths.wrapped(self, period))  # what is ahead of it, or behind
 
     def __repr__(self) -> str:
-        return {"constant": repr(self.value)}.get(self.op, self.name or f"{self.op}({', '.join(map(repr, self.args))})")
+        return self._shown(3)
+
+    def _shown(self, depth: int) -> str:
+        """The expression as text, so many operations deep: whole it may be longer than memory holds."""
+        if self.op == "constant" or self.name:
+            return self.name or repr(self.value)
+        return f"{self.op}({', '.join(arg._shown(depth - 1) for arg in self.args)})" if depth else "…"
 
 
 def _hook(name: str) -> Callable[[Sym], Sym]:
