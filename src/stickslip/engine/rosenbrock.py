@@ -238,7 +238,7 @@ class _StepWriter(EventWriter):
     def _dense(self) -> None:
         """The continuous extensions that are wanted in every step; the others are written where a step ends within."""
         for i in range(self.n):
-            if i == 0 or self.record or not self._skips or i in self.slips.values():
+            if i == 0 or self.record or self.eq.signals or not self._skips or i in self.slips.values():
                 self._extend(i)
 
     def _extend(self, i: int) -> None:

@@ -12,7 +12,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.explorer.effort import affordable
 from stickslip.explorer.parameters import Parameter
 from stickslip.fields import leaves, told_by_field
-from stickslip.machine import machine_of
+from stickslip.machine import is_machine, machine_of
 
 __all__ = ["Shown", "numbers_of", "picture", "report", "study"]
 
@@ -55,7 +55,9 @@ class Shown:
 
     def __post_init__(self) -> None:
         problems = Problems("explore")
-        if self.model.shape != ():
+        if not is_machine(self.model):
+            problems.add(f"{type(self.model).__name__} has no bodies that could be drawn; allowed is a machine with bodies and contacts")
+        elif self.model.shape != ():
             problems.add(f"the machine is a batch of shape {self.model.shape}; allowed is one; type one number where an array stands")
         elif self.model.period is None and "duration" not in self.options and not machine_of(self.model).time_scale:
             problems.add(f"{type(self.model).__name__} has no period, and nobody knows how long a run should be; type duration=20.0 [s]")
