@@ -42,16 +42,16 @@ def _parts(todo: Request, run: Trajectory, periods: int, displacement: Array) ->
     v, slip, step = at["v"], at["slip"], span / len(t)
     segments = [strobes.segments_of(np.full(len(t), step), codes) for codes in _codes(todo, run, at).T]
     number, time, code = (np.array([each[k] for each in segments])[None] for k in range(3))
-    hits = _hits(run, end - span)
+    hits, pressed = _hits(run, end - span), _pressed(run, at)
     stops = [name for name, _ in machine.mechanics.named_stops]
     return RawParts(
         displacement=displacement[None], v_max=v.max(axis=0)[None], v_min=v.min(axis=0)[None], wide_max=v.max(axis=0)[None],
         wide_min=v.min(axis=0)[None], slip_max=slip.max(axis=0)[None], slip_min=slip.min(axis=0)[None],
         slipped=slip.sum(axis=0)[None] * step, friction_work=(at["friction_force"] * slip).sum(axis=0)[None] * step,
         seg_count=number, seg_time=time, seg_code=code, margin_force=np.nan,
-        hits=np.array([[hits.get(name, (0, 0.0))[0] for name in stops]], float),
+        hits=np.array([[(hits | pressed)[name][0] for name in stops]], float),
         impulse_max=np.array([[hits[name][1] if name in hits else np.nan for name in stops]]),
-        stop_force_max=np.full((1, len(stops)), np.nan),
+        stop_force_max=np.array([[pressed[name][1] if name in pressed else np.nan for name in stops]]),
     )  # fmt: skip
 
 
@@ -83,6 +83,19 @@ def _hits(run: Trajectory, since: float) -> dict[str, tuple[int, float]]:
         if name in speeds:
             inverse = sum(h * h / float(m) for h, m in zip(stop.direction, mechanics.masses, strict=True))
             found[name] = len(speeds[name]), (1 + float(stop.part.restitution)) * max(speeds[name], default=0.0) / inverse
+    return found
+
+
+def _pressed(run: Trajectory, at: dict[str, Array]) -> dict[str, tuple[int, float]]:
+    """By name of an elastic stop how often it begins to be pressed, and the greatest force [N], at sampled instants."""
+    mechanics, found = machine_of(run.model).mechanics, {}
+    x, v = (tuple(np.asarray(at[name]).T) for name in ("x", "v"))
+    for name, stop in mechanics.named_stops:
+        if stop.part.restitution is None:
+            distance, rate = mechanics.distance(stop.ends, x), mechanics.distance(stop.ends, v)
+            touching = stop.part.gap_left(distance) < 0.0
+            begun = int(np.sum(touching & ~np.roll(touching, 1)))
+            found[name] = begun, float(np.max(abs(stop.part.force(distance, rate))))
     return found
 
 
