@@ -88,7 +88,8 @@ def _hits(run: Trajectory, since: float) -> dict[str, tuple[int, float]]:
 
 def _pressed(run: Trajectory, at: dict[str, Array]) -> dict[str, tuple[int, float]]:
     """By name of an elastic stop how often it begins to be pressed, and the greatest force [N], at sampled instants."""
-    mechanics, found = machine_of(run.model).mechanics, {}
+    mechanics: Any = machine_of(run.model).mechanics
+    found = {}
     x, v = (tuple(np.asarray(at[name]).T) for name in ("x", "v"))
     for name, stop in mechanics.named_stops:
         if stop.part.restitution is None:
