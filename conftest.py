@@ -62,3 +62,7 @@ def _tidy(request):
     yield
     if "matplotlib.pyplot" in sys.modules:
         sys.modules["matplotlib.pyplot"].close("all")
+
+
+#: Read by a type checker; nothing runs it.
+collect_ignore = ["tests/typed_calls.py"]

@@ -125,6 +125,8 @@ every_machine: dict[str, tuple[Any, str, tuple[float, float]]] = {
     "a machine of your own": (Tow(0.07, 0.03, 0.3, 205.0, 300.0, 0.1, DRY), "stiffness", (250.0, 300.0)),
     "a SwitchingFlow": (DEN_HARTOG, "F", (0.3, 0.4)),
 }
+#: Those that have bodies: all but the flows.
+with_bodies = {name: made for name, made in every_machine.items() if not is_flow(made[0])}
 OWN = (Capsule, Tow)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from every import every_machine
+from every import every_machine, with_bodies
 from explorers import PATIENCE, Explorer, answer, chromium
 from stickslip.cli.explore import _opened
 from stickslip.explorer.asked import message
@@ -49,7 +49,7 @@ def browser():
 
 
 # ---- what is shown ----
-@pytest.mark.parametrize("name", every_machine)
+@pytest.mark.parametrize("name", with_bodies)
 def test_every_number_of_every_machine_has_a_slider_around_its_value(name):
     model = every_machine[name][0]
     found = {p.name: p for p in numbers_of(model)}

@@ -9,7 +9,7 @@ import sympy
 from matplotlib.mathtext import MathTextParser
 
 import stickslip as ss
-from every import DRY, SHAKEN, every_machine
+from every import DRY, SHAKEN, with_bodies
 from stickslip.engine.latex_motion import _Parts
 from stickslip.engine.tex import bare, indices, letters_of, spread
 from stickslip.fields import leaves, replace_leaf
@@ -20,7 +20,7 @@ from test_mirrored_machines import WORM, Everything, Prescribed
 
 DROPPED = ss.Chain((SHAKEN, SHAKEN.replace(drive=ss.TwoPhase(stroke=0.01, u1=0.654, u2=0.654))), ss.Rigid())
 MACHINES = {
-    **{name: made[0] for name, made in every_machine.items()},
+    **{name: made[0] for name, made in with_bodies.items()},
     "everything": Everything(300.0, DRY),
     "prescribed": Prescribed(ss.Harmonic(2e-3, 60.0), ss.Coulomb(0.1, 0.3)),
     "five": ss.Chain((SHAKEN,) * 5, ss.Spring(1200.0, 0.4)),
@@ -41,7 +41,7 @@ def lines(model):
 
 def test_a_chain_has_newtons_law_for_each_module_and_one_law_for_all():
     drive = r"A_{%d} \omega_{%d}^{2} m_{%d} \sin{\left(\omega_{%d} t + \varphi_{%d} \right)}"
-    assert lines(every_machine["Chain, set-valued laws"][0]) == [
+    assert lines(with_bodies["Chain, set-valued laws"][0]) == [
         rf"\left(M_{{1}} + m_{{1}}\right) \ddot x_{{1}} &= {drive % ((1,) * 5)} - F_{{12}} - R_{{1}}",
         rf"\left(M_{{2}} + m_{{2}}\right) \ddot x_{{2}} &= {drive % ((2,) * 5)} + F_{{12}} - R_{{2}}",
         r"F_{12} &= c \left(v_{1} - v_{2}\right) + k \left(- \ell + x_{1} - x_{2}\right)",
@@ -54,7 +54,7 @@ def test_a_chain_has_newtons_law_for_each_module_and_one_law_for_all():
 
 
 def test_a_machine_of_ones_own_has_its_declared_names():
-    assert lines(every_machine["a machine of your own"][0]) == [
+    assert lines(with_bodies["a machine of your own"][0]) == [
         r"\mathrm{head} \, \ddot x_{\mathrm{head}} &= - F_{\mathrm{head},\mathrm{sledge}} - R_{\mathrm{head}} "
         r"+ \mathrm{push} \, \sin{\left(\omega t \right)}",
         r"\mathrm{sledge} \, \ddot x_{\mathrm{sledge}} &= F_{\mathrm{head},\mathrm{sledge}} - R_{\mathrm{sledge}}",
@@ -70,10 +70,10 @@ def test_a_machine_of_ones_own_has_its_declared_names():
 
 
 def test_an_elastic_stop_pushes_and_never_pulls():
-    (stop,) = [line for line in lines(every_machine["capsule with an elastic stop"][0]) if r"\max" in line]
+    (stop,) = [line for line in lines(with_bodies["capsule with an elastic stop"][0]) if r"\max" in line]
     assert stop.startswith(r"F'_{\mathrm{hammer},\mathrm{capsule}} &= \begin{cases} \max\left(0, ") and r"0 & \text{otherwise}" in stop
     assert r"d_{\mathrm{hammer},\mathrm{capsule}} &= - x_{\mathrm{capsule}} + x_{\mathrm{hammer}}" in lines(
-        every_machine["capsule with an elastic stop"][0]
+        with_bodies["capsule with an elastic stop"][0]
     )
 
 

@@ -150,7 +150,7 @@ def records():
 
 
 #: Records of a computation under way, which no result holds.
-_WITHIN = {"Arcs", "Column", "Rows"}
+_WITHIN = {"Arcs", "Asked", "Column", "RawParts", "Rows"}
 
 
 def test_every_record_that_holds_arrays_seals_them():

@@ -37,7 +37,7 @@ MACHINES = {
 def run(machine, made, state, periods=3):
     """The way and the states at the end of a run of what is made of a machine's system."""
     dynamic, mechanics = machine_of(machine).has_inner_states, machine_of(machine).mechanics
-    kernel = lanes.kernel_of(machine, tableaux.RODAS5P if dynamic else None, False, made)
+    kernel = lanes.kernel_of(machine, tableaux.RODAS5P if dynamic else None, False, made=made)
     width = 2 * mechanics.coordinates + sum(law.states + law.modes for law in mechanics.laws)
     start = CaseTable(machine, kernel, np.zeros((1, width)), machine.period)
     begin = np.concatenate([[0.0], state, np.zeros(kernel.states - len(state) + kernel.modes)])[None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.engine import tableaux
-from stickslip.engine.lanes import layout_of
+from stickslip.machine import machine_of
 from stickslip.solvers import stepping
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary
@@ -32,5 +32,5 @@ def method(todo: Request) -> tuple[tableaux.Tableau, float]:
 
 def tableau(model: Any, rtol: float) -> tableaux.Tableau:
     """The method that is cheaper for a model at a tolerance."""
-    loose = LOOSE if len(layout_of(model).contacts) == 1 else LOOSE_OF_SEVERAL
+    loose = LOOSE if len(machine_of(model).laws) == 1 else LOOSE_OF_SEVERAL
     return tableaux.RODAS4 if rtol >= loose else tableaux.RODAS5P
