@@ -41,9 +41,9 @@ class FlowRun:
         Ends of the steps.
     modes : array (n,) of int
         Which of the flow's modes each step is in, by its place among `model.fields`.
-    coefficients : array (n, states, degree + 1)
+    coefficients : array
         Polynomials of the states in (t - start of the step) / (its length), lowest power first.
-    passed : array (passed, states)
+    passed : array
         States in which it is for an instant, between two switches.
     events : list of ModeChange
         The switches in order; t, before and after.

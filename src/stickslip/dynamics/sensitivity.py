@@ -43,7 +43,7 @@ class Sensitivity:
         Mean velocity V [m/s], of several bodies that of their centre of mass.
     mean_velocity : array (numbers,)
         dV/dp.
-    state : array (numbers, states)
+    state : array
         Derivative of the state at the end, of a periodic motion on the strobe. It is taken at the same part of the period.
     states : tuple of str
         What these states are.

@@ -351,7 +351,7 @@ def run(
     bodies, signals = len(k.bodies), 1 + max(k.signals.values(), default=-1)
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
-    S = _aligned(k.fields * k.lanes)
+    S = _aligned((k.fields + 2 * bodies) * k.lanes)
     lane_numbers = np.zeros((k.lanes, 8 + parts), dtype=np.int64)
     lane_numbers[:, 0] = -1
     lane_floats, ring, xs = np.zeros((k.lanes, 17)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))

@@ -93,6 +93,8 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     COUNT[case, 4] = np.int64(S[D[F_NREJ] + lane])
     for i in range(SEGMENTS, N.shape[1]):
         COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
+    for b in range(D[BODIES] if D[SIGNALS] > 0 else 0):
+        FOUND[lane, D[SIGNALS] + b, LARGEST], FOUND[lane, D[SIGNALS] + b, SMALLEST] = S[wide(b, D) + lane], S[wide(b, D) + L + lane]
     for s in range(NOTED.shape[1] if D[SIGNALS] > 0 else 0):
         for j in range(3):
             NOTED[case, s, j] = FOUND[lane, s, j]
@@ -178,7 +180,7 @@ def next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, STAR
         hold(lane, S, HELD, D)
         begin_signals(lane, FOUND, D)
         for b in range(D[BODIES]):
-            FOUND[lane, D[SIGNALS] + b, LARGEST], FOUND[lane, D[SIGNALS] + b, SMALLEST] = -math.inf, math.inf
+            S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane] = -math.inf, math.inf
     if periods == 1 and not auto:
         begin_record(lane, N, K, FOUND, S, D)
     return True
@@ -300,15 +302,16 @@ def advance(
             keep_piece(S, N, CURSOR, PIECES, D)
         if recording > 0:
             watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
+        if D[SIGNALS] > 0 and D[ARMS] == 0:
+            widen_all(settle, S, N, D)
         for lane in range(L):
             stat = S[D[F_STAT] + lane]
             if N[lane, DONE] >= settle:
                 v = S[D[F_Y] + lane]
                 K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
-                if D[SIGNALS] > 0:
-                    widen(lane, S, PARAM[max(N[lane, CASE], 0)], HELD, FOUND, ROOM, D)
-                    if D[ARMS] == 1:
-                        hold(lane, S, HELD, D)
+                if D[SIGNALS] > 0 and D[ARMS] == 1:
+                    widen(lane, S, PARAM[max(N[lane, CASE], 0)], HELD, ROOM, D)
+                    hold(lane, S, HELD, D)
                 elif D[F_TOP] >= 0:  # the extremum within the step
                     v = S[D[F_TOP] + lane]
                     K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)

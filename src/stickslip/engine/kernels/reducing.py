@@ -197,18 +197,33 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
             FOUND[lane, s, SMALLEST] = -largest(lane, k, -1.0, -FOUND[lane, s, SMALLEST], at, count, S, row, HELD, ROOM, D)
 
 
-@njit(void(int64, f1, f1, f2, f3, f2, i1), **OPTIONS)
-def widen(lane, S, row, HELD, FOUND, ROOM, D):
-    """Extremes of the bodies' velocities at the end of a step in the window."""
-    first = D[SIGNALS]
-    if D[ARMS] == 1:
-        part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
-        look_at(lane, part, ELSEWHERE, S, row, HELD, ROOM, D)
+@njit(int64(int64, i1), **OPTIONS)
+def wide(b, D):
+    """Where a body's extremes in the window begin, behind the fields of the step: the largest velocity of each lane, the smallest."""
+    return (D[FIELDS] + 2 * b) * D[LANES]
+
+
+@njit(void(int64, f1, i2, i1), **OPTIONS)
+def widen_all(settle, S, N, D):
+    """Extremes of velocities at the end of a step in the window, of bodies that move with their coordinates; all lanes at once."""
+    L = D[LANES]
     for b in range(D[BODIES]):
-        told = ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
-        v = told if D[ARMS] == 1 else S[D[F_Y] + D[D[BODY_MOVES] + b] * D[LANES] + lane]
-        FOUND[lane, first + b, LARGEST] = max(FOUND[lane, first + b, LARGEST], v)
-        FOUND[lane, first + b, SMALLEST] = min(FOUND[lane, first + b, SMALLEST], v)
+        at, y = wide(b, D), D[F_Y] + D[D[BODY_MOVES] + b] * L
+        for lane in range(L):
+            inside, v = N[lane, DONE] >= settle, S[y + lane]
+            S[at + lane] = v if inside and v > S[at + lane] else S[at + lane]
+            S[at + L + lane] = v if inside and v < S[at + L + lane] else S[at + L + lane]
+
+
+@njit(void(int64, f1, f1, f2, f2, i1), **OPTIONS)
+def widen(lane, S, row, HELD, ROOM, D):
+    """The same of one lane, where a body moves otherwise than its coordinate."""
+    part = (S[D[F_T] + lane] - S[D[F_T0] + lane]) / S[D[F_HH] + lane]
+    look_at(lane, part, ELSEWHERE, S, row, HELD, ROOM, D)
+    for b in range(D[BODIES]):
+        at, v = wide(b, D), ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
+        S[at + lane] = max(S[at + lane], v)
+        S[at + D[LANES] + lane] = min(S[at + D[LANES] + lane], v)
 
 
 @njit(float64(int64, int64, f1, i1), **OPTIONS)
