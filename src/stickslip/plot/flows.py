@@ -44,15 +44,13 @@ def states(run: Any, *names: str, duration: float | None = None, ax: Ax = None) 
     """
     _check(run, names)
     names = names or run.names
-    first, last = float(run.nodes[0]), float(run.nodes[-1])
-    begin = first if duration is None else max(last - duration, first)
-    t, y = _sampled(run, begin, last)
+    t, y = _sampled(run, duration)
     with publication():
         ax = axes(ax)
         for i, name in enumerate(names):
             ax.plot(t, y[:, run.names.index(name)], color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name)
         for event in run.events:
-            if begin <= event.t:
+            if t[0] <= event.t:
                 ax.axvline(event.t, color=INK, linewidth=0.3, zorder=1)
         ax.set_xlabel("time")
         ax.set_ylabel(names[0] if len(names) == 1 else "states")
@@ -68,14 +66,12 @@ def flow_phase(run: Any, x: str | None = None, y: str | None = None, ax: Any = N
     named = (x or run.names[0], y or run.names[1])
     _check(run, named)
     columns = [run.names.index(name) for name in named]
-    first, last = float(run.nodes[0]), float(run.nodes[-1])
-    begin = first if duration is None else max(last - duration, first)
-    _, found = _sampled(run, begin, last)
+    t, found = _sampled(run, duration)
     with publication():
         ax = axes(ax, height=2.5)
         ax.plot(*found[:, columns].T, color=COLOURS[0])
         if run.model.period is not None:
-            points = run.strobe[run.strobe_times >= begin][:, columns]
+            points = run.strobe[run.strobe_times >= t[0]][:, columns]
             ax.plot(*points.T, "o", markersize=4, color="white", markeredgecolor=COLOURS[0], markeredgewidth=1.1, zorder=9)
         ax.set_xlabel(named[0])
         ax.set_ylabel(named[1])
@@ -94,10 +90,12 @@ def _check(run: Any, names: Any) -> None:
             raise InputError("plot", [f"{name!r} is no state of the flow; {did_you_mean(str(name), run.names)}"])
 
 
-def _sampled(run: Any, begin: float, end: float) -> tuple[Any, Any]:
-    """The states over a stretch, with a pair of points at each switch."""
+def _sampled(run: Any, duration: float | None) -> tuple[Any, Any]:
+    """The states over so much of the end of a run, all of it if that is not said, with a pair of points at each switch."""
+    first, end = float(run.nodes[0]), float(run.nodes[-1])
+    begin = first if duration is None else max(end - duration, first)
     events = np.array([event.t for event in run.events if begin < event.t < end])
     just = 1e-12 * (end - begin)
-    t = np.sort(np.concatenate([np.linspace(begin, end, _POINTS), events - just, events]))
-    found = run.at(np.clip(t, begin, end))
+    t = np.clip(np.sort(np.concatenate([np.linspace(begin, end, _POINTS), events - just, events])), begin, end)
+    found = run.at(t)
     return t, np.column_stack([found[name] for name in run.names])

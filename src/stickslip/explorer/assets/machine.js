@@ -1,17 +1,14 @@
 // The page of a machine: what is dragged is asked for, what is answered is drawn by moving.js, which reports have too.
 import { Link } from "./link.js";
+import { $, connection, copies, exports, say, themed } from "./tools.js";
 import { shown, velocity } from "./words.js";
 
-const $ = (id) => document.getElementById(id);
 const RESTS = 140; // [ms] without a change: the slider rests
 const told = JSON.parse($("told").textContent), parameters = told.parameters;
 if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
 let values = fromHash(), resting = 0, saving = 0, show = null;
 
-const link = new Link(take, (how) => {
-  $("link").dataset.state = how;
-  $("link").textContent = how === "open" ? "connected" : "connection lost, trying again … (started anew, stickslip prints a new address)";
-});
+const link = new Link(take, connection);
 
 // ---- the numbers in the address ----
 function fromHash() {
@@ -80,11 +77,6 @@ function numbers({ facts, tables, notes }) {
   $("notes").replaceChildren(...notes.map((note) => cell("li", note)));
 }
 
-function say(sentence, kind = "bad") {
-  if ($("said").textContent !== sentence) $("said").textContent = sentence;
-  $("said").dataset.state = kind;
-}
-
 // ---- controls ----
 function controls() {
   for (const p of Object.values(parameters)) {
@@ -116,42 +108,8 @@ $("reset-all").addEventListener("click", () => { values = {}; changed(); });
 addEventListener("hashchange", () => { values = fromHash(); changed(); });
 
 // ---- taking home ----
-$("export").addEventListener("change", async (event) => {
-  const name = event.target.value;
-  event.target.value = "";
-  if (!name) return;
-  say(`making ${name} …`, "busy");
-  try {
-    const reply = await fetch(`machine/${name}?machine=${encodeURIComponent(JSON.stringify(values))}`);
-    if (!reply.ok) throw new Error(await reply.text());
-    const address = URL.createObjectURL(await reply.blob());
-    Object.assign(document.createElement("a"), { href: address, download: name }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 10_000);
-    say("");
-  } catch (error) {
-    say(`${name}: ${error.message}`);
-  }
-});
-$("share").addEventListener("click", async (event) => {
-  history.replaceState(null, "", toHash());
-  try {
-    await navigator.clipboard.writeText(location.href);
-    event.target.textContent = "Copied";
-  } catch {
-    event.target.textContent = "Copy it from the address bar";
-  }
-  setTimeout(() => { event.target.textContent = "Copy link"; }, 1800);
-});
+exports((name) => `machine/${name}?machine=${encodeURIComponent(JSON.stringify(values))}`);
+copies($("share"), toHash, () => location.href, "Copy link");
 
-// ---- light and dark ----
-const dark = matchMedia("(prefers-color-scheme: dark)");
-function theme() {
-  const chosen = $("theme").value;
-  document.documentElement.dataset.theme = chosen === "auto" ? (dark.matches ? "dark" : "light") : chosen;
-}
-try { $("theme").value = localStorage.getItem("theme") ?? "auto"; } catch { /* storage may be forbidden */ }
-$("theme").addEventListener("change", () => { try { localStorage.setItem("theme", $("theme").value); } catch { /* as above */ } theme(); });
-dark.addEventListener("change", theme);
-
-theme();
+themed(() => {});
 changed();

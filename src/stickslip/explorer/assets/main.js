@@ -7,18 +7,15 @@ import * as record from "./record.js";
 import * as robot from "./robot.js";
 import { active, defaults, fromHash, parameters, settled, table, toHash, withPreset } from "./state.js";
 import * as strip from "./strip.js";
+import { $, connection, copies, exports, say, themed } from "./tools.js";
 import * as velocity from "./velocity.js";
 import { digits, quantity, spoken } from "./words.js";
 
-const $ = (id) => document.getElementById(id);
 const RESTS = 140; // [ms] without a change: the slider rests
 if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
 let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {}, heard = "";
 
-const link = new Link(take, (how) => {
-  $("link").dataset.state = how;
-  $("link").textContent = how === "open" ? "connected" : "connection lost, trying again … (started anew, stickslip prints a new address)";
-});
+const link = new Link(take, connection);
 
 // ---- asking ----
 function changed(name = null) {
@@ -111,11 +108,6 @@ function figures(f, fine) {
   else if (f.steadiness === "not settled") say("the motion has not settled: the mean velocity is not the steady one yet, see the notes", "wait");
 }
 
-function say(sentence, kind = "bad") {
-  if ($("said").textContent !== sentence) $("said").textContent = sentence;
-  $("said").dataset.state = kind;
-}
-
 // ---- changing ----
 controls.listen({
   change(name, value) { state.values[name] = value; $("preset").value = ""; changed(name); },
@@ -200,51 +192,18 @@ addEventListener("drop", (event) => {
 });
 
 // ---- taking home ----
-$("export").addEventListener("change", async (event) => {
-  const name = event.target.value;
-  event.target.value = "";
-  if (!name) return;
-  say(`making ${name} …`, "busy");
-  try {
-    const reply = await fetch(`export/${name}?state=${encodeURIComponent(JSON.stringify(table(state)))}`);
-    if (!reply.ok) throw new Error(await reply.text());
-    const address = URL.createObjectURL(await reply.blob());
-    Object.assign(document.createElement("a"), { href: address, download: name }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 10_000);
-    say("");
-  } catch (error) {
-    say(`${name}: ${error.message}`);
-  }
-});
-
-async function copy(button, text, word) {
-  history.replaceState(null, "", toHash(state));
-  try {
-    await navigator.clipboard.writeText(text());
-    button.textContent = "Copied";
-  } catch {
-    button.textContent = "Copy it from the address bar";
-  }
-  setTimeout(() => { button.textContent = word; }, 1800);
-}
-$("share").addEventListener("click", (event) => copy(event.target, () => location.href, "Copy link"));
-$("copy-code").addEventListener("click", (event) => copy(event.target, () => $("python").textContent, "Copy"));
+exports((name) => `export/${name}?state=${encodeURIComponent(JSON.stringify(table(state)))}`);
+const hash = () => toHash(state);
+copies($("share"), hash, () => location.href, "Copy link");
+copies($("copy-code"), hash, () => $("python").textContent, "Copy");
 
 // ---- light and dark ----
-const dark = matchMedia("(prefers-color-scheme: dark)");
-function theme() {
-  const chosen = $("theme").value;
-  document.documentElement.dataset.theme = chosen === "auto" ? (dark.matches ? "dark" : "light") : chosen;
+themed(() => {
   velocity.restyle();
   if (last) last.curves.forEach((c, i) => Object.assign(c, velocity.look(last.header.laws.findIndex((law) => law.name === c.name) ?? i)));
   draw();
   map.forget();
   strip.restyle();
   robot.frame();
-}
-try { $("theme").value = localStorage.getItem("theme") ?? "auto"; } catch { /* storage may be forbidden */ }
-$("theme").addEventListener("change", () => { try { localStorage.setItem("theme", $("theme").value); } catch { /* as above */ } theme(); });
-dark.addEventListener("change", theme);
-
-theme();
+});
 changed();
