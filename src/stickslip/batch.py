@@ -100,7 +100,8 @@ def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> A
     """The named numbers as a table, one row for each case (in C order of the batch), or for each of some cases: array (cases, names)."""
     import numpy as np
 
-    labels, values = labels_of(model), dict(leaves(model))
+    values = dict(leaves(model))
+    labels = labels_together(values, type(model).__name__)
     count = int(np.prod(labels.shape, dtype=np.int64))
     table = np.empty((len(range(count)[cases]), len(names)))
     for column, name in enumerate(names):
@@ -108,8 +109,8 @@ def rows_of(model: Any, names: tuple[str, ...], cases: slice = slice(None)) -> A
     return table
 
 
-def numbers_by_name(model: Any) -> dict[str, Any]:
-    """Every number of a model by its name: for every case where it is an array, a single float elsewhere.
+def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
+    """Every number of a model by its name: for every case, or some, where it is an array, a single float elsewhere.
 
     Examples
     --------
@@ -119,8 +120,9 @@ def numbers_by_name(model: Any) -> dict[str, Any]:
     >>> found["drive.amplitude"].tolist(), found["inner_mass"]
     ([0.0005, 0.0006], 0.00948)
     """
-    labels = labels_of(model)
-    return {name: spread(value, labels) if is_array(value) else value for name, value in leaves(model)}
+    values = dict(leaves(model))
+    labels = labels_together(values, type(model).__name__)
+    return {name: _on_batch(value, labels).flat[cases] if is_array(value) else value for name, value in values.items()}
 
 
 def some_of(model: Any, at: Any) -> Any:

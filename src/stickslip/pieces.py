@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -119,7 +120,7 @@ class PolynomialPieces(_Arrays):
         given["layout"] = self.layout or StateLayout.of_one(states - 1, given["memory"].shape[1])
         for name, value in given.items():
             object.__setattr__(self, name, value)
-        if flaws := self.layout.flaws(states, self.x0.shape[1], self.memory.shape[1], self.mode.shape[1]):
+        if flaws := _flaws(self.layout, states, self.x0.shape[1], self.memory.shape[1], self.mode.shape[1]):
             raise InputError("PolynomialPieces", flaws)
 
     @classmethod
@@ -155,6 +156,8 @@ class PolynomialPieces(_Arrays):
     def _of_contacts(self, y: Array) -> Array:
         """The inner states (time, contact, state) among all states (state, time); NaN where a law has fewer than another."""
         contacts = self.layout.contacts
+        if not self.layout.most_inner:
+            return np.empty((y.shape[1], len(contacts), 0))
         z = np.full((len(contacts), self.layout.most_inner, y.shape[1]), np.nan)
         for i, contact in enumerate(contacts):
             z[i, : len(contact.inner)] = y[list(contact.inner)]
@@ -166,6 +169,12 @@ class PolynomialPieces(_Arrays):
         c = self.coefficients[:n].copy()
         c[-1] *= ((end - self.t[n - 1]) / (self.t[n] - self.t[n - 1])) ** np.arange(c.shape[2])
         return replace(self, t=np.append(self.t[:n], end), mode=self.mode[:n], x0=self.x0[:n], coefficients=c, memory=self.memory[:n])
+
+
+@lru_cache
+def _flaws(layout: StateLayout, *counts: int) -> list[str]:
+    """What does not fit; every run of a kind of machine asks the same."""
+    return layout.flaws(*counts)
 
 
 def _position(body: Any, ways: list[Array], y: Array) -> Array:

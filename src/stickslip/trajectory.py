@@ -198,8 +198,8 @@ class Trajectory:
         grid = np.arange(max(int(np.ceil((nodes[-1] - nodes[0]) / step - 1e-6)), 1) + 1) * step + nodes[0]
         grid[-1] = nodes[-1]
         changes = np.flatnonzero(np.any(np.diff(self.pieces.mode, axis=0) != 0, axis=1)) + 1
-        changes = np.union1d(changes, nodes_at(self.pieces, [t for t, _ in self._impulses])).astype(int)
-        changes = np.union1d(changes, [node for node, _ in self._hits]).astype(int)
+        if others := [*nodes_at(self.pieces, [t for t, _ in self._impulses]), *(node for node, _ in self._hits)]:
+            changes = np.union1d(changes, others)
         events = nodes[changes]
         if len(events):
             after = np.minimum(np.searchsorted(events, grid), len(events) - 1)
@@ -212,7 +212,8 @@ class Trajectory:
         return t[order], index[order]
 
     def _jumps(self, changes: Any) -> Any:
-        before, after = (self.pieces.evaluate(self.pieces.t[changes], index)[1] for index in (changes - 1, changes))
+        around = np.concatenate([changes - 1, changes])
+        before, after = np.split(self.pieces.evaluate(np.tile(self.pieces.t[changes], 2), around)[1], 2)
         return np.any(abs(after - before) > 1e-6 * machine_of(self.model).velocity_scale, axis=1)
 
     def _index(self, t: Any) -> Any:

@@ -16,6 +16,7 @@ import tempfile
 import threading
 import types
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 from stickslip.engine.trust import SHARED, is_foreign, make_folder, private_folder, unsafe
@@ -83,6 +84,7 @@ def load(source: str, name: str, label: str) -> types.ModuleType:
         return _loaded[key]
 
 
+@lru_cache(64)
 def _digest(source: str) -> str:
     import llvmlite
     import numba

@@ -284,6 +284,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "F_CLEAR": "clear0",
         "F_HELD": "side" if eq.labels else "held0",
         "F_FIRED": "fired",
+        "F_LOOKED": "looked",
     }
     alone = ("t", "h", "tend", "x", "le", "lh", "grow", "stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "x0", "side", "last", "top")
     fields = firsts | {f"F_{f.upper()}": f for f in alone}

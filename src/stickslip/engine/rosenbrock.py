@@ -83,6 +83,8 @@ class _StepWriter(EventWriter):
         fields += ["t0", "hh", *(f"k{i}_{m}" for i in kept for m in range(self.degree + 1)), *ended_by(self.eq)]
         if self.record:
             fields += ["x0", *sides(self.eq), *(f"held{i}" for i in range(len(self.eq.modes)))]
+        elif self.eq.signals:
+            fields += ["looked"]
         self._slopes()
         self._length()
         self._matrix()
@@ -236,10 +238,20 @@ class _StepWriter(EventWriter):
                 self.w.line(f"_w{q}x{i}", combine(f"_y{i}", [(c, f"_u{j}_{i}") for j, c in enumerate(a[q])]))
 
     def _dense(self) -> None:
-        """The continuous extensions that are wanted in every step; the others are written where a step ends within."""
-        for i in range(self.n):
-            if i == 0 or self.record or self.eq.signals or not self._skips or i in self.slips.values():
+        """The continuous extensions that every step needs; the others are written while a lane is looked at, or for an event."""
+        states = range(self.n)
+        always = [i for i in states if i == 0 or self.record or not self._skips or i in self.slips.values()]
+        for i in always:
+            self._extend(i)
+        if self.eq.signals and len(always) < self.n:
+            rest = [i for i in states if i not in always]
+            for name in (f"_k{i}_{m}" for i in rest for m in range(self.degree + 1)):
+                self.w.line(name, "0.0")
+            self.w.begin("if _looked > 0.5")
+            for i in rest:
                 self._extend(i)
+            self.w.end()
+            self.extended.difference_update(rest)
 
     def _extend(self, i: int) -> None:
         """Coefficients of the continuous extension in powers of theta: _k<state>_<power>."""

@@ -36,6 +36,7 @@ def recurrence_text() -> str:
     return "Any = object\n" + body
 
 
+@lru_cache
 def coulomb_text(*names: str) -> str:
     """The mode machine of ``kernels/coulomb_harmonic.py``, the test of strobe points, and other texts after them."""
     folder = resources.files("stickslip.engine") / "kernels"

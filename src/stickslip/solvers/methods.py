@@ -48,13 +48,11 @@ def _of_laws(model: Any, dynamic: bool) -> str | None:
     machine = machine_of(model)
     if not all(law.compiles for law in machine.laws):
         return f"it is compiled, and {machine.law_names} is written for plain numbers only"
-    if why := refused(model):
-        return why
     if machine.has_inner_states != dynamic:
         kinds = ("set-valued laws", "laws with inner states")
         is_one = "has inner states" if machine.has_inner_states else "is set-valued"
         return f"it is for {kinds[dynamic]}; {machine.law_names} {is_one}"
-    return None
+    return refused(model) or None
 
 
 @dataclass(frozen=True)

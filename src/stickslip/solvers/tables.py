@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name, rows_of
+from stickslip.batch import numbers_by_name
 from stickslip.engine import lanes, trace
 from stickslip.engine.tangent import part_in
-from stickslip.fields import leaves, replace_leaf
+from stickslip.fields import replace_leaf
 from stickslip.machine import machine_of
 
 __all__ = ["CaseTable"]
@@ -44,19 +44,17 @@ class CaseTable:
         along: dict[str, Array] | None = None,
         which: slice = slice(None),
     ):
-        cases, own = len(start), dict(leaves(model))
-        names = tuple(n for n in kernel.names if n in own)
-        rows = rows_of(model, names, which)
-        self.rows = np.array(np.broadcast_to(rows, (cases, rows.shape[1])), order="C")
+        cases, own = len(start), numbers_by_name(model, which)
         self.span = np.broadcast_to(span, (cases,))
-        if len(names) < len(kernel.names):
-            other = {trace.SPAN: self.span} | {part_in(name): part for name, part in (along or {}).items()}
-            more = [np.broadcast_to(other.get(name, 0.0), (cases,)) for name in kernel.names if name not in own]
-            self.rows = np.column_stack([self.rows, *more])
+        known = {trace.SPAN: self.span} | {part_in(name): part for name, part in (along or {}).items()} | own
+        self.rows = np.empty((cases, len(kernel.names)))
+        for column, name in enumerate(kernel.names):
+            self.rows[:, column] = known.get(name, 0.0)
         self.count = count = len(kernel.owners)
-        offsets = machine_of(replace_leaf(model, numbers_by_name(model))).mechanics.offsets(0.0)
-        owned = [0.0 if i is None else -offsets[i] for i in kernel.owners]
-        self.offsets = np.stack([_spread(offset, cases, which) for offset in owned], axis=1)
+        offsets = machine_of(replace_leaf(model, own)).mechanics.offsets(0.0)
+        self.offsets = np.empty((cases, count))
+        for coordinate, contact in enumerate(kernel.owners):
+            self.offsets[:, coordinate] = 0.0 if contact is None else -offsets[contact]
         self.cyclic = bool(kernel.layout.ways)
         steps = self.cyclic and not machine_of(model).has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
@@ -70,9 +68,3 @@ class CaseTable:
         found, n = results.end, self.count
         last = found.shape[1] - (n - 1 if self.cyclic else n)
         return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]
-
-
-def _spread(value: Any, cases: int, which: slice) -> Array:
-    """A number, or one for each case of the model, for each of some cases."""
-    array = np.asarray(value, float)
-    return np.broadcast_to(array[which] if array.shape not in ((), (1,)) else array, (cases,))

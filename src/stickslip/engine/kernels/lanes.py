@@ -27,6 +27,8 @@ def take(lane, case, S, N, K, PARAM, START, D):
         S[D[F_LE] + lane] = -2.0
         S[D[F_LH] + lane] = math.log2(1e-3 * period)
         S[D[F_GROW] + lane] = 1.4
+    if D[F_LOOKED] >= 0:
+        S[D[F_LOOKED] + lane] = D[ARMS]
     S[D[F_X] + lane] = START[case, 0]
     for i in range(D[STATES]):
         S[D[F_Y] + i * L + lane] = START[case, 1 + i]

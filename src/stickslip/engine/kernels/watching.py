@@ -23,6 +23,8 @@ def begin_record(lane, N, K, FOUND, S, D):
     """Start to observe the motion from the lane's present point."""
     begin_signals(lane, FOUND, D)
     N[lane, RECORDING] = 1
+    if D[F_LOOKED] >= 0:
+        S[D[F_LOOKED] + lane] = 1.0
     for i in range(SEGMENTS, N.shape[1]):
         N[lane, i] = 0
     N[lane, FRESH] = 2
