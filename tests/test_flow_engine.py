@@ -77,7 +77,7 @@ def test_a_ball_bounces_when_it_should(ball):
 def test_cases_that_never_stop_switching_have_a_status_and_the_others_go_on(ball):
     """With r = 0.5 it rests after t0 (1 + 2 r/(1 - r)) = 3 t0 = 1.35; with r = 1 never."""
     many = ss.solve(ball.replace(r=[0.5, 1.0]), start={"height": 1.0}, duration=2.0)
-    assert many.status.tolist() == [9, 0] and "accumulate" in many.statuses[9] and np.isnan(many.mean_v[0])
+    assert many.status.tolist() == [9, 0] and any("accumulate" in said for said in many.status_counts) and np.isnan(many.mean_v[0])
     assert many.max_v[1] == pytest.approx(math.sqrt(2 * 9.81), rel=1e-13)
 
 

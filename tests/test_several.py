@@ -19,7 +19,7 @@ from stickslip.datasets import write_csv
 from stickslip.events import events_of
 from stickslip.layout import BodyStates, ContactStates, StateLayout, of_one_contact
 from stickslip.pieces import HarmonicArcs, PolynomialPieces, inner_rates, pieces_from_arrays
-from stickslip.summary import STATUS
+from stickslip.status import STATUS
 
 #: Sums of five terms of size 1 to 10, and a few more roundings.
 ROUNDING = 1e-13

@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves
 from stickslip.jsontext import plain
 from stickslip.machine import machine_of
+from stickslip.status import STATUS
 from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES
 
@@ -119,7 +120,7 @@ def summary_dataset(many: Any) -> Any:
     if "steadiness" in data:
         told["steadiness"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in STEADINESS.items())
     if "status" in data:
-        told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in many.statuses.items())
+        told["status"]["flag_meanings"] = "; ".join(f"{k}: {v}" for k, v in STATUS.items())
     return xr.Dataset(data, coords=coords, attrs={"provenance": json.dumps(plain(many.provenance))})
 
 

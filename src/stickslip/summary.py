@@ -10,26 +10,15 @@ import numpy as np
 from stickslip.errors import did_you_mean
 from stickslip.mechanics import declares_parts
 from stickslip.sealing import sealed
+from stickslip.status import STATUS
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
 from stickslip.variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LOST", "STATUS", "Summary"]
+__all__ = ["Summary"]
 
-#: Status of a run whose load fell to zero.
-LOST = 6
-#: What a status code says.
-STATUS: dict[int, str] = {
-    0: "finished",
-    1: "stopped: the strobe point repeats",
-    2: "step budget used up",
-    3: "step size too small",
-    4: "not a number",
-    5: "bad input for this case",
-    6: "contact lost: the load fell to zero",
-}
 _RESTLESS = (STEADINESS[UNSETTLED], STEADINESS[IRREGULAR])
 
 
@@ -52,8 +41,6 @@ class Summary:
         Of a machine that lists its bodies, those that are of a body have a last axis for the bodies and those of a contact one for the
         contacts, in the machine's order; and there are body_velocity and body_displacement (bodies), slip_max and slip_min (contacts),
         hits, impulse_max [N s] and stop_force_max [N] (stops).
-    statuses : dict
-        The sentence of each status code.
     provenance : dict
         Versions and settings that make the batch again.
 
@@ -68,7 +55,6 @@ class Summary:
     model: Any
     labels: Any
     columns: dict[str, Any]
-    statuses: dict[int, str] = field(default_factory=lambda: dict(STATUS))
     provenance: dict[str, Any] = field(default_factory=dict)
 
     def __getattr__(self, name: str) -> Any:
@@ -94,7 +80,7 @@ class Summary:
     def status_counts(self) -> dict[str, int]:
         """How many cases ended with each sentence."""
         codes, counts = np.unique(np.asarray(self.columns["status"]), return_counts=True)
-        return {self.statuses.get(int(c), f"status {c}"): int(n) for c, n in zip(codes, counts, strict=True)}
+        return {STATUS.get(int(c), f"status {c}"): int(n) for c, n in zip(codes, counts, strict=True)}
 
     @property
     def steadiness_counts(self) -> dict[str, int]:

@@ -20,8 +20,9 @@ from stickslip.machine import machine_of
 from stickslip.part_runs import BodyRun, ContactRun
 from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.sealing import sealed
+from stickslip.status import Status
 from stickslip.steadiness import Steadiness, drifting_apart, of_run
-from stickslip.summary import STATUS, Summary
+from stickslip.summary import Summary
 from stickslip.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 #: Samples of a run that has no period: this many times `samples` in all.
 APERIODIC = 10
 
-__all__ = ["STATUS", "Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Summary", "Trajectory"]
+__all__ = ["Event", "HarmonicArcs", "Pieces", "PolynomialPieces", "Summary", "Trajectory"]
 
 
 def _as_column(z: Any) -> Any:
@@ -126,7 +127,7 @@ class Trajectory:
     settle: int
     rtol: float
     method: str
-    status: str = STATUS[0]
+    status: str = Status.FINISHED.sentence
     samples: int = 400
     start: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
@@ -159,7 +160,7 @@ class Trajectory:
     @property
     def lost_contact(self) -> bool:
         """Whether the run ended because the load fell to zero."""
-        return self.status == STATUS[6]
+        return self.status == Status.LOST.sentence
 
     @cached_property
     def events(self) -> list[Event]:

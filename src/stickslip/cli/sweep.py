@@ -203,9 +203,9 @@ def _ends(grid: Any) -> str:
     """How many cases ended how."""
     import numpy as np
 
-    from stickslip.sweeps.columns import STATUSES
+    from stickslip.status import STATUS
 
-    meanings = STATUSES | {_SETTLED: "settled"}
+    meanings = STATUS | {_SETTLED: "settled"}
     codes, counts = np.unique(grid["status"].values, return_counts=True)
     return ", ".join(f"{n} {meanings[int(c)]}" for c, n in zip(codes, counts, strict=True))
 

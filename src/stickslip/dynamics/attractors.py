@@ -20,6 +20,7 @@ from stickslip.fields import number
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
+from stickslip.status import Status
 
 __all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
 
@@ -205,7 +206,7 @@ def settled_points(
         end = strobe_map(model, states[part], settle, rtol)
         tell(0.5)
         kept, made = strobe_orbit(model, end.state, _POINTS, rtol)
-        return np.moveaxis(kept, 0, 1), made.T, end.status <= 1
+        return np.moveaxis(kept, 0, 1), made.T, end.status <= Status.REPEATS
 
     for part, found in shared(cases, ended, workers, progress):
         points[part], ways[part], good[part] = found

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from itertools import chain
 from typing import Any, TypeVar
 
 import numpy as np
 
+from stickslip import pool
 from stickslip.batch import labels_of, rows_of
 from stickslip.fields import leaves, replace_leaf
+from stickslip.pool import Cancelled
 from stickslip.sweeps.progress import Progress, Watch
 
 __all__ = ["Report", "parts_of", "picked", "shared"]
@@ -19,10 +21,6 @@ T = TypeVar("T")
 #: What a caller may give as `progress`: it is called with a `Progress`, and says stop by returning False.
 Report = Callable[[Progress], Any] | bool
 PART = 128  # cases that run together: enough for full lanes, few enough that threads finish together
-
-
-class _Stopped(Exception):
-    """Somebody said stop."""
 
 
 def parts_of(cases: int, size: int = PART) -> list[slice]:
@@ -82,45 +80,13 @@ def shared(
         def tell(share: float) -> None:
             watch.begun(part.start, int(share * (part.stop - part.start)))
             if watch.stopped:
-                raise _Stopped
+                raise Cancelled
 
         tell(0.0)
         return work(part, tell)
 
-    todo, tried = parts_of(cases, size), _quietly(done)
-
-    def found() -> Iterator[tuple[slice, T | None]]:
-        yield tried(todo[0])  # compiles what all of them need
-        yield from map(tried, todo[1:]) if workers == 1 else _in_threads(todo[1:], tried, workers, watch)
-
-    for part, result in found() if todo else ():
-        if result is not None:
-            watch.finished(part.start, np.zeros(part.stop - part.start, int))
-            yield part, result
-
-
-def _quietly(done: Callable[[slice], T]) -> Callable[[slice], tuple[slice, T | None]]:
-    """The same, with nothing for a part that was told to stop."""
-
-    def tried(part: slice) -> tuple[slice, T | None]:
-        try:
-            return part, done(part)
-        except _Stopped:
-            return part, None
-
-    return tried
-
-
-def _in_threads(
-    todo: list[slice], tried: Callable[[slice], tuple[slice, T | None]], workers: int, watch: Watch
-) -> Iterator[tuple[slice, T | None]]:
-    with ThreadPoolExecutor(workers) as pool:
-        running: set[Future[tuple[slice, T | None]]] = {pool.submit(tried, part) for part in todo}
-        try:
-            while running:
-                ready, running = wait(running, timeout=0.2, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    yield future.result()
-        finally:
-            watch.stopped = watch.stopped or bool(running)  # an error or Ctrl-C: let the threads end soon
-            pool.shutdown(wait=True, cancel_futures=True)
+    todo = parts_of(cases, size)
+    first = pool.shared(done, todo[:1], 1, watch)  # compiles what all of them need
+    for part, result in chain(first, pool.shared(done, todo[1:], workers, watch)):
+        watch.finished(part.start, np.zeros(part.stop - part.start, int))
+        yield part, result

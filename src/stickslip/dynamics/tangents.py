@@ -24,6 +24,7 @@ from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
+from stickslip.status import Status
 
 __all__ = ["Changes", "changes_along", "jacobian_of", "jacobians_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
 
@@ -96,7 +97,7 @@ def changes_along(
     carried = _Carried(table, kernel, at, _Slopes(model, given, cases))
     start = carried.start(np.asarray(starts, float))
     found = lanes.run(kernel, table.rows, start, lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods))
-    good = found.status <= 1
+    good = found.status <= Status.REPEATS
     state, change, way, way_change = carried.ends(start, found.end, periods * (table.span if model.period is None else model.period))
     known = np.where(good, 1.0, np.nan)
     return Changes(state * known[:, None], change * known[:, None], way, way_change * known, found.status, found.end[:, -1])

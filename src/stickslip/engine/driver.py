@@ -13,12 +13,12 @@ from typing import Any
 
 from stickslip.engine import cache
 from stickslip.engine.taylor import ORDER
-from stickslip.engine.texts import recurrence_text
+from stickslip.engine.texts import recurrence_text, status_text
 from stickslip.engine.unforeseen import POINTS
 
 __all__ = ["FUNCTIONS", "HEADER", "LOOKS", "column", "gauss", "load", "table"]
 
-#: What the driver calls by address, all but `land` in a law's kernel, and their types. `look` does what its first argument says (LOOKS).
+#: What the driver calls by address, and their types: to `signals` in a law's kernel. `look` does what its first argument says (LOOKS).
 FUNCTIONS = {
     "prelude": "void(float64[::1], float64[::1])",  # row, constants
     # what, row, t, y, clock, mode, out
@@ -29,8 +29,30 @@ FUNCTIONS = {
     "slopes": "void(int64, float64[::1], float64[::1])",  # lane, S, instants and states; none where a Taylor step hides nothing
     "signals": "void(float64[::1], float64, float64[::1], float64[::1], float64[::1])",  # row, t, y, what the step held, out
     "land": "void(float64[::1], float64, int64[::1])",  # S, budget, table; the same for all laws that go by Taylor steps
+    # reducing.py, for machines of several parts
+    "begin_parts": "void(int64, f1, f2, f3, i1)",
+    "begin_signals": "void(int64, f3, i1)",
+    "hold": "void(int64, f1, f2, i1)",
+    "reduce_step": "void(int64, float64, f1, f1, i2, f2, f3, f2, f2, b2, i1)",
+    "widen": "void(int64, f1, f1, f2, f2, i1)",
+    "widen_all": "void(int64, f1, i2, i1)",
+    "note_parts": "void(int64, int64, f1, f3, f3, i1)",
+    # changes.py, for tangents
+    "rates_now": "void(int64, float64, f1, f1, f1, i1)",
+    "settle_changes": "void(int64, f1, f1, i1)",
+    "shift_changes": "void(int64, boolean, boolean, f1, f1, f1, i1)",
+}
+#: What few kernels need of the driver, compiled where one does: its functions, its texts, and what a person is told.
+_APART = {
+    "parts": (
+        ("begin_parts", "begin_signals", "hold", "reduce_step", "widen", "widen_all", "note_parts"),
+        ("columns", "segments", "reducing"),
+        "what machines of several parts share",
+    ),
+    "changes": (("rates_now", "settle_changes", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
 }
 LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES")
+_LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
 
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
 _COLUMNS = (
@@ -103,6 +125,8 @@ def table(module: Any, layout: dict[str, int], scale_at: tuple[int, ...], lists:
     where = {name: _address(getattr(module, name, None)) for name in FUNCTIONS}
     if layout["SET_VALUED"]:
         where["land"] = _address(_landing(layout["LANES"]).land)
+    for name in [name for name, needed in (("parts", layout["SIGNALS"]), ("changes", layout["CARRIED"])) if needed]:
+        where |= {function: _address(getattr(_apart(name), function)) for function in _APART[name][0]}
     head = [*(layout[name] for name in _COLUMNS), *where.values()]
     first = len(head) + len(_LISTS) + len(scale_at)
     begins = [first + sum(map(len, lists[:k])) for k in range(len(_LISTS))]
@@ -133,12 +157,21 @@ def _address(function: Any) -> int:
 @lru_cache(1)
 def load() -> Any:
     """The compiled driver."""
-    rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
-    tables = [f"{name} = np.array({part!r})" for name, part in rules]
-    constants = [*(f"{name} = {i}" for i, name in enumerate(LOOKS)), *tables, recurrence_text()]
+    constants = [*_LOOKS, status_text(), recurrence_text()]
     return cache.load(
-        _source("the driver of all kernels", constants, ("flags", "watching", "reducing", "lanes")), "driver", "what all kernels share"
+        _source("the driver of all kernels", constants, ("columns", "flags", "segments", "watching", "lanes")),
+        "driver",
+        "what all kernels share",
     )
+
+
+@lru_cache
+def _apart(name: str) -> Any:
+    """The compiled functions that few kernels need."""
+    _, texts, label = _APART[name]
+    rules = zip(("FEW_NODES", "FEW_WEIGHTS", "MANY_NODES", "MANY_WEIGHTS"), (*gauss(4), *gauss(6)), strict=True)
+    constants = [*_LOOKS, *(f"{name} = np.array({part!r})" for name, part in rules)]
+    return cache.load(_source(label, constants, texts), name, label)
 
 
 @lru_cache

@@ -19,13 +19,12 @@ from stickslip.engine.symbols import Condition, Graph, Sym, TraceError
 from stickslip.engine.system import Switch, System
 from stickslip.engine.trace import instants_of
 from stickslip.engine.values import needed_by
+from stickslip.status import Status
 
-__all__ = ["BEGIN", "ENDED", "MOST", "RESTLESS", "SIZE", "FlowSystem", "flow_system"]
+__all__ = ["BEGIN", "MOST", "SIZE", "FlowSystem", "flow_system"]
 
 #: Columns of a row beside a flow's own numbers: the time at the start, the most switches, and what each state is measured against.
 BEGIN, MOST, SIZE = "#begin", "#most", "#size"
-#: Status of a run that ended after as many switches as it may have, and of one whose switches accumulate.
-ENDED, RESTLESS = 8, 9
 _MANY, _AT_ONCE = 100.0, 1e-7  # so many switches within this part of a run accumulate: at that rate it would have 1e9
 _PATHS = 200  # answers to all that a function asks
 _PLAIN = frozenset((0.0, 0.5, 1.0, 2.0))
@@ -189,8 +188,8 @@ class _Tracer:
         """What ends a run: as many switches as it may have, and switches that accumulate."""
         same, none, half = self.held, (None,) * self.n, self.graph.constant(0.5)
         return [
-            (self.graph.case(MOST) - half - self.count, Switch(same, none, ENDED)),
-            (self.graph.constant(_MANY - 0.5) - self.burst, Switch(same, none, RESTLESS)),
+            (self.graph.case(MOST) - half - self.count, Switch(same, none, Status.SWITCHES)),
+            (self.graph.constant(_MANY - 0.5) - self.burst, Switch(same, none, Status.CHATTERS)),
         ]
 
     # ---- together ----

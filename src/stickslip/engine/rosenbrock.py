@@ -14,6 +14,7 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Contact, System
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
+from stickslip.status import Status
 
 __all__ = ["CONTROL", "Control", "Step", "sides", "write_step"]
 
@@ -39,9 +40,6 @@ class Control:
 
 
 CONTROL = {RODAS4.name: Control(), RODAS5P.name: Control(swing=0.45, swing_from=2.5, inner_floor=9.0)}
-
-#: Values of the step's state `stat` beside 0 (running) and 1 (arrived at the end of the period).
-BUDGET, TOO_SMALL, NOT_A_NUMBER = 2, 3, 4
 
 
 @dataclass(frozen=True)
@@ -375,13 +373,13 @@ class _StepWriter(EventWriter):
             w.line(f"_{name}", "1.0 * _which if _evA else -1.0")
         w.line("_bad", f"(not _acc1) and _hh < {shortest}")
         nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.active))
-        w.line("_end", f"{TOO_SMALL}.0")
+        w.line("_end", f"{Status.TOO_SMALL}.0")
         for k, switch in self.eq.switches.items():
             if switch.status:  # steps shrink without end where a contact stiffens as it is lost
                 w.line("_end", f"{switch.status}.0 if _g{k}s < 1e-9 * _size{k} else _end")
-        w.line("_stat", f"1.0 if _fin else (({NOT_A_NUMBER}.0 if ({nan}) else _end) if _bad else _stat)")
+        w.line("_stat", f"1.0 if _fin else (({Status.NOT_A_NUMBER}.0 if ({nan}) else _end) if _bad else _stat)")
         w.line("_stat", "_code if _code > 0.5 else _stat")
-        w.line("_stat", f"{BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
+        w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
 
     def _switch(self) -> None:
         """What a guard's zero does to the law's modes and states, beside the flip of its flag."""

@@ -8,6 +8,7 @@ from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache
+from stickslip.status import Status
 
 __all__ = ["coulomb_text", "emit_text", "recurrence", "recurrence_text"]
 
@@ -36,12 +37,18 @@ def recurrence_text() -> str:
     return "Any = object\n" + body
 
 
+@lru_cache(1)
+def status_text() -> str:
+    """The names of `stickslip.status.Status`, for a kernel."""
+    return "\n".join(f"{status.name} = {status}" for status in Status)
+
+
 @lru_cache
 def coulomb_text(*names: str) -> str:
     """The mode machine of ``kernels/coulomb_harmonic.py``, the test of strobe points, and other texts after them."""
     folder = resources.files("stickslip.engine") / "kernels"
     first, *more = ((folder / f"{name}.py").read_text(encoding="utf-8") for name in ("coulomb_harmonic", *names))
-    return "\n\n".join([first, recurrence_text(), *more])
+    return "\n\n".join([first, status_text(), recurrence_text(), *more])
 
 
 @lru_cache(1)

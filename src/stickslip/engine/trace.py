@@ -20,12 +20,12 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
 from stickslip.maths import maximum, pi
 from stickslip.position import knows_position
+from stickslip.status import Status
 
 __all__ = ["SPAN", "Switch", "System", "instants_of", "kind_of", "label", "numbers_of", "trace"]
 
 _NUMBER = object()  # in a kind, where there is a number; None is a field that has none
 #: Status of a case whose load fell to zero.
-LOST = 6
 
 
 def label(model: Any) -> str:
@@ -105,7 +105,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
     distance = None if m.single or model.period is None else scale * m.period(model) / (2 * pi)
     for i in range(len(m.laws)):
         if graph.varies(m.loads[i]):
-            parts.events.append((m.loads[i], {}, {}, LOST))
+            parts.events.append((m.loads[i], {}, {}, Status.LOST))
     guards = (*graph.guards, *(guard for guard, *_ in parts.events))
 
     def switch(modes: dict[int, Sym], states: dict[int, Sym], status: int = 0) -> Switch:

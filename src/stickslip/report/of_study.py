@@ -107,9 +107,9 @@ def _counted(values: Any) -> list[tuple[str, int, float]]:
 
 def _ends(grid: Any) -> list[tuple[str, int, float]]:
     """How the cases ended, in words."""
-    from stickslip.sweeps.columns import STATUSES
+    from stickslip.status import STATUS
 
-    return [(STATUSES.get(int(code), "settled"), n, share) for code, n, share in _counted(grid["status"].values)]
+    return [(STATUS.get(int(code), "settled"), n, share) for code, n, share in _counted(grid["status"].values)]
 
 
 def _best(grid: Any) -> tuple[list[str], list[list[str]]]:

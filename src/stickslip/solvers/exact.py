@@ -7,7 +7,6 @@ instants at which the velocity comes to zero are searched. The kernel works with
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy as np
 from stickslip.batch import labels_of
 from stickslip.errors import SolveError
 from stickslip.pieces import HarmonicArcs
+from stickslip.pool import shared
 from stickslip.solvers import undriven
 from stickslip.solvers.arcs import Arcs, reduced
 from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
@@ -104,24 +104,14 @@ def solve_rows(
         return min(i + size, n) - i
 
     done = 0
-    if workers > 1:
-        with ThreadPoolExecutor(workers) as pool:
-            for finished in pool.map(part, starts):
-                done += finished
-                _tell(progress, done, n)
-    else:
-        for i in starts:
-            done += part(i)
-            _tell(progress, done, n)
+    for _, finished in shared(part, starts, workers):
+        done += finished
+        if progress is not None:
+            progress(done, n)
     names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "x_end", "v_end", "limit", "wide_max", "wide_min")
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
     return {**raw, "seg_time": seg_time, "seg_code": seg_code}
-
-
-def _tell(progress: Progress | None, done: int, n: int) -> None:
-    if progress is not None:
-        progress(done, n)
 
 
 def solve_batch(

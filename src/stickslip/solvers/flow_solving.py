@@ -16,8 +16,9 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_w
 from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
-from stickslip.solvers.flows import STATUSES, Unfollowed, followed, unknown
-from stickslip.summary import STATUS, Summary
+from stickslip.solvers.flows import Unfollowed, followed, unknown
+from stickslip.status import Status
+from stickslip.summary import Summary
 
 __all__ = ["Asked", "asked_of", "cases_of_flow", "columns_of", "solve", "starts_of", "untraced"]
 
@@ -175,7 +176,7 @@ def _run(asked: Asked, start: Any) -> FlowRun:
     given = dict(zip(flow.names(len(y)), map(float, y), strict=True))
     return FlowRun(
         flow, done.nodes, done.modes, done.coefficients, done.passed, done.events, "exact", done.state, done.mode, asked.periods,
-        asked.settle, STATUS[0], asked.samples, given, {"versions": versions}, {"steps": done.steps},
+        asked.settle, Status.FINISHED.sentence, asked.samples, given, {"versions": versions}, {"steps": done.steps},
     )  # fmt: skip
 
 
@@ -196,7 +197,7 @@ def _summary(asked: Asked, progress: Any) -> Summary:
     names = list(found[0])
     columns = {name: np.array([row[name] for row in found]).reshape(asked.labels.shape) for name in names}
     settings = {"periods": asked.periods, "settle": asked.settle, "method": "exact"}
-    return Summary(asked.flow, asked.labels, columns, dict(STATUSES), {"settings": settings})
+    return Summary(asked.flow, asked.labels, columns, {"settings": settings})
 
 
 def columns_of(flow: Any, y: Array, mode: Any, span: float, settled: float) -> dict[str, Any]:

@@ -8,29 +8,22 @@ from typing import Any
 import numpy as np
 
 from stickslip.engine import lanes
-from stickslip.engine.flow_system import BEGIN, ENDED, MOST, RESTLESS, SIZE, FlowSystem, flow_system
+from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, flow_system
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.errors import SolveError
 from stickslip.flow_run import ModeChange
 from stickslip.sealing import sealed
-from stickslip.summary import STATUS
+from stickslip.status import STATUS, Status
 
-__all__ = ["MOST_SWITCHES", "STATUSES", "Followed", "Unfollowed", "ends", "followed", "unknown"]
+__all__ = ["MOST_SWITCHES", "Followed", "Unfollowed", "ends", "followed", "unknown"]
 
 Array = Any
 MOST_SWITCHES = 10_000  # in one run, if it is not said
 _BUDGET = 200_000  # steps
-_NO_NUMBER = 4
 _FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
-#: What a status code of a flow says.
-STATUSES = {
-    **STATUS,
-    ENDED: f"more than {MOST_SWITCHES} switches",
-    RESTLESS: "its switches accumulate: it chatters, or comes to rest in ever shorter jumps",
-}
 _systems: dict[Any, FlowSystem | str] = {}
 _kernels: dict[Any, tuple[lanes.Kernel, tuple[str, ...]]] = {}
 
@@ -146,7 +139,7 @@ def followed(flow: Any, y: Array, mode: Any, duration: float, begin: float = 0.0
         start = np.concatenate([[0.0], y, direction, [0.0, 1 + labels.index(mode)]])
         results.append(lanes.run(kernel, row, start[None, :], lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET), keep_pieces=True))
         _check(flow, results[-1], begin, n, most)
-    whole, early = results[0], int(results[0].status[0]) == ENDED
+    whole, early = results[0], int(results[0].status[0]) == Status.SWITCHES
     last = round(float(whole.memory[0, 0]))
     steps = whole.pieces[whole.pieces[:, 0] < 1]  # without what a lane does after its end
     after = whole.pieces[len(steps) : len(steps) + 1, 4:6] if len(whole.pieces) > len(steps) else [[last, steps[-1, 5] + early]]
@@ -204,8 +197,8 @@ def ends(flow: Any, states: Array, modes: Array, duration: Any, begin: float = 0
     rows = _row(flow, found, names, states, duration, begin, None)
     start = np.column_stack([np.zeros(len(states)), states, 1.0 + modes])
     result = lanes.run(kernel, np.ascontiguousarray(rows), start, lanes.Job(1, 0, False, 1e-9, 0.75, _BUDGET))
-    status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, _NO_NUMBER))
-    good = status <= 1
+    status = np.where(np.isfinite(result.end[:, 1:]).all(axis=1), result.status, np.maximum(result.status, Status.NOT_A_NUMBER))
+    good = status <= Status.REPEATS
     y = np.where(good[:, None], result.end[:, 1:], np.nan)
     return y, np.where(good, np.round(np.nan_to_num(result.memory[:, 0])) - 1, -1).astype(int), status
 
@@ -215,15 +208,15 @@ def _check(flow: Any, result: Any, begin: float, n: int, most: int | None) -> No
     status, rows = int(result.status[0]), result.pieces
     width = (rows.shape[1] - _FIRST) // (2 * n + 1)
     lost = np.flatnonzero(~np.isfinite(rows[:, _FIRST : _FIRST + n * width]).all(axis=1))
-    if status <= 1 and len(lost):
-        rows, status = rows[: lost[0]], _NO_NUMBER
-    if status <= 1 or (status == ENDED and most is not None):
+    if status <= Status.REPEATS and len(lost):
+        rows, status = rows[: lost[0]], Status.NOT_A_NUMBER
+    if status <= Status.REPEATS or (status == Status.SWITCHES and most is not None):
         return
     t = begin + (float(rows[-1, 2]) if len(rows) else 0.0)
     names, last = [repr(mode) for mode in flow.fields], round(float(result.memory[0, 0]))
-    if status in (ENDED, RESTLESS):
+    if status in (Status.SWITCHES, Status.CHATTERS):
         seen = [names[int(number) - 1] for number in [*rows[-3:, 4], last]]
-        raise Unfollowed(accumulates(t, seen, None if status == RESTLESS else MOST_SWITCHES), status)
+        raise Unfollowed(accumulates(t, seen, None if status == Status.CHATTERS else MOST_SWITCHES), status)
     end = result.end[0, 1 : 1 + n].tolist()
     told = f"the flow could not be followed in mode {names[last - 1]} beyond t = {t:.9g}: {STATUS[status]}; the state was {end}"
     raise Unfollowed(told, status)

@@ -14,8 +14,9 @@ from stickslip.errors import SolveError
 from stickslip.machine import machine_of
 from stickslip.solvers.parts import RawParts, columns_of_parts, of_only_parts, typed
 from stickslip.solvers.request import Request, provenance
+from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
-from stickslip.summary import LOST, STATUS, Summary
+from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["NEEDED", "Raw", "gather", "trajectory"]
@@ -49,32 +50,34 @@ NEEDED = tuple(f.name for f in fields(Raw) if f.default is MISSING)
 
 
 def gather(todo: Request, method: str, parts: Iterable[tuple[tuple[int, int], Raw]]) -> Summary:
-    """A summary from raw results that arrive chunk by chunk."""
+    """A summary from raw results that arrive chunk by chunk, in any order."""
     cases = todo.cases
     T, free = np.broadcast_to(todo.span, (cases,)), spread(machine_of(todo.model).free_velocity, todo.labels)
     columns: dict[str, Any] = {}
-    coded: dict[str, list[CodedWords]] = {}
+    coded: dict[str, dict[int, CodedWords]] = {}
     for (first, last), raw in parts:
         for name, values in _columns(todo, raw, T[first:last], free[first:last], mean_tolerance(method, todo.rtol)).items():
             if (first, last) == (0, cases):
                 columns[name] = values
                 continue
             if isinstance(values, CodedWords):
-                coded.setdefault(name, []).append(values)
+                coded.setdefault(name, {})[first] = values
                 continue
             if name not in columns:
                 columns[name] = np.empty((cases, *values.shape[1:]), values.dtype)
             elif values.itemsize > columns[name].itemsize:  # longer words
                 columns[name] = columns[name].astype(values.dtype)
             columns[name][first:last] = values
-    columns |= {name: first.joined(others) for name, (first, *others) in coded.items()}
+    for name, by_case in coded.items():
+        begins, *others = (by_case[case] for case in sorted(by_case))
+        columns[name] = begins.joined(others)
     shaped = {name: values.reshape((*todo.labels.shape, *values.shape[1:])) for name, values in columns.items()}
     tolerance = None if method == "exact" else todo.rtol
-    return Summary(todo.model, todo.labels, shaped, dict(STATUS), provenance(todo, method, tolerance))
+    return Summary(todo.model, todo.labels, shaped, provenance(todo, method, tolerance))
 
 
 def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> dict[str, Any]:
-    good = raw.status <= 1
+    good = raw.status <= Status.REPEATS
     with np.errstate(invalid="ignore", divide="ignore"):
         velocity = np.where(good, raw.displacement / (raw.window * T), np.nan)
         approached = np.where(good & (todo.model.period is not None), raw.limit / T, np.nan)
@@ -114,7 +117,7 @@ def _columns_of_one(raw: Raw, T: Any, good: Any, lasting: Any, dwell: float, rto
 
 def _remedy(status: int) -> str:
     """What to change where a run ended at its start."""
-    if status == LOST:
+    if status == Status.LOST:
         return "nothing presses the body on its track there; give a smaller vertical vibration, more gravity or another phase of the drive"
     return "give a longer run or other numbers"
 
@@ -127,6 +130,7 @@ def trajectory(todo: Request, method: str, pieces: Any, counts: dict[str, Any], 
     if todo.duration is not None and pieces.t[-1] > todo.duration:
         pieces, status = pieces.until(todo.duration), 0
     return Trajectory(
-        model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method, status=STATUS[status],
-        samples=todo.samples, start=dict(todo.given_start), provenance=provenance(todo, method, tolerance), counts=counts,
+        model=todo.model, pieces=pieces, periods=todo.periods, settle=todo.settle, rtol=todo.rtol, method=method,
+        status=STATUS[status], samples=todo.samples, start=dict(todo.given_start),
+        provenance=provenance(todo, method, tolerance), counts=counts,
     )  # fmt: skip

@@ -7,12 +7,12 @@ above the sliding friction, is left to the mode machine of `exact`, whose strobe
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
 from stickslip.batch import some_of
+from stickslip.pool import shared
 from stickslip.solvers import exact
 from stickslip.solvers.arcs import Arcs, handles, reduced
 from stickslip.solvers.gather import NEEDED
@@ -81,11 +81,10 @@ def orbit_rows(
         kernel.orbits(rows, known, i, min(i + _CHUNK, n), TOLERANCE, out, count, seg_time, seg_code)
 
     done = 0
-    with ThreadPoolExecutor(max(workers, 1)) as pool:
-        for _ in map(part, range(0, n, _CHUNK)) if workers == 1 else pool.map(part, range(0, n, _CHUNK)):
-            done = min(done + _CHUNK, n)
-            if progress is not None:
-                progress(done, n)
+    for _ in shared(part, range(0, n, _CHUNK), workers):
+        done = min(done + _CHUNK, n)
+        if progress is not None:
+            progress(done, n)
     names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "forward_way", "backward_way")
     raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
     raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}

@@ -8,7 +8,6 @@ chatters where it should stick, and its error falls no faster than its step.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -19,12 +18,14 @@ from stickslip.errors import InputError, SolveError, is_whole
 from stickslip.fields import replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.pieces import PolynomialPieces
+from stickslip.pool import shared
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
+from stickslip.status import Status
 from stickslip.steadiness import is_steady
-from stickslip.summary import STATUS, Summary
+from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["ALLOWED", "STEPS", "allows", "solve"]
@@ -37,7 +38,6 @@ ALLOWED = "a whole number of steps per period, 4 to 10000000"
 SLICE = 1_000_000
 #: Pieces of dense output per drive period; finer steps are thinned.
 PIECES = 1000
-_NOT_A_NUMBER = 4
 _LOOKS = 360  # at the load, in a drive period
 
 
@@ -67,7 +67,7 @@ def solve(todo: Request) -> Trajectory | Summary:
     march.go(todo.periods)
     if march.done < todo.periods:
         raise SolveError(
-            f"the run stopped in period {march.done + 1} of {todo.periods}: {STATUS[_NOT_A_NUMBER]}; type more than steps={steps}"
+            f"the run stopped in period {march.done + 1} of {todo.periods}: {Status.NOT_A_NUMBER.sentence}; type more than steps={steps}"
         )
     return trajectory(todo, "rk4", march.pieces(), {"steps": todo.periods * int(steps), "steps_per_period": int(steps)})
 
@@ -186,7 +186,7 @@ def _shifted(c: Any, part: Any) -> Any:
 
 # ---- batches ----
 def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Iterator[tuple[tuple[int, int], Raw]]:
-    """Raw results case by case, in order; the compiled loop lets go of the lock, so threads help."""
+    """Raw results case by case; the compiled loop lets go of the lock, so threads help."""
 
     def work(i: int) -> dict[str, Any]:
         model = replace_leaf(todo.model, dict(zip(kernel.names, map(float, rows[i]), strict=True)))
@@ -195,9 +195,8 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
             todo.progress(i + 1, len(rows))
         return result
 
-    with ThreadPoolExecutor(todo.workers) as pool:
-        for i, result in enumerate(pool.map(work, range(len(rows)))):
-            yield (i, i + 1), strobes.raw([result])
+    for i, result in shared(work, range(len(rows)), todo.workers):
+        yield (i, i + 1), strobes.raw([result])
 
 
 def _summary(todo: Request, march: _March) -> dict[str, Any]:
@@ -208,7 +207,7 @@ def _summary(todo: Request, march: _March) -> dict[str, Any]:
         march.go(count)
         asked += count
         if march.done < asked:
-            return {**strobes.NOTHING, "status": _NOT_A_NUMBER, "periods_run": march.done}
+            return {**strobes.NOTHING, "status": Status.NOT_A_NUMBER, "periods_run": march.done}
         found = strobes.reduced(march.model, march.strobes, todo.settle, todo.method, todo.rtol)
         period = found["period"]
         if todo.auto and period:  # the mean over one motion period, if it is that of the steady motion

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
-from stickslip.engine import checks, lanes, trace
+from stickslip.engine import checks, lanes
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.friction.adapter import law_of
 from stickslip.layout import StateLayout
 from stickslip.machine import machine_of
 from stickslip.pieces import PolynomialPieces
+from stickslip.pool import shared
 from stickslip.solvers.gather import Raw, gather, trajectory
 from stickslip.solvers.parts import RawParts
 from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
 from stickslip.solvers.tables import CaseTable
-from stickslip.summary import STATUS, Summary
+from stickslip.status import STATUS, Status
+from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
 __all__ = ["run", "run_to_end"]
@@ -39,7 +40,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
     table = CaseTable(todo.model, kernel, todo.start, todo.span)
     results = lanes.run(kernel, table.rows, table.start, job, keep_pieces=True)
     status = int(results.status[0])
-    if status > 1 and status != trace.LOST:
+    if status > Status.REPEATS and status != Status.LOST:
         checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
@@ -48,7 +49,7 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
             'or start, check the law\'s numbers, or type method="radau" (SciPy on the law in plain Python: slower)'
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
-    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == trace.LOST else 0)
+    return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == Status.LOST else 0)
 
 
 def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:
@@ -85,7 +86,7 @@ def _job(todo: Request, rtol: float) -> lanes.Job:
 
 
 def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
-    """Raw results chunk by chunk, in order; threads share the chunks."""
+    """Raw results chunk by chunk; threads share the chunks."""
     bounds, span = _bounds(todo.cases, todo.workers), np.broadcast_to(todo.span, (todo.cases,))
     begun = [0] * len(bounds)
 
@@ -101,11 +102,8 @@ def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:
         table = CaseTable(todo.model, kernel, todo.start[cases], span[cases], which=cases)
         return _raw(lanes.run(kernel, table.rows, table.start, job, progress=tell), kernel, table, todo.observe)
 
-    if todo.workers == 1 or len(bounds) == 1:
-        yield from zip(bounds, map(work, range(len(bounds))), strict=True)
-        return
-    with ThreadPoolExecutor(todo.workers) as pool:
-        yield from zip(bounds, pool.map(work, range(len(bounds))), strict=True)
+    for i, raw in shared(work, range(len(bounds)), todo.workers if len(bounds) > 1 else 1):
+        yield bounds[i], raw
 
 
 def _bounds(cases: int, workers: int) -> list[tuple[int, int]]:

@@ -9,19 +9,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADINESS, UNKNOWN
-from stickslip.summary import STATUS
 from stickslip.variables import VARIABLES
 
 __all__ = [
-    "BAD",
-    "BETWEEN",
     "COLUMNS",
     "END",
-    "FAILED",
-    "STATUSES",
     "TYPES",
-    "UNDONE",
     "all_failed",
     "base_of",
     "characters",
@@ -44,17 +39,9 @@ __all__ = [
 ]  # fmt: skip
 
 Array = Any
-BAD, FAILED, UNDONE, BETWEEN = 5, 100, 101, 102
 #: What the names of end states begin with, beside the columns of cases that others start from.
 END = "end."
-#: What a status code says; those from 100 on are a sweep's own.
-STATUSES: dict[int, str] = {
-    **STATUS,
-    FAILED: "error in the law or the solver for this case",
-    UNDONE: "not computed",
-    BETWEEN: "not computed: filled from computed neighbours of one motion type",
-}
-_CODES = {"status": STATUSES, "steadiness": STEADINESS}
+_CODES = {"status": STATUS, "steadiness": STEADINESS}
 #: Motion types in the order of their codes in files.
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
 #: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters. What a machine of several parts
@@ -113,7 +100,7 @@ def stacked(name: str, columns: dict[str, Array], parts: dict[str, Any]) -> Arra
 
 def all_failed(status: Array) -> bool:
     """Whether there are cases and every one of them failed with an error: then the law or the maker is wrong, and not some numbers."""
-    return len(status) > 0 and bool((status == FAILED).all())
+    return len(status) > 0 and bool((status == Status.FAILED).all())
 
 
 def column_of(what: str, grid: Any, name: str) -> Any:
@@ -167,7 +154,9 @@ def _typed(values: Array, kind: str) -> Array:
 def _unknown(name: str, count: int) -> Array:
     """A column of cases that have no result yet."""
     base, kind = base_of(name), kind_of(name)
-    nothing = {"motion_type": TYPES[0], "status": UNDONE, "steadiness": UNKNOWN, "hits": -1}.get(base, np.nan if kind == "f8" else None)
+    nothing = {"motion_type": TYPES[0], "status": Status.NOT_COMPUTED, "steadiness": UNKNOWN, "hits": -1}.get(
+        base, np.nan if kind == "f8" else None
+    )
     return np.zeros(count, kind) if nothing is None else np.full(count, nothing, kind)
 
 

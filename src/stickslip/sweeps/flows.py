@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError, Problems
 from stickslip.jsontext import plain
+from stickslip.pool import shared
 from stickslip.solvers.flow_solving import asked_of, columns_of
-from stickslip.solvers.flows import STATUSES
+from stickslip.status import STATUS, Status
 from stickslip.sweeps.axes import Space, space_of
-from stickslip.sweeps.columns import BAD, UNDONE
 from stickslip.sweeps.progress import Watch
 
 __all__ = ["sweep_of_flow"]
@@ -39,14 +38,9 @@ def sweep_of_flow(
     space = space_of(flow, designs, axes)
     case = _cases(flow, space, arguments)
     watch, found = Watch(space.cases, progress), [dict[str, Any]() for _ in range(space.cases)]
-    with ThreadPoolExecutor(workers) as pool:
-        parts = map(case, range(space.cases)) if workers == 1 else pool.map(case, range(space.cases))
-        for k, columns in enumerate(parts):
-            found[k] = columns
-            watch.finished(k, np.array([columns["status"]]))
-            if watch.stopped:
-                pool.shutdown(wait=True, cancel_futures=True)
-                break
+    for k, columns in shared(case, range(space.cases), workers, watch):
+        found[k] = columns
+        watch.finished(k, np.array([columns["status"]]))
     whole = {name: _column(found, name).reshape(space.shape) for name in next((c for c in found if len(c) > 1), {"status": 0})}
     data = {name: (space.dims, values, _told(name)) for name, values in whole.items()}
     coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
@@ -71,7 +65,7 @@ def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int]
         try:
             todo = asked(k)
         except InputError:
-            return {"status": BAD}
+            return {"status": Status.BAD_INPUT}
         return columns_of(todo.flow, todo.states[0], todo.mode, float(todo.spans[0]), float(todo.settled[0]))
 
     good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
@@ -83,7 +77,7 @@ def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int]
 def _column(found: list[dict[str, Any]], name: str) -> Array:
     """A column over all cases; what was not solved or not computed is not a number, -1, or its status."""
     if name == "status":
-        return np.array([columns.get("status", UNDONE) for columns in found], np.int8)
+        return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in found], np.int8)
     known = [columns[name] for columns in found if name in columns]
     whole = all(isinstance(value, (int, np.integer)) for value in known)
     return np.array([columns.get(name, -1 if whole else np.nan) for columns in found])
@@ -97,5 +91,5 @@ def _told(name: str) -> dict[str, str]:
         "switches": "number of switches", "period": "periods of the forcing until it repeats (0: none seen)",
     }  # fmt: skip
     if name == "status":
-        return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUSES.items())}
+        return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUS.items())}
     return {"long_name": long[what]}

@@ -15,8 +15,9 @@ from stickslip.position import knows_position
 from stickslip.solvers import exact, orbits, rosenbrock, stepping
 from stickslip.solvers.arcs import handles
 from stickslip.solvers.request import Request, request
+from stickslip.status import Status
 from stickslip.summary import Summary
-from stickslip.sweeps.columns import BAD, END, empty
+from stickslip.sweeps.columns import END, empty
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
 from stickslip.sweeps.solving import columns_of_group
@@ -94,7 +95,7 @@ def _one_step(
     first = plan.start_at(points)
     groups, refused = groups_of(plan.make, plan.space, points, first)
     columns, after = empty(len(points), plan.columns), dict[str, Any]()
-    columns["status"][list(refused)] = BAD
+    columns["status"][list(refused)] = Status.BAD_INPUT
     for sentence in refused.values():
         notes[sentence] = notes.get(sentence, 0) + 1
     for group in groups:

@@ -11,12 +11,14 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
-from stickslip.sweeps.columns import BETWEEN, all_failed, empty, part_columns
+from stickslip.pool import Cancelled
+from stickslip.status import Status
+from stickslip.sweeps.columns import all_failed, empty, part_columns
 from stickslip.sweeps.datasets import dataset, labels_of, provenance_of
 from stickslip.sweeps.planning import SOLVER, Plan, planned
 from stickslip.sweeps.progress import Watch
 from stickslip.sweeps.running import carried_out, sweep
-from stickslip.sweeps.solving import Cancelled, solved_points
+from stickslip.sweeps.solving import solved_points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -129,7 +131,7 @@ class _Refined:
             self._fill(lines, finer)
             self._compute(self._beside(changing, lines, finer))
             lines = finer
-        self.columns["status"][~self.known & (self.kind != "")] = BETWEEN
+        self.columns["status"][~self.known & (self.kind != "")] = Status.FILLED
         if all_failed(self.columns["status"][self.known]):
             raise InputError("map", list(self.notes))
         found = dataset(self.plan, {n: v.ravel() for n, v in self.columns.items()}, {"provenance": provenance_of(self.plan)}, self.notes)
@@ -164,7 +166,7 @@ class _Refined:
     def _tell(self, cases: int) -> None:
         self.watch.begun(-1, cases)
         if self.watch.stopped:
-            raise Cancelled("the map was told to stop")
+            raise Cancelled
 
     def _settled(self, lines: tuple[Array, Array]) -> Array:
         """The cells whose corners differ; corners of such cells that were only filled are computed first, until nothing new turns up."""

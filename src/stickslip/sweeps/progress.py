@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.callbacks import told_of_progress
-from stickslip.sweeps.columns import STATUSES
+from stickslip.status import STATUS
 
 __all__ = ["Bar", "Lines", "Progress", "Watch"]
 
@@ -65,7 +65,7 @@ class Progress:
         told = [f"{share} %, {int(self.done)} of {self.cases} cases"]
         if self.rate > 0:
             told += [f"{self.rate:.3g} per second", f"{_duration(self.left)} left"]
-        unusual = {text: n for text, n in self.statuses.items() if text not in (STATUSES[0], STATUSES[1])}
+        unusual = {text: n for text, n in self.statuses.items() if text not in (STATUS[0], STATUS[1])}
         return ", ".join(told + [f"{n} {text}" for text, n in unusual.items()])
 
 
@@ -101,7 +101,7 @@ class Watch:
         self._begun.pop(tile, None)
         self._finished += len(status)
         for code, n in zip(*np.unique(status, return_counts=True), strict=True):
-            text = STATUSES.get(int(code), f"status {code}")
+            text = STATUS.get(int(code), f"status {code}")
             self._statuses[text] = self._statuses.get(text, 0) + int(n)
         self._tell(PAUSE if self._finished < self.cases else 0.0)
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,11 +11,12 @@ from stickslip.arguments import Maker, explains_arguments
 from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
+from stickslip.pool import Cancelled, shared
 from stickslip.sweeps.columns import all_failed, base_of
 from stickslip.sweeps.datasets import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
-from stickslip.sweeps.solving import Cancelled, solved
+from stickslip.sweeps.solving import solved
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -228,47 +227,20 @@ def tiles_of(plan: Plan, todo: Any, workers: int, client: Any, retries: int, wat
             raise InputError("sweep", ["observe and client cannot go together: functions are not sent to other machines; leave one out"])
 
         yield from tiles_from(plan, todo, client, retries, watch)
-    elif workers == 1 or len(todo) < 2:
-        yield from _one_by_one(plan, todo, workers, watch)
-    else:
-        yield from _in_threads(plan, todo, workers, watch)
+        return
+    several = workers > 1 and len(todo) > 1
 
+    def work(k: int) -> tuple[dict[str, Array], dict[str, int]]:
+        return solved(plan, k, 1 if several else workers, _teller(k, watch))
 
-def _one_by_one(plan: Plan, todo: list[int], workers: int, watch: Watch) -> Iterator[Done]:
-    for k in todo:
-        if watch.stopped:
-            return
-        try:
-            yield (k, *solved(plan, k, workers, _teller(k, watch)))
-        except Cancelled:
-            return
+    for k, (columns, notes) in shared(work, todo, workers if several else 1, watch):
+        yield k, columns, notes
 
 
 def _teller(k: int, watch: Watch) -> Callable[[int], None]:
     def tell(cases: int) -> None:
         watch.begun(k, cases)
         if watch.stopped:
-            raise Cancelled("the sweep was told to stop")
+            raise Cancelled
 
     return tell
-
-
-def _in_threads(plan: Plan, todo: list[int], workers: int, watch: Watch) -> Iterator[Done]:
-    """Tiles in threads, few at a time, so that memory does not grow with their number."""
-    rest = iter(todo)
-    with ThreadPoolExecutor(workers) as pool:
-        running: dict[Future[Any], int] = {}
-        try:
-            while True:
-                room = 0 if watch.stopped else 2 * workers - len(running)
-                for k in islice(rest, room):
-                    running[pool.submit(solved, plan, k, 1, _teller(k, watch))] = k
-                if not running:
-                    return
-                for ready in wait(running, timeout=0.2, return_when=FIRST_COMPLETED).done:
-                    k = running.pop(ready)
-                    if not isinstance(ready.exception(), Cancelled):
-                        yield (k, *ready.result())
-        finally:
-            watch.stopped = watch.stopped or bool(running)  # an error or Ctrl-C: let the threads end soon
-            pool.shutdown(wait=True, cancel_futures=True)

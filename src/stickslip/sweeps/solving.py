@@ -10,19 +10,21 @@ import numpy as np
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.batch import numbers_by_name, shape_of, some_of
 from stickslip.engine.closed import steady_force
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
+from stickslip.pool import Cancelled
 from stickslip.solvers import orbits, parts
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
-from stickslip.sweeps.columns import BAD, COLUMNS, END, FAILED, dim_of, empty, filled, flattened, joined
+from stickslip.status import Status
+from stickslip.sweeps.columns import COLUMNS, END, dim_of, empty, filled, flattened, joined
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
 from stickslip.variables import VARIABLES
 
-__all__ = ["Cancelled", "columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
+__all__ = ["columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]
 
 Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
@@ -32,10 +34,6 @@ OF_SEVERAL = (*parts.OF_SEVERAL, "friction_power")
 _OTHER_PARTS = "its bodies, contacts or stops are not those of the first machine: only what is of the whole machine is kept"
 Tell = Callable[[int], None]  # cases begun
 Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
-
-
-class Cancelled(StickslipError):
-    """A sweep that was told to stop."""
 
 
 _OURS = (Cancelled, KeyboardInterrupt, MemoryError, OSError)  # errors that are not about a case
@@ -73,7 +71,7 @@ def solved_points(
     if len(groups) == 1 and not refused:  # all points, in their order
         return filled(found(groups[0]), len(points), plan.columns), notes
     result = empty(len(points), plan.columns)
-    result["status"][list(refused)] = BAD
+    result["status"][list(refused)] = Status.BAD_INPUT
     for group in groups:
         for name, values in found(group).items():
             result[name][group.at] = values
@@ -112,7 +110,7 @@ def columns_of_group(
         sentence = _sentence(error)
         if len(group.at) == 1 or _fails_at_both_ends(group, options, sentence, solver):
             notes[sentence] = notes.get(sentence, 0) + len(group.at)
-            return {"status": np.full(len(group.at), FAILED, COLUMNS["status"])}
+            return {"status": np.full(len(group.at), Status.FAILED, COLUMNS["status"])}
     return joined([columns_of_group(part, options, workers, tell, notes, solver) for part in _halves(group)])
 
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
+from stickslip.status import STATUS
 from stickslip.storage import moved_into_place, unwritable
-from stickslip.sweeps.columns import COLUMNS, STATUSES, TYPES, characters, coded, described, empty, flags
+from stickslip.sweeps.columns import COLUMNS, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
 
 __all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]
@@ -243,7 +244,7 @@ def _headed(data: Any, name: str) -> str:
 
 def _sentences(codes: Array) -> list[str]:
     """What status codes say; that of a strobe point that repeats in one word."""
-    told = STATUSES | {1: "settled"}
+    told = STATUS | {1: "settled"}
     return [told.get(int(code), f"status {code}") for code in codes]
 
 

@@ -7,7 +7,6 @@ import numpy as np
 
 SEGS = 32  # segments kept
 WITHIN = 1e-13  # a displacement in a period this near to the one approached: the window holds a steady motion
-FINISHED, REPEATED, TOO_LONG, NOT_A_NUMBER = 0, 1, 2, 4
 
 
 @njit("f8(f8[::1], f8[::1], f8)", **OPTIONS)
@@ -106,7 +105,7 @@ def follow(q, last, points, early, sums, scale, unit, periods, settle, auto, ski
         x, excess_x = add(x, excess_x, moved)
         points[n % KEPT, 0], points[n % KEPT, 1] = x, w
         if not good:
-            status = TOO_LONG
+            status = BUDGET
         elif w - w != 0.0:
             status = NOT_A_NUMBER
         elif auto:
@@ -154,18 +153,18 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
             out[i, k] = math.nan
         count[i, 3], out[i, 8], out[i, 9], out[i, 10] = 0, math.nan, math.nan, math.nan
         if status == FINISHED:
-            status = REPEATED if p > 0 else FINISHED
+            status = REPEATS if p > 0 else FINISHED
             found, out[i, 8] = outcome(points, n, min(n, KEPT - 1), LONGEST, scale, tolerance, tolerance)
             p = p if p > 0 else found
             number = min(max(p, 1), n)
             out[i, 1], out[i, 5] = number, remaining(points, n, number, unit)
-            begin = n if status == REPEATED else n - number  # where it repeats, the next motion period is the best one yet
+            begin = n if status == REPEATS else n - number  # where it repeats, the next motion period is the best one yet
             count[i, 3] = observe(q, row, last, points[begin % KEPT, 1], number, seg_time[i], seg_code[i], out[i])
             out[i, 9], out[i, 10] = out[i, 2], out[i, 3]
             if not auto and not (p > 0 and abs(sums[0] - out[i, 8] * (periods - settle)) <= WITHIN * (periods - settle)):
                 wide(q, row, last, row[5], settle, periods, scratch_time, scratch_code, scratch)
                 out[i, 9], out[i, 10] = max(out[i, 2], scratch[2]), min(out[i, 3], scratch[3])
-            if status == REPEATED:
+            if status == REPEATS:
                 n += number
                 sums[1] += out[i, 0]
                 out[i, 8] = out[i, 0] / number

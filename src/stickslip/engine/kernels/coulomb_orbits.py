@@ -65,7 +65,7 @@ def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1, rows as for `run`. Where known[i] > 0, row[5] is a strobe point of a motion of that period; else it is found.
 
     out: displacement over the motion period, its drive periods, largest and smallest w, margin, misfit of the strobe point, way
-    forwards, way backwards. count: status (REPEATED, or TOO_LONG: left to the mode machine), period, periods run, segments.
+    forwards, way backwards. count: status (REPEATS, or BUDGET: left to the mode machine), period, periods run, segments.
     """
     q, last = np.empty(CONSTANTS), np.empty(2)
     for i in range(i0, i1):
@@ -82,4 +82,4 @@ def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
         good = good and misfit <= tolerance * (1.0 + abs(w))
         count[i, 3] = observe(q, row, last, w, number, seg_time[i], seg_code[i], out[i]) if good else 0
         out[i, 1], out[i, 5], out[i, 6], out[i, 7] = number, misfit, ahead, back
-        count[i, 0], count[i, 1], count[i, 2] = REPEATED if good else TOO_LONG, number, number
+        count[i, 0], count[i, 1], count[i, 2] = REPEATS if good else BUDGET, number, number

@@ -36,7 +36,7 @@ def take(lane, case, S, N, K, PARAM, START, D):
         S[D[F_MODE] + k * L + lane] = START[case, 1 + D[STATES] + k]
     set_flags(lane, S, PARAM[case], D[SET_VALUED] == 1, D)
     if D[CARRIED] > 0 and D[SET_VALUED] == 1:
-        settle_changes(lane, S, PARAM[case], D)
+        call_settle_changes(D[AT_SETTLE_CHANGES], lane, S, PARAM[case], D)
     for j in range(N.shape[1]):
         N[lane, j] = 0
     for j in range(K.shape[1]):
@@ -64,9 +64,9 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
 def carry_through(lane, slip_ratio, within, first, S, N, K, PARAM, SEGT, SEGC, D):
     """The same with passive states that are changes of others: their part depends on the rates before and after."""
     before, row = np.empty(D[CARRIED]), PARAM[N[lane, CASE]]
-    rates_now(lane, S[D[F_T] + lane], before, S, row, D)
+    call_rates_now(D[AT_RATES_NOW], lane, S[D[F_T] + lane], before, S, row, D)
     pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
-    shift_changes(lane, within, first, before, S, row, D)
+    call_shift_changes(D[AT_SHIFT_CHANGES], lane, within, first, before, S, row, D)
 
 
 @njit(void(int64, f1, i2, f2, f3, f3, f2, i2, f3, i1), **OPTIONS)
@@ -78,7 +78,7 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     OUT[case, 1] = K[lane, WINDOW]
     OUT[case, 2] = K[lane, VMAX]
     OUT[case, 3] = K[lane, VMIN]
-    good = N[lane, STATUS] == FINISHED or N[lane, STATUS] == REPEATED
+    good = N[lane, STATUS] == FINISHED or N[lane, STATUS] == REPEATS
     OUT[case, 4] = K[lane, WORK] / K[lane, LASTED] if D[OFFERED] == 1 and K[lane, LASTED] > 0.0 else np.nan
     OUT[case, 5] = RING[lane, N[lane, DONE] % KEPT, 0] if good else way_of(lane, S, D)
     for i in range(D[STATES]):
@@ -95,11 +95,8 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     COUNT[case, 4] = np.int64(S[D[F_NREJ] + lane])
     for i in range(SEGMENTS, N.shape[1]):
         COUNT[case, 5 + i - SEGMENTS] = N[lane, i]
-    for b in range(D[BODIES] if D[SIGNALS] > 0 else 0):
-        FOUND[lane, D[SIGNALS] + b, LARGEST], FOUND[lane, D[SIGNALS] + b, SMALLEST] = S[wide(b, D) + lane], S[wide(b, D) + L + lane]
-    for s in range(NOTED.shape[1] if D[SIGNALS] > 0 else 0):
-        for j in range(3):
-            NOTED[case, s, j] = FOUND[lane, s, j]
+    if D[SIGNALS] > 0:
+        call_note_parts(D[AT_NOTE_PARTS], lane, case, S, FOUND, NOTED, D)
     N[lane, CASE] = -1
 
 
@@ -144,7 +141,7 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
             free = scale[0] * S[D[F_C] + D[PERIOD] * L + lane]
             if steady(moved, limit(RING[lane], k, p, m, scale, True), free, max(STEADY, rtol)):
                 N[lane, NUMBER] = p
-                N[lane, STATUS] = REPEATED
+                N[lane, STATUS] = REPEATS
                 N[lane, TARGET] = k + p
                 keep_places(lane, LONGEST, S, XS, D)
                 begin_record(lane, N, K, FOUND, S, D)
@@ -179,10 +176,7 @@ def next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, STAR
     CURSOR[0] += 1
     keep_places(lane, 0, S, XS, D)
     if D[SIGNALS] > 0:
-        hold(lane, S, HELD, D)
-        begin_signals(lane, FOUND, D)
-        for b in range(D[BODIES]):
-            S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane] = -math.inf, math.inf
+        call_begin_parts(D[AT_BEGIN_PARTS], lane, S, HELD, FOUND, D)
     if periods == 1 and not auto:
         begin_record(lane, N, K, FOUND, S, D)
     return True
@@ -229,8 +223,8 @@ def watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
             if N[lane, CLOSING] == 1:
                 S[D[F_STAT] + lane] = 7.0
             elif S[D[F_T] + lane] != S[D[F_T0] + lane]:
-                reduce_step(lane, slip_ratio, S, PARAM[N[lane, CASE]], N, HELD, FOUND, ROOM, SEGT, SEGC, D)
-            hold(lane, S, HELD, D)
+                call_reduce_step(D[AT_REDUCE_STEP], lane, slip_ratio, S, PARAM[N[lane, CASE]], N, HELD, FOUND, ROOM, SEGT, SEGC, D)
+            call_hold(D[AT_HOLD], lane, S, HELD, D)
             continue
         if D[OFFERED] == 1 and N[lane, CLOSING] == 0 and S[D[F_T] + lane] != S[D[F_T0] + lane]:
             K[lane, WORK] += call_work(D[AT_WORK], lane, S, PARAM[N[lane, CASE]])
@@ -272,7 +266,7 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HEL
         if done == 1:
             N[lane, CLOSING] = 1
     if D[SIGNALS] > 0:
-        hold(lane, S, HELD, D)
+        call_hold(D[AT_HOLD], lane, S, HELD, D)
 
 
 @njit(
@@ -305,15 +299,15 @@ def advance(
         if recording > 0:
             watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D)
         if D[SIGNALS] > 0 and D[ARMS] == 0:
-            widen_all(settle, S, N, D)
+            call_widen_all(D[AT_WIDEN_ALL], settle, S, N, D)
         for lane in range(L):
             stat = S[D[F_STAT] + lane]
             if N[lane, DONE] >= settle:
                 v = S[D[F_Y] + lane]
                 K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)
                 if D[SIGNALS] > 0 and D[ARMS] == 1:
-                    widen(lane, S, PARAM[max(N[lane, CASE], 0)], HELD, ROOM, D)
-                    hold(lane, S, HELD, D)
+                    call_widen(D[AT_WIDEN], lane, S, PARAM[max(N[lane, CASE], 0)], HELD, ROOM, D)
+                    call_hold(D[AT_HOLD], lane, S, HELD, D)
                 elif D[F_TOP] >= 0:  # the extremum within the step
                     v = S[D[F_TOP] + lane]
                     K[lane, WIDE_MAX], K[lane, WIDE_MIN] = max(K[lane, WIDE_MAX], v), min(K[lane, WIDE_MIN], v)

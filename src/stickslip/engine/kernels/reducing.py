@@ -9,16 +9,10 @@
 ELSEWHERE, STATES_THERE, EACH_STATE = 8, 9, 10  # rows of ROOM
 
 
-@njit(void(int64, f1, f2, i1), **OPTIONS)
-def hold(lane, S, HELD, D):
-    """Keep the flags, modes and clocks that hold in the step to come."""
-    L, n = D[LANES], D[SIGNS]
-    for k in range(n):
-        HELD[lane, k] = S[D[F_B] + k * L + lane]
-    for k in range(D[MODES]):
-        HELD[lane, n + k] = S[D[F_MODE] + k * L + lane]
-    for k in range(D[CLOCKS]):
-        HELD[lane, n + D[MODES] + k] = S[D[F_CLK] + k * L + lane]
+@njit(int64(int64, i1), **OPTIONS)
+def wide(b, D):
+    """Where a body's extremes in the window begin, behind the fields of the step: the largest velocity of each lane, the smallest."""
+    return (D[FIELDS] + 2 * b) * D[LANES]
 
 
 @njit(float64(int64, int64, float64, f1, i1), **OPTIONS)
@@ -197,10 +191,26 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
             FOUND[lane, s, SMALLEST] = -largest(lane, k, -1.0, -FOUND[lane, s, SMALLEST], at, count, S, row, HELD, ROOM, D)
 
 
-@njit(int64(int64, i1), **OPTIONS)
-def wide(b, D):
-    """Where a body's extremes in the window begin, behind the fields of the step: the largest velocity of each lane, the smallest."""
-    return (D[FIELDS] + 2 * b) * D[LANES]
+@njit(void(int64, f3, i1), **OPTIONS)
+def begin_signals(lane, FOUND, D):
+    """Nothing is known of the signals yet."""
+    for s in range(D[SIGNALS]):
+        kind = D[D[KINDS] + s]
+        FOUND[lane, s, TOTAL] = 0.0
+        FOUND[lane, s, LARGEST] = 0.0 if kind >= AT_GUARD else -math.inf
+        FOUND[lane, s, SMALLEST] = math.nan if kind & COUNTED else math.inf
+
+
+@njit(void(int64, f1, f2, i1), **OPTIONS)
+def hold(lane, S, HELD, D):
+    """Keep the flags, modes and clocks that hold in the step to come."""
+    L, n = D[LANES], D[SIGNS]
+    for k in range(n):
+        HELD[lane, k] = S[D[F_B] + k * L + lane]
+    for k in range(D[MODES]):
+        HELD[lane, n + k] = S[D[F_MODE] + k * L + lane]
+    for k in range(D[CLOCKS]):
+        HELD[lane, n + D[MODES] + k] = S[D[F_CLK] + k * L + lane]
 
 
 @njit(void(int64, f1, i2, i1), **OPTIONS)
@@ -215,6 +225,25 @@ def widen_all(settle, S, N, D):
             S[at + L + lane] = v if inside and v < S[at + L + lane] else S[at + L + lane]
 
 
+@njit(void(int64, f1, f2, f3, i1), **OPTIONS)
+def begin_parts(lane, S, HELD, FOUND, D):
+    """At the start of a case: what its first step holds; of signals and of extremes in the window nothing is known."""
+    hold(lane, S, HELD, D)
+    begin_signals(lane, FOUND, D)
+    for b in range(D[BODIES]):
+        S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane] = -math.inf, math.inf
+
+
+@njit(void(int64, int64, f1, f3, f3, i1), **OPTIONS)
+def note_parts(lane, case, S, FOUND, NOTED, D):
+    """Write what was found of the signals of a case, and of its bodies in the window."""
+    for b in range(D[BODIES]):
+        FOUND[lane, D[SIGNALS] + b, LARGEST], FOUND[lane, D[SIGNALS] + b, SMALLEST] = S[wide(b, D) + lane], S[wide(b, D) + D[LANES] + lane]
+    for s in range(NOTED.shape[1]):
+        for j in range(3):
+            NOTED[case, s, j] = FOUND[lane, s, j]
+
+
 @njit(void(int64, f1, f1, f2, f2, i1), **OPTIONS)
 def widen(lane, S, row, HELD, ROOM, D):
     """The same of one lane, where a body moves otherwise than its coordinate."""
@@ -224,28 +253,3 @@ def widen(lane, S, row, HELD, ROOM, D):
         at, v = wide(b, D), ROOM[ELSEWHERE, D[RATIOS] + D[D[BODY_SIGNAL] + b]]
         S[at + lane] = max(S[at + lane], v)
         S[at + D[LANES] + lane] = min(S[at + D[LANES] + lane], v)
-
-
-@njit(float64(int64, int64, f1, i1), **OPTIONS)
-def place_of(lane, p, S, D):
-    """Place 0 is the position of the body, or of the centre of mass; place 1 + j that of coordinate j."""
-    L, j = D[LANES], p - 1
-    if p == 0:
-        return way_of(lane, S, D)
-    if D[CYCLIC] == 0:
-        return S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane]
-    return S[D[F_X] + lane] + (S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane] if j > 0 else 0.0)
-
-
-@njit(void(int64, int64, f1, f3, i1), **OPTIONS)
-def keep_places(lane, row, S, XS, D):
-    """Where everything is, as a row of XS."""
-    for p in range(D[PLACES]):
-        XS[lane, row, p] = place_of(lane, p, S, D)
-
-
-@njit(void(int64, int64, f1, i2, f3, f2, i1), **OPTIONS)
-def keep_moved(lane, row, S, N, XS, OUT, D):
-    """How far each coordinate went since a row of XS was kept."""
-    for p in range(1, D[PLACES]):
-        OUT[N[lane, CASE], 8 + D[STATES] + D[KEPT_MODES] + p] = place_of(lane, p, S, D) - XS[lane, row, p]

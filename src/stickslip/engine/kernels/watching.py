@@ -2,26 +2,12 @@
 # ruff: noqa: F821
 # mypy: ignore-errors
 
-# FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for
-# each body the extremes of its velocity over the window.
-TOTAL, LARGEST, SMALLEST = range(3)
-MEAN, MOST, LEAST, COUNTED, LAST, AT_GUARD = 1, 2, 4, 8, 16, 64
-
-
-@njit(void(int64, f3, i1), **OPTIONS)
-def begin_signals(lane, FOUND, D):
-    """Nothing is known of the signals yet."""
-    for s in range(D[SIGNALS]):
-        kind = D[D[KINDS] + s]
-        FOUND[lane, s, TOTAL] = 0.0
-        FOUND[lane, s, LARGEST] = 0.0 if kind >= AT_GUARD else -math.inf
-        FOUND[lane, s, SMALLEST] = math.nan if kind & COUNTED else math.inf
-
 
 @njit(void(int64, i2, f2, f3, f1, i1), **OPTIONS)
 def begin_record(lane, N, K, FOUND, S, D):
     """Start to observe the motion from the lane's present point."""
-    begin_signals(lane, FOUND, D)
+    if D[SIGNALS] > 0:
+        call_begin_signals(D[AT_BEGIN_SIGNALS], lane, FOUND, D)
     N[lane, RECORDING] = 1
     if D[F_LOOKED] >= 0:
         S[D[F_LOOKED] + lane] = 1.0
@@ -35,23 +21,6 @@ def begin_record(lane, N, K, FOUND, S, D):
     K[lane, VMIN] = S[D[F_Y] + lane]
     K[lane, WORK] = 0.0
     K[lane, LASTED] = 0.0
-
-
-@njit(void(int64, int64, int64, float64, i2, f2, b2), **OPTIONS)
-def add_segment(lane, i, code, length, N, SEGT, SEGC):
-    """Append a stretch of one code to those of contact i, or lengthen the last one."""
-    case, first = N[lane, CASE], i * SEGS
-    n = N[lane, SEGMENTS + i]
-    if length <= 0.0 or n < 0:
-        return
-    if n > 0 and SEGC[case, first + n - 1] == code:
-        SEGT[case, first + n - 1] += length
-    elif n == SEGS:
-        N[lane, SEGMENTS + i] = -1
-    else:
-        SEGC[case, first + n] = code
-        SEGT[case, first + n] = length
-        N[lane, SEGMENTS + i] = n + 1
 
 
 @njit(void(int64, float64, float64, float64, float64, i2, f2, f2, b2, i1), **OPTIONS)
@@ -86,3 +55,28 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
     K[lane, TQ] = 0.0 if t >= period else t  # the end of a period is the beginning of the next
     K[lane, VQ], K[lane, AQ], K[lane, RQ], K[lane, BQ] = v, acceleration, ratio, b
     N[lane, FRESH] = 0
+
+
+@njit(float64(int64, int64, f1, i1), **OPTIONS)
+def place_of(lane, p, S, D):
+    """Place 0 is the position of the body, or of the centre of mass; place 1 + j that of coordinate j."""
+    L, j = D[LANES], p - 1
+    if p == 0:
+        return way_of(lane, S, D)
+    if D[CYCLIC] == 0:
+        return S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane]
+    return S[D[F_X] + lane] + (S[D[F_Y] + (D[STATES] - D[COORDINATES] + j) * L + lane] if j > 0 else 0.0)
+
+
+@njit(void(int64, int64, f1, f3, i1), **OPTIONS)
+def keep_places(lane, row, S, XS, D):
+    """Where everything is, as a row of XS."""
+    for p in range(D[PLACES]):
+        XS[lane, row, p] = place_of(lane, p, S, D)
+
+
+@njit(void(int64, int64, f1, i2, f3, f2, i1), **OPTIONS)
+def keep_moved(lane, row, S, N, XS, OUT, D):
+    """How far each coordinate went since a row of XS was kept."""
+    for p in range(1, D[PLACES]):
+        OUT[N[lane, CASE], 8 + D[STATES] + D[KEPT_MODES] + p] = place_of(lane, p, S, D) - XS[lane, row, p]

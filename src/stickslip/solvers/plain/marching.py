@@ -19,11 +19,11 @@ from stickslip.solvers.plain.equations import Equations
 from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
+from stickslip.status import Status
 
 __all__ = ["Hit", "Run", "march", "marched"]
 
 _EVENTS = 20_000  # events in one period that are taken for chatter
-_LOST = 6
 _BEFORE = 1e-9  # of the velocity scale: a slip that a contact at rest gets from asking beside a break, and not from a jump
 
 Jumps = tuple[float, ...]
@@ -41,7 +41,7 @@ class Hit:
 def march(todo: Request, model: Any, case: int) -> tuple[PolynomialPieces, dict[str, Any], int]:
     """The dense output of one case, what it cost, and how it ended (0, or 6 where a contact was lost)."""
     run = marched(todo, model, case)
-    return joined(run.parts, run.t, run.equations), run.counts, _LOST if run.lost else 0
+    return joined(run.parts, run.t, run.equations), run.counts, Status.LOST if run.lost else Status.FINISHED
 
 
 def marched(todo: Request, model: Any, case: int) -> Run:

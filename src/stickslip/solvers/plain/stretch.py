@@ -14,7 +14,7 @@ from stickslip.solvers.plain.dense import Part, part_of
 from stickslip.solvers.plain.equations import Equations, Mode
 from stickslip.solvers.plain.guards import Guard, guards
 from stickslip.solvers.request import Request
-from stickslip.summary import STATUS
+from stickslip.status import Status
 
 __all__ = ["NAMES", "Stretch", "integrate"]
 
@@ -23,7 +23,6 @@ _ONE_STEP = ("DOP853", "Radau")  # these begin a step anew without loss, so that
 _LOOKS, _MOST_LOOKS = 8, 40  # parts of a step at whose ends guards are looked at
 _GRID = 400  # looks per period at the forces on a contact that rests
 _HALVINGS = 60
-_NOT_A_NUMBER = 4
 _LITTLE = 1e-6  # of the load at the start: a dynamic law grows infinitely stiff where the load falls to zero
 _MOMENT = 1e-7  # of a period: how far ahead a guard that begins at zero is looked at
 _BESIDE = 1e-4  # of a step: how far beside an event other guards are looked at
@@ -194,7 +193,7 @@ def _advance(todo: Request, equations: Equations, solver: Any, end: float, mode:
         if any(load <= _LITTLE * first for load, first in zip(loads, equations.first_loads, strict=True)):
             return None
     if solver.status == "failed" or not np.all(np.isfinite(solver.y)):
-        why = message if np.all(np.isfinite(solver.y)) else STATUS[_NOT_A_NUMBER]
+        why = message if np.all(np.isfinite(solver.y)) else Status.NOT_A_NUMBER.sentence
         raise SolveError(
             f"scipy's {NAMES.get(todo.method, 'DOP853')} stopped at t = {solver.t:.6g} s of {end:.6g} s: {why}; try another rtol or method"
         )

@@ -1,0 +1,15 @@
+"""Columns of the arrays that lanes share; text before all others of the driver."""
+# mypy: ignore-errors
+
+# columns of N (lane): case (-1 idle), periods done, recording, last period to do, period number, fresh point, closing, status, and of
+# each contact how many segments there are
+CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
+# columns of K (lane): the last two observed points, window, work of friction while recording and how long,
+# displacement approached, extremes at the ends of the steps in the window
+TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN = range(17)
+SEGS = 32
+
+# FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for
+# each body the extremes of its velocity over the window.
+TOTAL, LARGEST, SMALLEST = range(3)
+MEAN, MOST, LEAST, COUNTED, LAST, AT_GUARD = 1, 2, 4, 8, 16, 64

@@ -1,0 +1,20 @@
+"""Stretches of one code, as a lane notes them; text before those that note."""
+# ruff: noqa: F821
+# mypy: ignore-errors
+
+
+@njit(void(int64, int64, int64, float64, i2, f2, b2), **OPTIONS)
+def add_segment(lane, i, code, length, N, SEGT, SEGC):
+    """Append a stretch of one code to those of contact i, or lengthen the last one."""
+    case, first = N[lane, CASE], i * SEGS
+    n = N[lane, SEGMENTS + i]
+    if length <= 0.0 or n < 0:
+        return
+    if n > 0 and SEGC[case, first + n - 1] == code:
+        SEGT[case, first + n - 1] += length
+    elif n == SEGS:
+        N[lane, SEGMENTS + i] = -1
+    else:
+        SEGC[case, first + n] = code
+        SEGT[case, first + n] = length
+        N[lane, SEGMENTS + i] = n + 1
