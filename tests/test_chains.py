@@ -1,5 +1,6 @@
 """Chains by their names: plain masses, gaits, and what is refused."""
 
+import inspect
 from math import pi
 
 import numpy as np
@@ -80,3 +81,30 @@ def test_worms_stand_in_files_and_older_files_of_chains_are_read():
 def test_what_is_no_chain_says_what_to_type(make, words):
     with pytest.raises(ss.InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize("count", [3, 4])
+def test_feet_that_move_alike_but_for_rounding_rest_and_slip_together(count):
+    # lags of pi, 2 pi/3 and pi/2 make distances of which some add up to zero, or pass zero together
+    rng, n = np.random.default_rng(7), 300
+    sizes = {"amplitude": 10 ** rng.uniform(-3.5, -2, n), "frequency": 10 ** rng.uniform(-1, 1.5, n)}
+    lags = rng.choice([np.pi, 2 * np.pi / 3, np.pi / 2, np.pi / 3], n)
+    worms = ss.presets.worm(count=count, lag=lags, mu_minus=rng.choice([0.1, 0.15, 0.2, 0.3, 0.5], n), **sizes)
+    assert ss.solve(worms, periods=20).status_counts == {"finished": n}
+
+
+def test_the_judge_agrees_on_feet_that_move_alike():
+    worm = ss.presets.worm(lag=np.pi, amplitude=2e-3, frequency=6.0, mu_minus=0.3)
+    exact, judge = ss.solve(worm, periods=2), ss.solve(worm, periods=2, method="dop853")
+    t = np.linspace(0.1, 1.9, 40) * worm.period
+    assert np.max(abs(exact.at(t)["v"] - judge.at(t)["v"])) < 1e-9 * np.max(abs(exact.v))  # the judge's own tolerance is 1e-11
+    x = exact.at(t)["x"]
+    assert np.max(abs((x[:, 0] - x[:, 2]) - (x[0, 0] - x[0, 2]))) < 1e-15  # the first and the last foot are one
+
+
+@pytest.mark.parametrize("preset", [ss.presets.two_modules, ss.presets.worm])
+def test_presets_of_chains_have_the_numbers_that_they_name(preset):
+    names = [name for name in inspect.signature(preset).parameters if name != "count"]
+    for name in names:
+        default = inspect.signature(preset).parameters[name].default
+        assert ss.sweep(preset, periods=2, settle=1, **{name: [default, 1.1 * default]}).status.values.tolist() == [0, 0]

@@ -14,8 +14,8 @@ __all__ = ["Assembly"]
 class Assembly:
     """Collects what contact by contact makes of the equations."""
 
-    def __init__(self, m: Symbolic):
-        self.m, n = m, len(m.y)
+    def __init__(self, m: Symbolic, velocity_scale: Sym):
+        self.m, self.velocity_scale, n = m, velocity_scale, len(m.y)
         self.forces: dict[int, Any] = {}  # of dynamic laws
         self.f: list[Any] = [None] * n  # of the coordinates, where a set-valued contact decides them
         self.inner: list[Sym] = []

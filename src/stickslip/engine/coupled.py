@@ -13,9 +13,10 @@ from stickslip.engine.assembly import Assembly
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 
-__all__ = ["add_box", "add_feet"]
+__all__ = ["SLIP", "add_box", "add_feet"]
 
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
+SLIP = 1.5e-14  # of a velocity, 64 roundings: what a slip may be that is zero
 
 
 def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None:
@@ -37,8 +38,16 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
 
     def beside(i: int, k: int, same: int) -> Sym:
         """Force of a foot k that rests now, if foot i were to rest: it would slip to the side to which its rest moves away."""
-        apart = held[i] - held[k]
+        if i == k:
+            return limits[k][same]
+        apart, sizes = held[i] - held[k], held[i] * held[i] + held[k] * held[k]
+        apart = graph.select(apart * apart - _TIE**2 * sizes, apart, zero)  # feet that move alike may differ by rounding
         return graph.by_side(apart, limits[k][1], limits[k][0], limits[k][same])
+
+    def at_rest(i: int) -> Sym:
+        """Mode of a foot at an event of another: its slip may be zero there too."""
+        sizes = m.y[j] * m.y[j] + parts.velocity_scale * parts.velocity_scale
+        return graph.select(m.slips[i] * m.slips[i] - SLIP**2 * sizes, modes[i], zero)
 
     def decided(now: dict[int, Sym]) -> dict[int, Sym]:
         """Modes of all feet: those at rest may stay or slip."""
@@ -59,11 +68,12 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
     forwards = acceleration(modes, {k: limits[k][1] for k in feet})
     backwards = acceleration(modes, {k: limits[k][0] for k in feet})
     for i in feet:
-        mode, arrives = modes[i], {**modes, i: zero}
+        mode, arrives = modes[i], {**{k: at_rest(k) for k in feet}, i: zero}
+        exactly = {j: m.y[j] - m.slips[i]}  # zero slip, to the last digit: after a break-away it grows more slowly than rounding at first
         parts.events += [
-            (graph.by_side(mode, m.slips[i], -m.slips[i], one), decided(arrives), {j: m.y[j] - m.slips[i]}, 0),
-            (graph.by_side(mode, one, one, held[i] - forwards), all_alike({i: one}), {}, 0),
-            (graph.by_side(mode, one, one, backwards - held[i]), all_alike({i: -one}), {}, 0),
+            (graph.by_side(mode, m.slips[i], -m.slips[i], one), decided(arrives), exactly, 0),
+            (graph.by_side(mode, one, one, held[i] - forwards), all_alike({i: one}), exactly, 0),
+            (graph.by_side(mode, one, one, backwards - held[i]), all_alike({i: -one}), exactly, 0),
         ]
     first = decided({i: graph.by_side(m.slips[i], one, -one, zero) for i in feet})
     for number, new in first.items():

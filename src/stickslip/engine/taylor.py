@@ -8,6 +8,7 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 
 from __future__ import annotations
 
+from stickslip.engine.coupled import SLIP
 from stickslip.engine.rosenbrock import Step, ended_by, sides
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held, straight
@@ -66,6 +67,15 @@ def _switch(eq: System, step: Step, lanes: int, switch: Switch) -> list[str]:
 
 def _put(step: Step, lanes: int, field: str, value: str) -> str:
     return f"S[{step.fields.index(field) * lanes} + lane] = {value}"
+
+
+def _outcomes(node: Sym) -> list[Sym]:
+    """What an expression may come to, by its conditions; signs left out."""
+    if node.op == "select":
+        return [*_outcomes(node.args[1]), *_outcomes(node.args[2])]
+    if node.op == "multiply" and node.args[0].op == "constant":
+        return _outcomes(node.args[1])
+    return [node]
 
 
 class _SeriesWriter:
@@ -153,7 +163,7 @@ class _SeriesWriter:
             if guard.number in self.rows:
                 low = [self._value(guard), *(f"{self.rows[guard.number]}[{m}]" for m in (1, 2, 3))]
                 size = horner([f"abs({c})" for c in low], reach)
-                found.append((guard, f"{literal(ROUNDING)} * ({size} + 1e-290)"))
+                found.append((guard, f"{literal(ROUNDING)} * ({size} + {self._size_of_slip(guard) or '1e-290'})"))
         for quotient, ways in self.quotients.items():
             found.append((quotient, f"{literal(NEAR_POLE)} * abs({self._value(quotient)}) if {self._counts(ways)} else 1e300"))
         return found
@@ -180,7 +190,8 @@ class _SeriesWriter:
         for name, _, _, begin in (*states, *searched):
             w.line(f"{name}[0]", begin)
         for k, (_, _, _, begin) in enumerate(searched):
-            w.line(f"_clear{k}", f"1.0 * {begin}")
+            size = self._size_of_slip(self.watched[k][1]) if k < len(self.watched) else ""
+            w.line(f"_clear{k}", f"fma({literal(SLIP)}, {size}, {begin})" if size else f"1.0 * {begin}")
         w.line("_power", "1.0")
         w.begin(f"for m in range(1, {ORDER + 1})")
         w.line("_power", "_power * _hh")
@@ -196,7 +207,18 @@ class _SeriesWriter:
     def _guard(self, place: int, k: int, guard: Sym) -> tuple[str, str, str, str]:
         """A polynomial's name, the row that it is made of (none if it does not vary), what its flag multiplies it by, and its beginning."""
         flag, value = f"_b{k}" if k < self.eq.signs else "", self._value(guard)
+        if size := self._size_of_slip(guard):  # what rounding leaves of a slip that is zero, is zero: it may grow more slowly than that
+            value = self.w.line(self.w.fresh(), f"0.0 if abs({value}) <= {literal(SLIP)} * {size} else {value}")
         return f"_g{place}", self.rows.get(guard.number, ""), flag, f"{flag} * {value}" if flag else value
+
+    def _size_of_slip(self, guard: Sym) -> str:
+        """Of a guard that is a slip made of velocities, or of one and of what is prescribed: how large they are; else nothing."""
+        reached = {node.number for node in _outcomes(guard)}
+        for contact in self.eq.contacts:
+            moves = [y for y, g in zip(self.eq.y, contact.direction, strict=False) if g]
+            if contact.slip.number in reached and all(contact.slip is not y for y in moves):
+                return f"({' + '.join(f'abs({self._value(node)})' for node in (self.eq.velocity_scale, *moves))})"
+        return ""
 
     def _exponent(self, k: int, node: Sym, ways: list[Way]) -> tuple[str, str, str, str]:
         """The same of an exponent's distance from the floor, where it counts."""

@@ -92,7 +92,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
     scale = _velocity_scale(m, m.machine.velocity_scale, speed)
     for y in m.y:
         graph.units[y.name] = graph.select(scale, scale, graph.constant(1.0))
-    parts = Assembly(m)
+    parts = Assembly(m, scale)
     add_contacts(parts, [None if each is None else m.lift(each) for each in speeds])
     for stop in m.equations.stops:
         add_stop(parts, stop)
