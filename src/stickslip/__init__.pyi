@@ -155,6 +155,14 @@ from .observables import (
     Observable as Observable,
     observable as observable,
 )
+from .optimising import (
+    Gradient as Gradient,
+    Optimum as Optimum,
+    Waveform as Waveform,
+    gradient as gradient,
+    optimise as optimise,
+    waveform as waveform,
+)
 from .records import (
     Record as Record,
     read as read,

@@ -60,6 +60,11 @@ class DriveAdapter:
         return largest
 
     @property
+    def stroke(self) -> Any:
+        """From end to end [m], where it says so itself; None where it does not."""
+        return getattr(self.drive, "stroke", None)
+
+    @property
     def specific_energy(self) -> Any:
         """Largest kinetic energy of the relative motion along the track for each kilogram of the inner mass [J/kg]."""
         named = getattr(self.drive, "specific_energy", None)

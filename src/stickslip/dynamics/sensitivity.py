@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.mapping import coordinates
+from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
 from stickslip.engine.trace import SPAN, numbers_of
@@ -20,7 +20,7 @@ from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers.repeating import check_period
 
-__all__ = ["Sensitivity", "sensitivity"]
+__all__ = ["Sensitivity", "along", "directions_of", "sensitivity"]
 
 Array = Any
 _ALONE = "if it alone changes, the equations do not come back after the period"
@@ -96,9 +96,9 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
         A machine is asked for its periodic motion, as `periodic_orbit` finds it. Of a run it is the mean velocity after `settle` and the
         state at the end, from the same start.
     wrt : str or sequence of str, optional
-        Names of numbers as in ``robot.replace``, such as "drive.amplitude"; ``*`` stands for any part, and what fits is moved
-        together, by the same amount: "modules.*.friction.mu_plus". If not given, every number by itself whose change leaves the period
-        what it is for all parts of the machine.
+        Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers
+        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` stands for anything. If not given, every
+        number by itself whose change leaves the period what it is for all parts of the machine.
 
     Returns
     -------
@@ -126,24 +126,24 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     if why := not_followed(model):
         raise InputError("sensitivity", [f"small changes are not followed along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip
-    if any(np.ndim(value) for _, value in leaves(model)):
-        raise InputError("sensitivity", ["the robot is a batch (some of its numbers are arrays); allowed is one robot"])
-    moved = _directions(model, wrt)
+    moved = directions_of("sensitivity", model, wrt)
     if hasattr(of, "pieces"):
         return _of_run(of, moved)
     return _of_orbit(of if isinstance(of, PeriodicOrbit) else periodic_orbit(model), moved)
 
 
-def _directions(model: Any, wrt: Any) -> dict[str, tuple[str, ...]]:
-    """The numbers that are moved together, by what was typed."""
+def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]:
+    """The numbers of one machine that are moved together, by what was typed; `InputError` of `what` for what cannot be moved."""
+    if any(np.ndim(value) for _, value in leaves(model)):
+        raise InputError(what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot"])
     known = [name for name in numbers_of(model) if name != SPAN]
     if wrt is None:
         return {name: (name,) for name in known if not _breaks(model, (name,))}
     asked = [wrt] if isinstance(wrt, str) else list(wrt)
-    found = {pattern: tuple(name for name in known if fnmatchcase(name, str(pattern))) for pattern in asked}
+    found = {str(pattern): numbers_meant(pattern, known) for pattern in asked}
     problems = [flaw for pattern, names in found.items() if (flaw := _flaw(model, pattern, names, known))]
     if problems or not asked:
-        raise InputError("sensitivity", problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
+        raise InputError(what, problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
     return found
 
 
@@ -170,10 +170,10 @@ def _breaks(model: Any, names: tuple[str, ...]) -> bool:
     return False
 
 
-def _seeds(moved: dict[str, tuple[str, ...]], before: int) -> dict[str, Array]:
-    """Parts of the directions in the numbers, after `before` directions that have none."""
+def _seeds(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
+    """Parts of the directions in the numbers."""
     names = dict.fromkeys(name for names in moved.values() for name in names)
-    return {name: np.array([0.0] * before + [float(name in names) for names in moved.values()]) for name in names}
+    return {name: np.array([float(name in names) for names in moved.values()]) for name in names}
 
 
 def _told(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
@@ -190,19 +190,35 @@ def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
 
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
-    """The motion stays periodic: what a number changes and what the start does about it cancel."""
+    V, slopes, state, notes = along(orbit, _seeds(moved), len(moved))
+    return Sensitivity(tuple(moved), _told(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
+
+
+def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tuple[float, Array, Array, tuple[str, ...]]:
+    """Mean velocity of a periodic motion, its derivative and that of the strobe state along directions in the numbers, and notes.
+
+    The motion stays periodic: what a number changes and what the start does about it cancel.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit
+    directions : dict of arrays (count,)
+        Parts of the directions in the numbers, by name.
+    count : int
+        How many directions there are.
+    """
     model, at = orbit.model, coordinates(orbit.model)
-    d, k = at.smooth, len(moved)
-    numbers = _seeds(moved, d)
-    starts = np.vstack([np.diag(at.scales[:d]), np.zeros((k, d))])
-    found = changes_along(model, np.tile(orbit.state, (d + k, 1)), starts, numbers, orbit.period, orbit.rtol)
+    d = at.smooth
+    numbers = {name: np.concatenate([np.zeros(d), parts]) for name, parts in directions.items()}
+    starts = np.vstack([np.diag(at.scales[:d]), np.zeros((count, d))])
+    found = changes_along(model, np.tile(orbit.state, (d + count, 1)), starts, numbers, orbit.period, orbit.rtol)
     scaled = found.change / at.scales[:d]
     M, forced = scaled[:d].T, scaled[d:].T
     start, notes = _closed(np.eye(d) - M, forced)
     way = found.way_change[:d] @ start + found.way_change[d:]
-    T, dT = float(model.period) * orbit.period, _period_slopes(model, numbers, d + k)[d:] * orbit.period
+    T, dT = float(model.period) * orbit.period, _period_slopes(model, numbers, d + count)[d:] * orbit.period
     V = float(found.way[0]) / T
-    return Sensitivity(tuple(moved), _told(model, moved), V, (way - V * dT) / T, (start * at.scales[:d, None]).T, at.names[:d], notes)
+    return V, (way - V * dT) / T, (start * at.scales[:d, None]).T, notes
 
 
 def _closed(A: Array, forced: Array) -> tuple[Array, tuple[str, ...]]:
@@ -218,7 +234,7 @@ def _closed(A: Array, forced: Array) -> tuple[Array, tuple[str, ...]]:
 def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     """From the same start."""
     model, at, k = run.model, coordinates(run.model), len(moved)
-    d, numbers = at.smooth, _seeds(moved, 0)
+    d, numbers = at.smooth, _seeds(moved)
     end = float(run.pieces.t[-1])
     span = None if model.period is not None else end
     if span is None and abs(end - run.periods * float(model.period)) > 1e-9 * end:

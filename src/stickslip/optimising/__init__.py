@@ -1,0 +1,8 @@
+"""The best drive and the best machine, and how they depend on their numbers."""
+
+from stickslip.optimising.gradients import Gradient, gradient
+from stickslip.optimising.optimise import optimise
+from stickslip.optimising.optimum import Optimum
+from stickslip.optimising.waveforms import Waveform, waveform
+
+__all__ = ["Gradient", "Optimum", "Waveform", "gradient", "optimise", "waveform"]

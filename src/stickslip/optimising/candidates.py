@@ -1,0 +1,151 @@
+"""What candidates are worth: one batch for each table of unknowns, and the best of all that were tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.sensitivity import along
+from stickslip.dynamics.tangents import not_followed
+from stickslip.errors import StickslipError
+from stickslip.optimising.limits import KEPT, Limit
+from stickslip.optimising.peaks import drives_within
+from stickslip.optimising.results import results_of
+from stickslip.optimising.unknowns import Unknowns
+
+__all__ = ["Candidates", "Stopped"]
+
+Array = Any
+_BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are no machine
+_STEP = 1e-5  # of unknowns, for what has no exact derivative
+_FINE = 1e-9  # tolerance of dynamic laws where differences are taken
+
+
+class Stopped(Exception):
+    """Whoever watches said stop."""
+
+
+@dataclass(eq=False)
+class Candidates:
+    """The objective on tables of unknowns, smaller is better; it remembers the best that keeps all limits.
+
+    Parameters
+    ----------
+    space : Unknowns
+    quantity : str
+        The column that is asked for.
+    sign : float
+        -1 where it is to be large, 1 where it is to be small.
+    limits : list of Limit
+    workers : int
+        Threads.
+    tell : callable
+        Called with the number of candidates tried so far; raises `Stopped` to end the search.
+    """
+
+    space: Unknowns
+    quantity: str
+    sign: float
+    limits: list[Limit]
+    workers: int = 1
+    tell: Callable[[int], None] = lambda tried: None
+    tried: int = 0
+    best: Array = None
+    least: float = np.inf
+    nearest: dict[str, tuple[float, float]] = field(default_factory=dict)  # of limits: how far beyond, and the value
+    _orbit: PeriodicOrbit | None = None
+
+    def __call__(self, U: Array) -> Array:
+        """What is minimised, for each row: worse than anything else beyond a limit, and worst of all where there is no machine."""
+        values, over = self.values(U)
+        return np.where(np.isnan(values), _NONE, np.where(over > 0.0, _BEYOND * (1.0 + np.minimum(over, 100.0)), values))
+
+    def values(self, U: Array) -> tuple[Array, Array]:
+        """The objective itself for each row, NaN where there is none, and by how much the row is beyond its limits."""
+        U = np.atleast_2d(np.asarray(U, float))
+        self.tell(self.tried)
+        machines, good = self.space.machines(U)
+        values, over = np.full(len(U), np.nan), np.zeros(len(U))
+        if len(good):
+            values[good], over[good] = self._values(machines, len(good))
+        self.tried += len(U)
+        kept = np.where((over > 0.0) | np.isnan(values), np.inf, values)
+        k = int(np.argmin(kept))
+        if kept[k] < self.least:
+            self.best, self.least = U[k].copy(), float(kept[k])
+        return values, over
+
+    def _values(self, machines: Any, count: int) -> tuple[Array, Array]:
+        early = [limit for limit in self.limits if limit.of_drive and not self._is_kept(limit)]
+        late = [limit for limit in self.limits if not limit.of_drive]
+        over = self._over(early, machines, {}, count)
+        columns = results_of(machines, count, self.workers)
+        found = self.sign * columns.get(self.quantity, np.full(count, np.nan))
+        return found, np.maximum(over, self._over(late, machines, columns, count))
+
+    def _is_kept(self, limit: Limit) -> bool:
+        """Whether all drives are waveforms, which keep the limit by themselves."""
+        drives, forms = list(drives_within(self.space.model)), [each for each in self.space.varied if each.form is not None]
+        return len(drives) == len(forms) and np.isinf(limit.low)
+
+    def _over(self, limits: list[Limit], machines: Any, columns: dict[str, Array], count: int) -> Array:
+        """By how much each candidate is beyond its limits, the worst of them."""
+        over = np.zeros(count)
+        for limit in limits:
+            values = limit.values(machines, columns)
+            worst = -np.min(limit.margins(values), axis=0)
+            over = np.maximum(over, np.where(worst > KEPT, worst, np.where(np.isnan(worst), 1e3, 0.0)))
+            if len(worst) and not np.all(np.isnan(worst)):
+                k = int(np.nanargmin(worst))
+                self._note(limit.name, float(np.broadcast_to(values, (count,))[k]), float(worst[k]))
+        return over
+
+    def _note(self, name: str, value: float, worst: float) -> None:
+        """The value that comes nearest to a limit, for those who have none that keeps it."""
+        if worst < self.nearest.get(name, (np.inf, 0.0))[0]:
+            self.nearest[name] = (worst, value)
+
+    # ------------------------------------------------------------------------------------------------ derivatives
+
+    def slope(self, u: Array) -> Array:
+        """Derivatives of the objective, without its limits, by the unknowns: exact for the mean velocity."""
+        if self.quantity == "mean_velocity" and not not_followed(self.space.model):
+            try:
+                found = self._exact(u)
+                if np.isfinite(found).all():
+                    return found
+            except StickslipError:
+                pass
+        return self._differences(u)
+
+    def _exact(self, u: Array) -> Array:
+        machine, slopes = self.space.machine(u), self.space.slopes(u)
+        self._orbit = periodic_orbit(machine, 1 if self._orbit is None else self._orbit.period, guess=self._orbit)
+        return self.sign * along(self._orbit, slopes, self.space.count)[1]
+
+    def _differences(self, u: Array) -> Array:
+        """Central differences, as far as the bounds leave room."""
+        n = self.space.count
+        ends = np.clip(np.vstack([u + _STEP * np.eye(n), u - _STEP * np.eye(n)]), 0.0, 1.0)
+        machines, good = self.space.machines(ends)
+        values = np.full(2 * n, np.nan)
+        if len(good):
+            values[good] = results_of(machines, len(good), self.workers, rtol=_FINE).get(self.quantity, np.nan)
+        width = np.diag(ends[:n] - ends[n:])
+        return np.nan_to_num(self.sign * (values[:n] - values[n:]) / width)
+
+    def margins(self, U: Array) -> Array:
+        """How far within all limits each row is: array (sides, rows)."""
+        machines, good = self.space.machines(np.atleast_2d(U))
+        sides = sum(np.isfinite(end) for limit in self.limits for end in (limit.low, limit.high))
+        whole = np.full((sides, len(np.atleast_2d(U))), -1.0)
+        if not len(good):
+            return whole
+        columns = results_of(machines, len(good), self.workers, rtol=_FINE) if any(not limit.of_drive for limit in self.limits) else {}
+        found = [limit.margins(np.broadcast_to(limit.values(machines, columns), (len(good),))) for limit in self.limits]
+        whole[:, good] = np.nan_to_num(np.concatenate(found), nan=-1.0)
+        return whole

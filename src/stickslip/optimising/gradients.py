@@ -1,0 +1,194 @@
+"""Derivatives of what a machine does by its numbers: exact for the mean velocity, differences for what else a run gives."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.dynamics.mapping import coordinates, spread_over
+from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.sensitivity import directions_of, sensitivity
+from stickslip.dynamics.tangents import not_followed
+from stickslip.errors import InputError, SolveError
+from stickslip.fields import leaves
+from stickslip.machine import machine_of
+from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
+
+__all__ = ["Gradient", "attractor", "gradient"]
+
+Array = Any
+_BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
+_STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
+_AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
+_KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
+_PLAIN = 0.01  # what the size of a number that is zero is taken for
+
+
+class Gradient(dict[str, float]):
+    """Derivatives by name, with the value they are of and what else is to be said.
+
+    Parameters
+    ----------
+    slopes : dict of float
+        The derivatives.
+    of : str
+        What they are of.
+    value : float
+        Its value.
+    notes : sequence of str
+        Which derivatives hold on one side only, and where they were found by differences.
+
+    Examples
+    --------
+    >>> found = Gradient({"drive.amplitude": 8.9}, "mean_velocity", 4.3e-3)
+    >>> found["drive.amplitude"], found.value, found.notes
+    (8.9, 0.0043, ())
+    """
+
+    def __init__(self, slopes: dict[str, float], of: str, value: float, notes: Sequence[str] = ()):
+        super().__init__(slopes)
+        self.of, self.value, self.notes = of, value, tuple(notes)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}: {value:.9g}" for name, value in self.items())
+        return f"<Gradient of {self.of} = {self.value:.9g} by {told}{''.join(f'; {note}' for note in self.notes)}>"
+
+
+@explains_arguments
+def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] | None = None) -> Gradient:
+    """Derivatives of a number of the steady motion by numbers of the machine.
+
+    The motion is the one that the machine settles on from rest. Derivatives of the mean velocity are exact, by the tangent of the
+    equations through every switch (see `sensitivity`); those of other quantities are central differences of two steps, extrapolated.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        With a period, and under a law without chance.
+    of : str
+        "mean_velocity", or another column of a sweep: "drive_power", "cost_of_transport", "friction_power", "velocity_max", ….
+    wrt : str or sequence of str, optional
+        Names as in ``robot.replace``: "drive.amplitude", "friction.mu_plus", "track.tilt"; of a machine of several parts
+        "modules[1].drive.amplitude", "phases[1]", "link.stiffness"; without an index the numbers of all parts are moved together. If not
+        given, every number by itself.
+
+    Returns
+    -------
+    Gradient
+        A dict by the names as they were given, with `value` and `notes`. Where the sequence of modes changes next to a number its
+        derivative is one-sided, and a note says on which side it holds.
+
+    Raises
+    ------
+    InputError
+        For unknown names, and for machines without a period.
+    SolveError
+        Where the motion does not repeat.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> slopes = ss.gradient(robot, "mean_velocity", wrt=["drive.amplitude", "friction.mu_plus"])
+    >>> round(slopes["drive.amplitude"], 6), round(slopes["friction.mu_plus"], 6)
+    (8.895394, -0.089796)
+    """
+    check_quantity("gradient", "of", of, model)
+    moved = directions_of("gradient", model, wrt)
+    orbit = attractor(model, "gradient")
+    if of == "mean_velocity" and not not_followed(model):
+        found = sensitivity(orbit, list(moved))
+        slopes, value, notes = dict(zip(found.names, map(float, found.mean_velocity), strict=True)), found.velocity, list(found.notes)
+    else:
+        slopes, value, notes = _by_differences(orbit, of, moved)
+    return Gradient(slopes, of, value, [*notes, *_one_sided(orbit, moved)])
+
+
+def attractor(model: Any, what: str) -> PeriodicOrbit:
+    """The periodic motion that a machine settles on from rest."""
+    if model.period is None:
+        raise InputError(what, [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
+    found = results_of(spread_over(model, 1), 1)
+    period, V = int(found.get("period", [0])[0]), float(found["mean_velocity"][0])
+    if period < 1:
+        raise SolveError(
+            f"{what}: the motion does not repeat within {PERIODS} drive periods, so that nothing has a derivative; type "
+            "ss.sensitivity(run) for that of a run from its start, or take other numbers"
+        )
+    orbit, near = None, _AGREE * float(machine_of(model).free_velocity or 1.0)
+    with contextlib.suppress(SolveError):
+        orbit = periodic_orbit(model, period)
+    if orbit is None or abs(orbit.mean_velocity - V) > near:  # an unstable motion of the same period, or another attractor
+        from stickslip.solvers import solve
+
+        orbit = periodic_orbit(model, period, guess=solve(model, periods=PERIODS, keep="trajectory", samples=4))
+    if abs(orbit.mean_velocity - V) > near:
+        raise SolveError(f"{what}: from rest V is {V:.9g} m/s, and the periodic motion found there has {orbit.mean_velocity:.9g} m/s")
+    return orbit
+
+
+def _sizes(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
+    """What is small beside the numbers that are moved together."""
+    own = dict(leaves(model))
+    return np.array([max(abs(float(own[name])) for name in names) or _PLAIN for names in moved.values()])
+
+
+def _beside(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float]) -> tuple[dict[str, Array], Array]:
+    """Columns of shape (directions, shares): each direction moved by each share of its size, from the strobe state of the motion."""
+    sizes, k, m = _sizes(orbit.model, moved), len(moved), len(shares)
+    moves: dict[str, Array] = {}
+    for i, names in enumerate(moved.values()):
+        for name in names:
+            moves.setdefault(name, np.zeros((k, m)))[i] = sizes[i] * np.asarray(shares)
+    flat = {name: values.ravel() for name, values in moves.items()}
+    start = coordinates(orbit.model).start(orbit.state)
+    found = results_of(moved_by(orbit.model, flat), k * m, start=start, rtol=1e-10)
+    return {name: values.reshape(k, m) for name, values in found.items()}, sizes
+
+
+def _by_differences(orbit: PeriodicOrbit, of: str, moved: dict[str, tuple[str, ...]]) -> tuple[dict[str, float], float, list[str]]:
+    """Central differences of two steps, extrapolated (Richardson): of ever shorter pairs of steps the two that agree best."""
+    shares = [side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0)]
+    found, sizes = _beside(orbit, moved, [0.0, *shares])
+    value, columns, words = float(found[of][0, 0]), found[of][:, 1:].reshape(len(moved), -1, 4), _words(found)
+    steps = np.array(_STEPS) * sizes[:, None]
+    long, short = (columns[..., 2 * k] - columns[..., 2 * k + 1] for k in (0, 1))
+    slopes = (4.0 * short / steps - 0.5 * long / steps) / 3.0
+    for i, row in enumerate(words):
+        for j in range(len(_STEPS)):
+            if any(word != row[0] for word in row[1 + 4 * j : 5 + 4 * j]):
+                slopes[i, j] = np.nan  # across a change of modes
+    apart = abs(np.diff(slopes, axis=1))
+    best = [slopes[i, 1 + int(np.nanargmin(row))] if np.isfinite(row).any() else np.nan for i, row in enumerate(apart)]
+    told = [
+        f"{name}: no derivative of {of}, as the sequence of modes changes next to it" for name, x in zip(moved, best, strict=True) if x != x
+    ]
+    return dict(zip(moved, map(float, best), strict=True)), value, [f"derivatives of {of} are differences of the steady motion", *told]
+
+
+def _words(found: dict[str, Array]) -> list[list[str]]:
+    """The sequences of modes of all contacts, for each direction and share."""
+    columns = [values for name, values in found.items() if name.partition(".")[0] in ("pattern", "period")]
+    shape = columns[0].shape
+    return [["/".join(str(values[i, j]) for values in columns) for j in range(shape[1])] for i in range(shape[0])]
+
+
+def _one_sided(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> list[str]:
+    """A sentence for every number next to which the sequence of modes, or the slope of the mean velocity, changes."""
+    found, sizes = _beside(orbit, moved, (-_BESIDE, 0.0, _BESIDE))
+    noise, told = _NOISE * float(machine_of(orbit.model).free_velocity), []
+    for name, (below, here, above), V, size in zip(moved, _words(found), found["mean_velocity"], sizes, strict=True):
+        left, right = V[1] - V[0], V[2] - V[1]
+        kink = abs(right - left) > _KINK * max(abs(left), abs(right)) + noise
+        if below == here == above and not kink:
+            continue
+        words = f" (below {below}, here {here}, above {above})" if not below == here == above else ""
+        told.append(
+            f"{name}: one-sided, as the sequence of modes changes within {_BESIDE:g} of it{words}; "
+            f"V changes by {left / (_BESIDE * size):.6g} per unit below and by {right / (_BESIDE * size):.6g} above"
+        )
+    return told

@@ -1,0 +1,92 @@
+"""What a machine has to keep to: peaks of its drives and results of its motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import Problems, did_you_mean
+from stickslip.optimising.peaks import LIMITS, drives_within, peaks_of
+from stickslip.optimising.results import quantities
+from stickslip.optimising.waveforms import Scales
+
+__all__ = ["KEPT", "Limit", "checked_limits", "scales_within"]
+
+Array = Any
+#: How far beyond a limit still counts as within, as a part of it: rounding, of formulas that reach it exactly.
+KEPT = 1e-9
+_TYPED = 'type for example subject_to={"stroke": (None, 0.01), "relative_acceleration": (None, 60.0)}'
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A quantity with its least and its largest value; infinite where there is none."""
+
+    name: str
+    low: float
+    high: float
+
+    @property
+    def of_drive(self) -> bool:
+        """Whether it is told by the drives alone, without a run."""
+        return self.name in LIMITS
+
+    def values(self, machines: Any, columns: dict[str, Array]) -> Array:
+        """What the machines have."""
+        if not self.of_drive:
+            return columns[self.name]
+        return reduce(np.maximum, [peaks_of(drive, self.name) for drive in drives_within(machines)])
+
+    def margins(self, values: Array) -> Array:
+        """How far the values are within, as a part of the limit; negative beyond it: array (sides, cases)."""
+        ends = [(end, sign) for end, sign in ((self.low, 1.0), (self.high, -1.0)) if np.isfinite(end)]
+        return np.array([sign * (np.asarray(values) - end) / (abs(end) or 1.0) for end, sign in ends])
+
+    def told(self) -> str:
+        """In words."""
+        low, high = (f"{end:g}" if np.isfinite(end) else "None" for end in (self.low, self.high))
+        return f"{self.name} within ({low}, {high})"
+
+
+def checked_limits(model: Any, subject_to: Any, problems: Problems) -> list[Limit]:
+    """The limits that were typed; what is wrong with them is noted."""
+    if subject_to is None:
+        return []
+    if not isinstance(subject_to, dict):
+        problems.add(f"subject_to = {subject_to!r}; allowed is a dict of limits; {_TYPED}")
+        return []
+    found = [_limit(model, str(name), ends, problems) for name, ends in subject_to.items()]
+    return [limit for limit in found if limit is not None]
+
+
+def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None:
+    known = [*LIMITS, *quantities(model)]
+    if name not in known:
+        problems.add(f"subject_to: {name!r} is no quantity that can be limited; {did_you_mean(name, known)}")
+        return None
+    if name in LIMITS and not list(drives_within(model)):
+        problems.add(f"subject_to: {name!r} is of a drive, and {type(model).__name__} has none; leave it out")
+        return None
+    try:
+        low, high = (missing if end is None else float(end) for end, missing in zip(ends, (-np.inf, np.inf), strict=True))
+    except (TypeError, ValueError):
+        problems.add(f"subject_to[{name!r}] = {ends!r}; allowed is (least, largest) with None for no limit; {_TYPED}")
+        return None
+    if not low < high or (np.isinf(low) and np.isinf(high)) or (name in LIMITS and high <= 0.0):
+        problems.add(f"subject_to[{name!r}] = {ends!r} cannot be kept; allowed is (least, largest), the lesser first; {_TYPED}")
+        return None
+    return Limit(name, low, high)
+
+
+def scales_within(limits: list[Limit], problems: Problems) -> Scales:
+    """The limits that give a waveform its size; noted where one is missing without which it would grow for ever."""
+    known = {limit.name: limit.high for limit in limits if limit.of_drive}
+    scales = Scales(*(known.get(name, np.inf) for name in ("relative_acceleration", "stroke", "relative_velocity")))
+    if not np.isfinite(scales.acceleration):
+        problems.add(f'a waveform needs a limit of "relative_acceleration", which gives it its size; {_TYPED}')
+    if not np.isfinite(min(scales.stroke, scales.velocity)):
+        problems.add(f'a waveform needs a limit of "stroke" or of "relative_velocity", which gives it its period; {_TYPED}')
+    return scales

@@ -1,0 +1,71 @@
+"""What a search has found, and how far that is from what is possible."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.errors import InputError, did_you_mean
+from stickslip.optimising.gradients import Gradient
+from stickslip.sealing import sealed
+
+__all__ = ["Optimum"]
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The best machine that a search found. It is not proved that there is none better.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        The machine.
+    of : str
+        The quantity that was made large or small.
+    values : dict
+        Numbers of its motion from rest, and stroke [m], relative velocity [m/s] and relative acceleration [m/s^2] of its drives; also by
+        ``best["mean_velocity"]``.
+    of_limit : float or None
+        The mean velocity as a part of the small-friction limit that `limit` names; None where none is known.
+    limit : str
+        Which limit that is, or why there is none.
+    active : tuple of str
+        The limits that it reaches, and the numbers that are at one of their bounds.
+    sensitivities : Gradient
+        Derivatives of the quantity by all numbers of the machine but those of waveforms, with notes on those that hold on one side only.
+    tried : int
+        Candidates that were run.
+    notes : tuple of str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> best = ss.optimise(robot, over={"drive.amplitude": (2e-4, 8e-4)}, maximise="mean_velocity")
+    >>> best.active, round(best["mean_velocity"], 9)
+    (('drive.amplitude',), 0.004308808)
+    """
+
+    model: Any
+    of: str
+    values: dict[str, Any]
+    of_limit: float | None
+    limit: str
+    active: tuple[str, ...]
+    sensitivities: Gradient
+    tried: int
+    notes: tuple[str, ...] = field(default=())
+
+    def __getitem__(self, name: str) -> Any:
+        """A number of the motion or of the drives by its name."""
+        if name not in self.values:
+            raise InputError("optimise", [f"{name!r} is not known of the best machine; {did_you_mean(name, self.values)}"])
+        return self.values[name]
+
+    def __repr__(self) -> str:
+        share = f"{100 * self.of_limit:.4g} % of the limit ({self.limit})" if self.of_limit is not None else self.limit
+        active = f"active: {', '.join(self.active)}" if self.active else "no limit is active"
+        more = "".join(f"; {note}" for note in self.notes)
+        return f"<Optimum: {self.of} = {self[self.of]:.9g}, {share}; {active}; {self.tried} candidates{more}>"

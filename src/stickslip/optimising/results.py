@@ -1,0 +1,59 @@
+"""Numbers of many machines at once: the columns of a sweep, a lane for each machine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, did_you_mean
+from stickslip.fields import leaves, replace_leaf
+from stickslip.machine import machine_of
+from stickslip.sweeps.columns import COLUMNS
+from stickslip.sweeps.planning import SOLVER
+from stickslip.sweeps.robots import Group
+from stickslip.sweeps.solving import columns_of_group
+
+__all__ = ["check_quantity", "moved_by", "quantities", "results_of"]
+
+Array = Any
+#: Drive periods that a motion is given to settle.
+PERIODS = 400
+_WORDS = ("motion_type", "pattern", "steadiness", "status", "direction")
+
+
+def results_of(model: Any, cases: int, workers: int = 1, start: dict[str, Any] | None = None, rtol: float = 1e-6) -> dict[str, Array]:
+    """The columns of a sweep for every case of a batch; a case that fails has a status and NaN elsewhere.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = results_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.525e-4, 8e-4], law="coulomb"), 2)
+    >>> found["mean_velocity"].round(9).tolist()
+    [0.002014682, 0.004308808]
+    """
+    options = SOLVER | {"periods": PERIODS, "rtol": rtol}
+    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, None, {})
+    found.setdefault("mean_velocity", np.full(cases, np.nan))
+    return found
+
+
+def quantities(model: Any) -> list[str]:
+    """Names of the results of a machine that are numbers."""
+    known = [name for name, kind in COLUMNS.items() if kind == "f8" and name not in ("alpha_plus", "alpha_minus")]
+    if machine_of(model).is_single:
+        return [name for name in known if name not in ("body_velocity", "body_displacement", "slip_max", "slip_min")]
+    return [name for name in known if name not in ("drive_power", "cost_of_transport")]
+
+
+def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:
+    """`InputError` of `what` for a name that is no number of a result."""
+    known = quantities(model)
+    if not isinstance(name, str) or name.partition(".")[0] not in known:
+        raise InputError(what, [f"{argument} = {name!r}; allowed is a number of a run; {did_you_mean(str(name), known)}"])
+
+
+def moved_by(model: Any, moves: dict[str, Array]) -> Any:
+    """A batch of a machine with some of its numbers moved: an array of moves for each."""
+    count = len(next(iter(moves.values())))
+    return replace_leaf(model, {name: np.full(count, float(own)) + moves.get(name, 0.0) for name, own in leaves(model)})

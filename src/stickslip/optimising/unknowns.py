@@ -1,0 +1,182 @@
+"""What may vary: numbers between bounds and waveforms, as one table of unknowns between 0 and 1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.drives.adapter import lacking
+from stickslip.dynamics.named import numbers_meant
+from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.fields import leaves
+from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
+
+__all__ = ["Unknowns", "Varied", "checked_over"]
+
+Array = Any
+_DECADES = 100.0  # positive bounds further apart than this are searched on a logarithmic scale
+_TYPED = 'type for example over={"drive.amplitude": (2e-4, 8e-4)} or over={"drive": ss.waveform(pieces=4)}'
+
+
+@dataclass(frozen=True)
+class Varied:
+    """Something that varies: numbers that are moved together, or the drive at a path."""
+
+    name: str  # as it was typed
+    leaves: tuple[str, ...]  # the numbers, or the path of the drive
+    low: float = 0.0
+    high: float = 1.0
+    form: Waveform | None = None
+
+    @property
+    def count(self) -> int:
+        """Unknowns."""
+        return 1 if self.form is None else unknowns_of(self.form)
+
+    def value(self, u: Array) -> Array:
+        """The number at an unknown."""
+        if self.low > 0.0 and self.high / self.low > _DECADES:
+            return self.low * (self.high / self.low) ** u
+        return self.low + (self.high - self.low) * u
+
+    def unknown(self, value: float) -> float:
+        """The unknown of a number, within the bounds."""
+        if self.low > 0.0 and self.high / self.low > _DECADES:
+            share = np.log(value / self.low) / np.log(self.high / self.low) if value > 0.0 else 0.0
+        else:
+            share = (value - self.low) / (self.high - self.low)
+        return float(np.clip(share, 0.0, 1.0))
+
+
+class Unknowns:
+    """The machines of a table of unknowns.
+
+    Parameters
+    ----------
+    model : Robot or machine
+    varied : list of Varied
+    scales : Scales or None
+        The size of waveforms, where there are any.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> space = Unknowns(robot, [Varied("drive.amplitude", ("drive.amplitude",), 2e-4, 8e-4)], None)
+    >>> space.machine(np.array([0.5])).drive.amplitude
+    0.0005
+    """
+
+    def __init__(self, model: Any, varied: list[Varied], scales: Scales | None):
+        self.model, self.varied, self.scales = model, varied, scales
+        ends = np.cumsum([each.count for each in varied])
+        self.count = int(ends[-1])
+        self.slices = [slice(int(end) - each.count, int(end)) for end, each in zip(ends, varied, strict=True)]
+
+    def changes(self, u: Array) -> dict[str, Any]:
+        """What is put into the machine: numbers by name, drives by path."""
+        found: dict[str, Any] = {}
+        for each, place in zip(self.varied, self.slices, strict=True):
+            if each.form is not None:
+                found[each.leaves[0]] = drive_of_waveform(each.form, u[place], self.scales or Scales(1.0))
+            else:
+                value = each.value(u[place.start])
+                found |= {name: float(value) if np.ndim(value) == 0 else value for name in each.leaves}
+        return found
+
+    def machine(self, u: Array) -> Any:
+        """The machine of one row of unknowns, checked."""
+        changes = self.changes(np.asarray(u, float))
+        return self.model.replace({name: change.replace() if hasattr(change, "replace") else change for name, change in changes.items()})
+
+    def machines(self, U: Array) -> tuple[Any, Array]:
+        """A batch from a table (cases, unknowns), of the cases that make a machine, and which these are."""
+        at = np.arange(len(U))
+        numbers = [np.ravel(v) for change in self.changes(U.T).values() for v in ([change] if np.ndim(change) else _arrays(change))]
+        at = at[np.all([np.isfinite(v) for v in numbers if len(v) == len(U)], axis=0)] if numbers else at
+        parts = self._made(U, at)
+        if len(parts) == 1:
+            return parts[0]
+        good = np.concatenate([places for _, places in parts]) if parts else np.empty(0, int)
+        return (self.model.replace(self.changes(U[good].T)) if len(good) else None), good
+
+    def _made(self, U: Array, at: Array) -> list[tuple[Any, Array]]:
+        """Machines of the cases that make one: what a record refuses as a whole is tried in halves."""
+        if not len(at):
+            return []
+        try:
+            return [(self.model.replace(self.changes(U[at].T)), at)]
+        except InputError:
+            return [] if len(at) == 1 else [part for half in np.array_split(at, 2) for part in self._made(U, half)]
+
+    def numbers(self, u: Array) -> dict[str, float]:
+        """The numbers of the machine of one row that vary, by name."""
+        found: dict[str, float] = {}
+        for name, change in self.changes(np.asarray(u, float)).items():
+            found |= {name: change} if np.ndim(change) == 0 and isinstance(change, float) else dict(leaves(change, name + "."))
+        return found
+
+    def slopes(self, u: Array, step: float = 1e-6) -> dict[str, Array]:
+        """Derivatives of those numbers by the unknowns, formulas that differences give nearly to rounding: arrays (unknowns,)."""
+        shifts = step * np.eye(self.count)
+        ahead, behind = ([self.numbers(u + s) for s in sign * shifts] for sign in (1.0, -1.0))
+        found = {name: np.array([a[name] - b[name] for a, b in zip(ahead, behind, strict=True)]) / (2 * step) for name in ahead[0]}
+        return {name: slope for name, slope in found.items() if np.any(slope != 0.0)}
+
+
+def _arrays(drive: Any) -> list[Array]:
+    return [value for _, value in leaves(drive)]
+
+
+def checked_over(model: Any, over: Any, problems: Problems) -> list[Varied]:
+    """What varies, from what was typed; everything wrong with it is noted."""
+    if not isinstance(over, dict) or not over:
+        problems.add(f"over = {over!r}; allowed is a dict of what varies; {_TYPED}")
+        return []
+    known = [name for name, _ in leaves(model)]
+    found = [each for name, what in over.items() if (each := _varied(model, str(name), what, known, problems)) is not None]
+    for i, one in enumerate(found):
+        for other in found[i + 1 :]:
+            if same := _both(one, other):
+                problems.add(f"{one.name!r} and {other.name!r} cannot both vary: {same} would be set twice; leave one of them out")
+    return found
+
+
+def _both(one: Varied, other: Varied) -> str:
+    """A number or a drive that two of them set."""
+    pairs = [(a, b) for a in one.leaves for b in other.leaves]
+    return next((max(a, b, key=len) for a, b in pairs if a == b or a.startswith(b + ".") or b.startswith(a + ".")), "")
+
+
+def _varied(model: Any, name: str, what: Any, known: list[str], problems: Problems) -> Varied | None:
+    if isinstance(what, Waveform):
+        return _of_drive(model, name, what, known, problems)
+    meant = numbers_meant(name, known)
+    if not meant:
+        problems.add(f"over: {name!r} is no number of {type(model).__name__}; {did_you_mean(name, known)}")
+        return None
+    try:
+        low, high = (float(end) for end in what)
+    except (TypeError, ValueError):
+        problems.add(f"over[{name!r}] = {what!r}; allowed is (low, high), or a waveform for a drive; {_TYPED}")
+        return None
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        typed = f"({min(low, high):g}, {max(low, high):g})" if low != high else "a dict without it"
+        problems.add(f"over[{name!r}] = ({low:g}, {high:g}); allowed are finite bounds, the lower one first; type {typed}")
+        return None
+    return Varied(name, meant, low, high)
+
+
+def _of_drive(model: Any, name: str, form: Waveform, known: list[str], problems: Problems) -> Varied | None:
+    """The drive at a path."""
+    path, part = name.replace("[", ".").replace("]", ""), model
+    for place in path.split("."):
+        part = part[int(place)] if isinstance(part, tuple) and place.isdigit() and int(place) < len(part) else getattr(part, place, None)
+    if part is None or isinstance(part, tuple) or lacking(part):
+        paths = sorted({each.rpartition(".")[0] for each in known if ".drive." in f".{each}"})
+        told = f"over: {name!r} is no drive of {type(model).__name__}, and a waveform stands for one"
+        problems.add(f"{told}; known: {', '.join(paths) or 'none'}")
+        return None
+    return Varied(name, (path,), form=form)
