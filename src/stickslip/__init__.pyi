@@ -158,9 +158,11 @@ from .observables import (
 from .optimising import (
     Gradient as Gradient,
     Optimum as Optimum,
+    Propagated as Propagated,
     Waveform as Waveform,
     gradient as gradient,
     optimise as optimise,
+    propagate as propagate,
     waveform as waveform,
 )
 from .records import (

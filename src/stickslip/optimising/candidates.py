@@ -15,6 +15,7 @@ from stickslip.errors import StickslipError
 from stickslip.optimising.limits import KEPT, Limit
 from stickslip.optimising.peaks import drives_within
 from stickslip.optimising.results import results_of
+from stickslip.optimising.uncertain import sampled
 from stickslip.optimising.unknowns import Unknowns
 
 __all__ = ["Candidates", "Stopped"]
@@ -45,6 +46,10 @@ class Candidates:
         Threads.
     tell : callable
         Called with the number of candidates tried so far; raises `Stopped` to end the search.
+    sample : dict of arrays, optional
+        Uncertain numbers: every candidate is run with all of them, the same for all candidates.
+    quantile : float, optional
+        The part of the sample that may be worse than what counts; None for the worst of all.
     """
 
     space: Unknowns
@@ -53,6 +58,8 @@ class Candidates:
     limits: list[Limit]
     workers: int = 1
     tell: Callable[[int], None] = lambda tried: None
+    sample: dict[str, Array] | None = None
+    quantile: float | None = None
     tried: int = 0
     best: Array = None
     least: float = np.inf
@@ -80,12 +87,27 @@ class Candidates:
         return values, over
 
     def _values(self, machines: Any, count: int) -> tuple[Array, Array]:
-        early = [limit for limit in self.limits if limit.of_drive and not self._is_kept(limit)]
+        early = [limit for limit in self.bounding if limit.of_drive]
         late = [limit for limit in self.limits if not limit.of_drive]
         over = self._over(early, machines, {}, count)
-        columns = results_of(machines, count, self.workers)
-        found = self.sign * columns.get(self.quantity, np.full(count, np.nan))
+        found, columns = self._results(machines, count)
         return found, np.maximum(over, self._over(late, machines, columns, count))
+
+    def _results(self, machines: Any, count: int, rtol: float = 1e-6) -> tuple[Array, dict[str, Array]]:
+        """The objective, and columns for limits; over a sample their quantile and their worst."""
+        if self.sample is None:
+            columns = results_of(machines, count, self.workers, rtol=rtol)
+            return self.sign * columns.get(self.quantity, np.full(count, np.nan)), columns
+        many, cases = sampled(machines, count, self.sample)
+        columns = results_of(many, cases, self.workers, rtol=rtol)
+        each = self.sign * columns.get(self.quantity, np.full(cases, np.nan)).reshape(count, -1)
+        kept = {limit.name: _worst_of(limit, columns[limit.name].reshape(count, -1)) for limit in self.limits if not limit.of_drive}
+        return (each.max(axis=1) if self.quantile is None else np.quantile(each, 1.0 - self.quantile, axis=1)), kept
+
+    @property
+    def bounding(self) -> list[Limit]:
+        """The limits that candidates can be beyond."""
+        return [limit for limit in self.limits if not (limit.of_drive and self._is_kept(limit))]
 
     def _is_kept(self, limit: Limit) -> bool:
         """Whether all drives are waveforms, which keep the limit by themselves."""
@@ -96,12 +118,12 @@ class Candidates:
         """By how much each candidate is beyond its limits, the worst of them."""
         over = np.zeros(count)
         for limit in limits:
-            values = limit.values(machines, columns)
+            values = np.broadcast_to(limit.values(machines, columns), (count,))
             worst = -np.min(limit.margins(values), axis=0)
             over = np.maximum(over, np.where(worst > KEPT, worst, np.where(np.isnan(worst), 1e3, 0.0)))
-            if len(worst) and not np.all(np.isnan(worst)):
+            if not np.all(np.isnan(worst)):
                 k = int(np.nanargmin(worst))
-                self._note(limit.name, float(np.broadcast_to(values, (count,))[k]), float(worst[k]))
+                self._note(limit.name, float(values[k]), float(worst[k]))
         return over
 
     def _note(self, name: str, value: float, worst: float) -> None:
@@ -113,7 +135,7 @@ class Candidates:
 
     def slope(self, u: Array) -> Array:
         """Derivatives of the objective, without its limits, by the unknowns: exact for the mean velocity."""
-        if self.quantity == "mean_velocity" and not not_followed(self.space.model):
+        if self.quantity == "mean_velocity" and self.sample is None and not not_followed(self.space.model):
             try:
                 found = self._exact(u)
                 if np.isfinite(found).all():
@@ -134,18 +156,24 @@ class Candidates:
         machines, good = self.space.machines(ends)
         values = np.full(2 * n, np.nan)
         if len(good):
-            values[good] = results_of(machines, len(good), self.workers, rtol=_FINE).get(self.quantity, np.nan)
+            values[good] = self._results(machines, len(good), _FINE)[0]
         width = np.diag(ends[:n] - ends[n:])
-        return np.nan_to_num(self.sign * (values[:n] - values[n:]) / width)
+        return np.nan_to_num((values[:n] - values[n:]) / width)
 
     def margins(self, U: Array) -> Array:
         """How far within all limits each row is: array (sides, rows)."""
         machines, good = self.space.machines(np.atleast_2d(U))
-        sides = sum(np.isfinite(end) for limit in self.limits for end in (limit.low, limit.high))
+        sides = sum(np.isfinite(end) for limit in self.bounding for end in (limit.low, limit.high))
         whole = np.full((sides, len(np.atleast_2d(U))), -1.0)
         if not len(good):
             return whole
-        columns = results_of(machines, len(good), self.workers, rtol=_FINE) if any(not limit.of_drive for limit in self.limits) else {}
-        found = [limit.margins(np.broadcast_to(limit.values(machines, columns), (len(good),))) for limit in self.limits]
+        columns = self._results(machines, len(good), _FINE)[1] if any(not limit.of_drive for limit in self.bounding) else {}
+        found = [limit.margins(np.broadcast_to(limit.values(machines, columns), (len(good),))) for limit in self.bounding]
         whole[:, good] = np.nan_to_num(np.concatenate(found), nan=-1.0)
         return whole
+
+
+def _worst_of(limit: Limit, values: Array) -> Array:
+    """Of each candidate the value that is furthest beyond a limit."""
+    margins = np.min(limit.margins(values), axis=0)
+    return np.take_along_axis(values, np.argmin(np.nan_to_num(margins, nan=-np.inf), axis=1)[:, None], axis=1)[:, 0]

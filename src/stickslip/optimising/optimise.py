@@ -11,7 +11,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.dynamics.mapping import coordinates, spread_over
 from stickslip.dynamics.sensitivity import directions_of
-from stickslip.errors import InputError, Problems, StickslipError
+from stickslip.errors import InputError, Problems, StickslipError, is_whole
 from stickslip.machine import machine_of
 from stickslip.optimising.candidates import Candidates, Stopped
 from stickslip.optimising.gradients import Gradient, gradient
@@ -22,7 +22,8 @@ from stickslip.optimising.results import check_quantity, results_of
 from stickslip.optimising.searching import search
 from stickslip.optimising.small_friction import small_friction_limit
 from stickslip.optimising.starts import closed_starts
-from stickslip.optimising.unknowns import Unknowns, checked_over
+from stickslip.optimising.uncertain import checked_uncertain, sample_of
+from stickslip.optimising.unknowns import Unknowns, Varied, checked_over
 
 __all__ = ["optimise"]
 
@@ -30,6 +31,7 @@ Array = Any
 _EACH, _LEAST, _MOST = 10, 32, 96  # candidates of a generation: for each unknown, at least, at most
 _GENERATIONS, _MORE = 60, 25  # of the search over everything, and more for each unknown
 _ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
+_SAMPLE = 64  # cases of every candidate, where numbers are uncertain
 _SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
 
 
@@ -40,7 +42,8 @@ def optimise(
     maximise: str | None = None,
     minimise: str | None = None,
     subject_to: dict[str, Any] | None = None,
-    robust: None = None,
+    robust: dict[str, Any] | None = None,
+    quantile: float | None = None,
     starts: str | None = "closed",
     seed: int = 0,
     workers: int = 1,
@@ -65,8 +68,11 @@ def optimise(
     subject_to : dict, optional
         Limits as (least, largest), None for no limit: of "stroke" [m], "relative_velocity" [m/s] and "relative_acceleration" [m/s^2] of
         the drives, and of columns of a sweep, such as "drive_power" [W]. A waveform needs the acceleration, and stroke or velocity.
-    robust : None
-        Reserved.
+    robust : dict, optional
+        What is uncertain, as for `propagate`: {"friction.mu_plus": ("uniform", 0.13, 0.17)}. Every candidate is run with 64 points of a
+        Sobol sample, the same for all, and what counts is the worst of them.
+    quantile : float, optional
+        With `robust`: the part of the sample that may be worse than what counts, such as 0.05.
     starts : "closed" or None
         "closed" tries drives that are known in closed form with the first generation; None nothing but random ones.
     seed : int
@@ -103,8 +109,7 @@ def optimise(
     quantity = _quantity(model, maximise, minimise, problems)
     varied, limits = checked_over(model, over, problems), checked_limits(model, subject_to, problems)
     scales = scales_within(limits, problems) if any(each.form is not None for each in varied) else None
-    if robust is not None:
-        problems.add("robust optima are not there yet; leave robust out")
+    sample = _sample(model, robust, quantile, varied, int(seed) if is_whole(seed) else 0, problems)
     if starts not in ("closed", None):
         problems.add(f'starts = {starts!r}; allowed is "closed" or None; type starts=None')
     if model.period is None:
@@ -122,7 +127,7 @@ def optimise(
         if report is not None and report(min(tried, most), most) is False:
             raise Stopped
 
-    worth = Candidates(space, quantity, -1.0 if maximise else 1.0, limits, int(workers), tell)
+    worth = Candidates(space, quantity, -1.0 if maximise else 1.0, limits, int(workers), tell, sample, quantile)
     notes = []
     try:
         search(worth, closed_starts(space) if starts else np.empty((0, space.count)), int(seed), generations, population)
@@ -143,6 +148,22 @@ def _quantity(model: Any, maximise: Any, minimise: Any, problems: Problems) -> s
     except InputError as error:
         problems.include(error)
     return str(given[0])
+
+
+def _sample(model: Any, robust: Any, quantile: Any, varied: list[Varied], seed: int, problems: Problems) -> dict[str, Array] | None:
+    """The sample of what is uncertain."""
+    if quantile is not None and not (isinstance(quantile, float) and 0.0 < quantile < 1.0 and robust is not None):
+        problems.add(f"quantile = {quantile!r}; allowed is between 0 and 1, with robust=; type quantile=0.05")
+    if robust is None:
+        return None
+    uncertain = checked_uncertain(model, "robust", robust, problems)
+    for one in uncertain:
+        for other in varied:
+            both = [a for a in one.leaves for b in other.leaves if a == b or a.startswith(b + ".")]
+            problems.found += [
+                f"{one.name!r} is uncertain and {other.name!r} varies: {a} would be set twice; leave one out" for a in both[:1]
+            ]
+    return sample_of(uncertain, _SAMPLE, seed) if uncertain else None
 
 
 def _check_middle(space: Unknowns) -> None:
@@ -183,7 +204,8 @@ def _told(worth: Candidates, largest: bool, notes: list[str]) -> Optimum:
     active = (*_active_limits(worth.limits, values), *_active_bounds(space, worth.best))
     slopes = _sensitivities(model, worth, notes)
     share = None if limit is None else abs(V) / limit
-    return Optimum(model, worth.quantity, values, share, what, active, slopes, worth.tried, tuple(notes))
+    robust = None if worth.sample is None else worth.sign * worth.least
+    return Optimum(model, worth.quantity, values, share, what, active, slopes, worth.tried, tuple(notes), robust)
 
 
 def _values(model: Any) -> dict[str, Any]:

@@ -38,6 +38,8 @@ class Optimum:
         Candidates that were run.
     notes : tuple of str
         What else is to be said.
+    robust : float or None
+        Where numbers were uncertain, the quantile of the quantity, or its worst value, over the sample.
 
     Examples
     --------
@@ -57,6 +59,7 @@ class Optimum:
     sensitivities: Gradient
     tried: int
     notes: tuple[str, ...] = field(default=())
+    robust: float | None = None
 
     def __getitem__(self, name: str) -> Any:
         """A number of the motion or of the drives by its name."""
@@ -67,5 +70,6 @@ class Optimum:
     def __repr__(self) -> str:
         share = f"{100 * self.of_limit:.4g} % of the limit ({self.limit})" if self.of_limit is not None else self.limit
         active = f"active: {', '.join(self.active)}" if self.active else "no limit is active"
+        active += f"; over the sample {self.robust:.9g}" if self.robust is not None else ""
         more = "".join(f"; {note}" for note in self.notes)
         return f"<Optimum: {self.of} = {self[self.of]:.9g}, {share}; {active}; {self.tried} candidates{more}>"

@@ -12,7 +12,9 @@ __all__ = ["search"]
 
 Array = Any
 _AROUND = (0.05, 0.005, 5e-4)  # of the unknowns: half the boxes around the best in which the population goes on
+_GAIN = 1e-8  # of the best: what the population has to find for another climb to be worth its time
 _NO_VALUE = 1e3  # of the best: what stands for the value of what is no machine
+_NEAR = 1e-4  # the same of the search over everything, from where derivatives go on
 _SETTLED = 1e-9  # of the best: a population whose values are nearer to each other has arrived
 
 
@@ -30,14 +32,18 @@ def search(worth: Candidates, starts: Array, seed: int, generations: int, popula
     """
     rng = np.random.default_rng(seed)
     n = worth.space.count
-    _evolve(worth, np.zeros(n), np.ones(n), starts, rng, generations, population, 1e-6)
+    _evolve(worth, np.zeros(n), np.ones(n), starts, rng, generations, population, _NEAR)
     if worth.best is None:
         return
     _climb(worth)
     for half in _AROUND:
+        before = worth.least
         low, high = np.clip(worth.best - half, 0.0, 1.0), np.clip(worth.best + half, 0.0, 1.0)
-        _evolve(worth, low, high, worth.best[None], rng, generations // 3, population, _SETTLED)
-        _climb(worth)
+        _evolve(worth, low, high, worth.best[None], rng, generations // 4, population, _SETTLED)
+        if before - worth.least > _GAIN * abs(worth.least):
+            _climb(worth)
+        if before - worth.least <= _SETTLED * abs(worth.least):
+            break
 
 
 def _evolve(worth: Candidates, low: Array, high: Array, starts: Array, rng: Any, generations: int, population: int, settled: float) -> None:
@@ -72,7 +78,7 @@ def _climb(worth: Candidates) -> None:
     from scipy.optimize import minimize
 
     scale = abs(worth.least) or 1.0
-    sides = len(worth.margins(worth.best)) if worth.limits else 0
+    sides = len(worth.margins(worth.best)) if worth.bounding else 0
     n = worth.space.count
 
     def slopes(u: Array) -> Array:

@@ -93,41 +93,37 @@ class Unknowns:
 
     def machines(self, U: Array) -> tuple[Any, Array]:
         """A batch from a table (cases, unknowns), of the cases that make a machine, and which these are."""
-        at = np.arange(len(U))
-        numbers = [np.ravel(v) for change in self.changes(U.T).values() for v in ([change] if np.ndim(change) else _arrays(change))]
-        at = at[np.all([np.isfinite(v) for v in numbers if len(v) == len(U)], axis=0)] if numbers else at
-        parts = self._made(U, at)
+        changes = self.changes(U.T)
+        at = np.flatnonzero(np.all([np.isfinite(v) for v in _numbers_in(changes).values()], axis=0) & np.ones(len(U), bool))
+        parts = self._made(U, at, changes if len(at) == len(U) else None)
         if len(parts) == 1:
             return parts[0]
         good = np.concatenate([places for _, places in parts]) if parts else np.empty(0, int)
         return (self.model.replace(self.changes(U[good].T)) if len(good) else None), good
 
-    def _made(self, U: Array, at: Array) -> list[tuple[Any, Array]]:
+    def _made(self, U: Array, at: Array, changes: dict[str, Any] | None = None) -> list[tuple[Any, Array]]:
         """Machines of the cases that make one: what a record refuses as a whole is tried in halves."""
         if not len(at):
             return []
         try:
-            return [(self.model.replace(self.changes(U[at].T)), at)]
+            return [(self.model.replace(changes or self.changes(U[at].T)), at)]
         except InputError:
             return [] if len(at) == 1 else [part for half in np.array_split(at, 2) for part in self._made(U, half)]
 
-    def numbers(self, u: Array) -> dict[str, float]:
-        """The numbers of the machine of one row that vary, by name."""
-        found: dict[str, float] = {}
-        for name, change in self.changes(np.asarray(u, float)).items():
-            found |= {name: change} if np.ndim(change) == 0 and isinstance(change, float) else dict(leaves(change, name + "."))
-        return found
-
     def slopes(self, u: Array, step: float = 1e-6) -> dict[str, Array]:
-        """Derivatives of those numbers by the unknowns, formulas that differences give nearly to rounding: arrays (unknowns,)."""
+        """Derivatives of the numbers that vary by the unknowns, formulas that differences give nearly to rounding: arrays (unknowns,)."""
         shifts = step * np.eye(self.count)
-        ahead, behind = ([self.numbers(u + s) for s in sign * shifts] for sign in (1.0, -1.0))
-        found = {name: np.array([a[name] - b[name] for a, b in zip(ahead, behind, strict=True)]) / (2 * step) for name in ahead[0]}
+        numbers = _numbers_in(self.changes(np.vstack([u + shifts, u - shifts]).T))
+        found = {name: (v[: self.count] - v[self.count :]) / (2 * step) for name, v in numbers.items() if np.ndim(v)}
         return {name: slope for name, slope in found.items() if np.any(slope != 0.0)}
 
 
-def _arrays(drive: Any) -> list[Array]:
-    return [value for _, value in leaves(drive)]
+def _numbers_in(changes: dict[str, Any]) -> dict[str, Any]:
+    """The numbers among what is put into a machine, by name."""
+    found: dict[str, Any] = {}
+    for name, change in changes.items():
+        found |= {name: change} if isinstance(change, (float, np.ndarray)) else dict(leaves(change, name + "."))
+    return found
 
 
 def checked_over(model: Any, over: Any, problems: Problems) -> list[Varied]:

@@ -143,6 +143,8 @@ def _closed(level: Array, d: Array) -> Array:
     for _ in range(_NEWTON):
         e = d * np.exp(np.clip(-s * a, -_FAR, _FAR))
         F, slope = (a * e).sum(axis=0), -(a * a * e).sum(axis=0)
+        if np.all(~both | (abs(F) <= _ROUNDING * (abs(a) * e).sum(axis=0))):
+            break
         low, high = np.where(F > 0, s, low), np.where(F <= 0, s, high)
         with np.errstate(invalid="ignore", divide="ignore"):
             step = np.clip(-F / slope, -3.0, 3.0)
@@ -153,7 +155,7 @@ def _closed(level: Array, d: Array) -> Array:
     return np.where(both, d * np.exp(np.clip(-s * a, -_FAR, _FAR)), np.nan)
 
 
-_NEWTON, _FAR = 60, 300.0
+_NEWTON, _FAR, _ROUNDING = 60, 300.0, 1e-15
 
 
 def _spans(d: Array, a: Array) -> tuple[Array, Array]:

@@ -1,0 +1,247 @@
+"""`ss.optimise`: optima that are known in closed form are found from nothing, and what it says of them is so."""
+
+import math
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.drives import DRIVES
+from stickslip.optimising.peaks import LIMITS, peaks_of
+from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
+
+G, MU = 9.81, 0.1315
+LAW = ss.Coulomb(0.15, 0.25)
+BOUNDED = {"stroke": (None, 0.01), "relative_acceleration": (None, 60.0)}
+
+
+def robot(drive, mu=MU, law=LAW):
+    return ss.Robot(1.0 - mu, mu, drive, law)
+
+
+def two_phase(U, mu=MU, up=0.15, down=0.25, L=0.01):
+    """The fastest motion of two phases within a speed U."""
+    if 2 * mu * U**2 >= up * G * L:
+        return mu * U - up * (up + down) * G * L / (4 * down * U)
+    return mu**2 * U**3 * (1 / up - 1 / down) / (G * L)
+
+
+@pytest.mark.parametrize(("U", "V"), [(0.2, 0.003760462113490), (0.4, 0.037885), (0.8, 0.0978425), (2.0, 0.260057)])
+def test_two_phases_are_fastest_at_both_speeds(U, V):
+    best = ss.optimise(
+        robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1)), over={"drive.u1": (0.0, U), "drive.u2": (0.0, U)}, maximise="mean_velocity",
+        subject_to={"relative_velocity": (None, U)}, starts=None,
+    )  # fmt: skip
+    assert two_phase(U) == pytest.approx(V, rel=1e-9)
+    assert best["mean_velocity"] == pytest.approx(V, rel=1e-6)
+    assert set(best.active) == {"relative_velocity", "drive.u1", "drive.u2"}
+    assert best.of_limit == pytest.approx(V / (MU * U), rel=1e-9)  # small friction: mu U min(1, mu_minus/mu_plus)
+
+
+def three_phase(W, L=0.01, up=0.15, down=0.25, mu=MU):
+    """The fastest motion of three phases without slipping back: w1 on the verge of it, w2 = w3 = W."""
+    w1 = down * G / mu
+    u1, u3 = math.sqrt(2 * L * w1 * W / (w1 + W)), math.sqrt(L * W)
+    v2 = (mu * W - up * G) * (u1 + u3) / W
+    v3 = v2 - (mu * W + up * G) * u3 / W
+    a2, a3, a1 = mu * W - up * G, mu * W + up * G, (down + up) * G
+    T = u1 / w1 + (u1 + u3) / W + u3 / W
+    return (v2**2 / (2 * a2) + (v2**2 - v3**2) / (2 * a3) + v3**2 / (2 * a1)) / T
+
+
+def test_three_phases_wait_on_the_verge_of_slipping_back():
+    best = ss.optimise(
+        robot(ss.ThreePhase.example()), maximise="mean_velocity", subject_to={"stroke": (None, 0.01)}, starts=None,
+        over={"drive.u1": (0.01, 1.0), "drive.w1": (1.0, 60.0), "drive.w2": (1.0, 60.0), "drive.w3": (1.0, 60.0)},
+    )  # fmt: skip
+    assert best["mean_velocity"] == pytest.approx(three_phase(60.0), rel=1e-6)
+    assert best["mean_velocity"] == pytest.approx(0.041032906654407, rel=1e-6)
+    assert best.model.drive.w1 == pytest.approx(0.25 * G / MU, rel=1e-5)
+    assert {"stroke", "drive.w2", "drive.w3"} == set(best.active)
+    assert any(note.startswith("drive.w1: one-sided") for note in best.sensitivities.notes)
+
+
+def verge(mu, up, down, L, W):
+    """Mean velocity of the verge gait by its formula."""
+    p, T = down / (up + down), ss.Pieces.verge(W, L, mu, up, down).period
+    return p**2 * T * (mu**2 * W**2 - up**2 * G**2) / (4 * mu * W)
+
+
+SETS = [
+    (0.1315, 0.15, 0.25, 0.01, 60.0),
+    (0.2, 0.1, 0.3, 0.005, 40.0),
+    (0.3, 0.2, 0.22, 0.02, 30.0),
+    (0.1, 0.05, 0.2, 0.01, 100.0),
+    (0.25, 0.12, 0.18, 0.002, 50.0),
+    (0.15, 0.3, 0.5, 0.01, 80.0),
+]
+
+
+def fastest(mu, up, down, L, W, **more):
+    limits = {"stroke": (None, L), "relative_acceleration": (None, W)}
+    made = robot(ss.Pieces.example(), mu, ss.Coulomb(up, down))
+    return ss.optimise(made, over={"drive": ss.waveform(**more)}, maximise="mean_velocity", subject_to=limits, starts=None)
+
+
+@pytest.mark.parametrize("numbers", [SETS[0], *(pytest.param(each, marks=pytest.mark.slow) for each in SETS[1:])])
+def test_three_free_pieces_find_the_verge_gait(numbers):
+    best = fastest(*numbers, pieces=3)
+    assert best["mean_velocity"] == pytest.approx(verge(*numbers), rel=1e-6)
+    assert best["stroke"] == pytest.approx(numbers[3], rel=1e-8)
+    assert best["relative_acceleration"] == pytest.approx(numbers[4], rel=1e-8)
+
+
+@pytest.mark.slow
+def test_more_pieces_come_as_far_as_three():
+    # nothing faster is known; a thousandth below is what a search in eighteen unknowns may leave
+    V = verge(*SETS[0])
+    assert V * (1 - 1e-3) < fastest(*SETS[0], pieces=8)["mean_velocity"] < V * (1 + 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shape", [{"fourier": 3}, {"spline": 6}])
+def test_smooth_waveforms_stay_below_the_verge_gait_and_beat_a_sine(shape):
+    sine = fastest(*SETS[0], fourier=1)["mean_velocity"]
+    best = fastest(*SETS[0], **shape)
+    assert sine < best["mean_velocity"] < verge(*SETS[0])
+    assert best["relative_acceleration"] < 60.0 * (1 + 1e-9)
+    assert best["stroke"] < 0.01 * (1 + 1e-9)
+
+
+def test_closed_starts_are_at_least_as_good_and_one_seed_is_one_result():
+    asked = dict(
+        over={"drive.amplitude": (2e-4, 8e-4), "drive.omega": (150.0, 250.0)},
+        maximise="mean_velocity",
+        subject_to={"relative_acceleration": (None, 30.0)},
+    )
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    one, two = (ss.optimise(rig, **asked, starts=None, seed=3, workers=n) for n in (1, 2))
+    assert one.model == two.model
+    assert one["mean_velocity"] == two["mean_velocity"]
+    # grid by hand: V grows with the amplitude along the limit A omega^2 = 30
+    omega = np.sqrt(30.0 / 8e-4)
+    assert one["mean_velocity"] == pytest.approx(
+        float(ss.periodic_orbit(rig.replace({"drive.amplitude": 8e-4, "drive.omega": omega})).mean_velocity), rel=1e-6
+    )
+    assert set(one.active) == {"relative_acceleration", "drive.amplitude"}
+
+
+def test_least_cost_at_a_speed_keeps_the_speed():
+    rig = ss.presets.piezo_rig(tilt_deg=3.0, amplitude=8e-4, law="coulomb", incline="gravity").replace({"friction.mu_plus": 0.1})
+    best = ss.optimise(
+        rig, over={"drive.amplitude": (2e-4, 1.5e-3)}, minimise="cost_of_transport", subject_to={"mean_velocity": (2e-3, None)}
+    )
+    grid = ss.sweep(rig, **{"drive.amplitude": np.linspace(2e-4, 1.5e-3, 400)})
+    allowed = grid.cost_of_transport.where(grid.mean_velocity >= 2e-3)
+    assert best["mean_velocity"] >= 2e-3 * (1 - 1e-8)
+    assert best["cost_of_transport"] <= float(allowed.min()) * (1 + 1e-6)
+
+
+def test_the_best_phase_of_two_modules_is_opposite():
+    module = ss.Robot(0.06259, 0.00948, ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), ss.Coulomb(0.15, 0.21))
+    pair = ss.Chain((module, module), link=ss.Spring(1200.0, 0.4), phases=(0.0, 1.0))
+    best = ss.optimise(pair, over={"phases[1]": (0.5, 6.0)}, maximise="mean_velocity", starts=None)
+    assert best["mean_velocity"] == pytest.approx(0.011119895989126, rel=1e-9)  # M2c, phase pi
+    assert best.model.phases[1] == pytest.approx(math.pi, abs=1e-4)
+    assert best.of_limit is None
+    assert "no limit is known" in best.limit
+
+
+def test_a_stop_keeps_the_best_so_far():
+    seen = []
+    best = ss.optimise(
+        robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1)), over={"drive.u1": (0.01, 0.4), "drive.u2": (0.01, 0.4)}, maximise="mean_velocity",
+        starts=None, progress=lambda tried, most: seen.append((tried, most)) or len(seen) < 4,
+    )  # fmt: skip
+    assert len(seen) == 4
+    assert best.tried == seen[-1][0]
+    assert any("stopped" in note for note in best.notes)
+    assert best["mean_velocity"] > 0.0
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_peaks_of_drives_are_those_of_a_fine_grid(name):
+    drive = DRIVES[name].example()
+    t = np.linspace(0.0, 1.0, 20001) * drive.period
+    jumps = any(jump != 0.0 for _, jump in drive.jumps)
+    found = {limit: float(peaks_of(drive, limit)) for limit in LIMITS}
+    grid = {
+        "stroke": np.ptp(drive.position(t)),
+        "relative_velocity": abs(drive.velocity(t)).max(),
+        "relative_acceleration": abs(drive.acceleration(t)).max(),
+    }
+    for limit in LIMITS if not jumps else ("stroke", "relative_velocity"):
+        # a grid may miss a corner by half a step, 2.5e-5 of a period, in which a value changes by at most 8 times itself per period
+        assert grid[limit] * (1 - 1e-9) <= found[limit] <= grid[limit] * (1 + 4e-4), limit
+    assert not jumps or math.isinf(found["relative_acceleration"])
+
+
+@pytest.mark.parametrize("form", [Waveform("pieces", 5), Waveform("fourier", 3), Waveform("spline", 6)], ids=lambda form: form.kind)
+def test_waveforms_keep_their_limits_and_close(form):
+    u = np.random.default_rng(5).random((unknowns_of(form), 40))
+    scales = Scales(60.0, stroke=0.01, velocity=0.7)
+    many = drive_of_waveform(form, u, scales)
+    good = np.isfinite(many.period)
+    assert good.sum() > 30
+    for i in np.flatnonzero(good)[:10]:
+        drive = drive_of_waveform(form, u[:, i], scales).replace()  # the record checks itself
+        assert drive.period == pytest.approx(many.period[i], rel=1e-12)
+        assert peaks_of(drive, "stroke") <= 0.01 * (1 + 1e-12)
+        assert peaks_of(drive, "relative_velocity") <= 0.7 * (1 + 1e-12)
+        assert peaks_of(drive, "relative_acceleration") <= 60.0 * (1 + 1e-9)
+
+
+TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        (dict(over={"drive": ss.waveform(pieces=4), "drive.u1": (0.1, 0.2)}, subject_to=BOUNDED), "cannot both vary"),
+        (dict(over={"drive.u1": (0.2, 0.1)}), r"type \(0.1, 0.2\)"),
+        (dict(over={"drive.u3": (0.1, 0.2)}), "did you mean"),
+        (dict(over={"gravity": ss.waveform(pieces=4)}, subject_to=BOUNDED), "is no drive"),
+        (dict(over={"drive": ss.waveform(pieces=4)}), '"relative_acceleration"'),
+        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"strok": (None, 0.01)}), "did you mean 'stroke'"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (0.02, 0.01)}), "cannot be kept"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (None, 0.001)}), "nearest: 0.01"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, minimise="drive_power"), "exactly one"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, starts="open"), "starts=None"),
+        (dict(over={}), "over = "),
+        (dict(over={"drive.u1": (-0.2, -0.1)}), "positive number"),
+    ],
+    ids=lambda each: "" if isinstance(each, dict) else str(each)[:20],
+)  # fmt: skip
+def test_bad_input_says_what_to_type(asked, told):
+    with pytest.raises(ss.InputError, match=told):
+        ss.optimise(TWO, maximise="mean_velocity", **asked)
+
+
+def test_a_waveform_is_of_one_kind():
+    with pytest.raises(ss.InputError, match="exactly one"):
+        ss.waveform(pieces=3, fourier=2)
+    with pytest.raises(ss.InputError, match="whole number"):
+        ss.waveform(pieces=1)
+
+
+def test_a_robust_drive_keeps_its_speed_on_a_fresh_sample():
+    # the nominal optimum waits on the verge of slipping back, which a smaller coefficient of friction makes it do
+    made, uncertain = robot(ss.ThreePhase.example()), {"friction.mu_minus": ("uniform", 0.22, 0.28)}
+    asked = dict(
+        over={"drive.u1": (0.01, 1.0), "drive.w1": (1.0, 60.0), "drive.w2": (1.0, 60.0), "drive.w3": (1.0, 60.0)},
+        maximise="mean_velocity", subject_to={"stroke": (None, 0.01)},
+    )  # fmt: skip
+    nominal, robust = ss.optimise(made, **asked), ss.optimise(made, **asked, robust=uncertain, quantile=0.05)
+    fresh = [ss.propagate(best.model, uncertain, samples=2048, seed=99).quantile(0.05) for best in (nominal, robust)]
+    assert fresh[1] > 1.02 * fresh[0]
+    assert robust.robust == pytest.approx(fresh[1], rel=5e-3)
+    assert robust["mean_velocity"] < nominal["mean_velocity"]
+
+
+def test_what_is_uncertain_cannot_vary():
+    with pytest.raises(ss.InputError, match="is uncertain and"):
+        ss.optimise(
+            TWO, over={"friction.mu_plus": (0.1, 0.2)}, maximise="mean_velocity", robust={"friction.mu_plus": ("uniform", 0.13, 0.17)}
+        )
+    with pytest.raises(ss.InputError, match="quantile=0.05"):
+        ss.optimise(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", quantile=0.05)
