@@ -105,6 +105,12 @@ def examples():
              "noise": 1e-4,
                                "samples": 20, "together": 1, "rivals": None, "using": "velocity", "tilt_deg": 1.7, "law": "coulomb"}),
         "sensitivity": (ss.sensitivity, {"of": run, "wrt": ["drive.amplitude"]}),
+        "gradient": (ss.gradient, {"model": robot, "of": "mean_velocity", "wrt": ["drive.amplitude"]}),
+        "optimise": (ss.optimise, {"model": robot, "over": {"drive.amplitude": (5e-4, 6e-4)}, "maximise": "mean_velocity", "minimise": None,
+             "subject_to": {"stroke": (None, 0.01)}, "robust": None, "quantile": None, "starts": "closed", "seed": 0}),
+        "waveform": (ss.waveform, {"pieces": 4, "fourier": None, "spline": None}),
+        "propagate": (ss.propagate, {"model": robot, "uncertain": {"friction.mu_plus": ("uniform", 0.14, 0.16)}, "of": "mean_velocity",
+             "samples": 8, "seed": 0}),
         "observable": (ss.observable, {"function": lambda s: s.v**2, "reduce": "mean", "unit": "m^2/s^2"}),
         "Bodies": (ss.Bodies, {"mass": 0.05, "count": 3, "friction": ss.Coulomb(0.1, 0.3)}),
         "Gait": (ss.Gait, {"drive": ss.Harmonic(2e-3, frequency=2.0), "lag": 2.0, "length": 0.02}),
@@ -196,6 +202,7 @@ def examples():
 NO_DOORS = {
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "InputError", "LAWS", "Level", "Lyapunov",
     "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError", "StickslipError",
+    "Gradient", "Optimum", "Propagated", "Waveform",
     "Sum", "Trajectory", "Verdict",
     *(name for name in ss.__all__ if inspect.ismodule(getattr(ss, name))),
 }  # fmt: skip

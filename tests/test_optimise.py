@@ -243,5 +243,5 @@ def test_what_is_uncertain_cannot_vary():
         ss.optimise(
             TWO, over={"friction.mu_plus": (0.1, 0.2)}, maximise="mean_velocity", robust={"friction.mu_plus": ("uniform", 0.13, 0.17)}
         )
-    with pytest.raises(ss.InputError, match="quantile=0.05"):
+    with pytest.raises(ss.InputError, match=r"quantile=0\.05"):
         ss.optimise(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", quantile=0.05)

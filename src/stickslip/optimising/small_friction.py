@@ -56,7 +56,7 @@ def _ratio(model: Any) -> tuple[float | None, str]:
     if drive_of(machine.drive).vertical_acceleration is not None or grip_of(model.track) is not None:
         return None, "no limit is known where the load varies"
     try:
-        if abs(float(machine.track.along(model.gravity))) > 0.0:
+        if abs(float(model.track.along(model.gravity))) > 0.0:
             return None, "no limit is known on an incline: gravity acts along the track"
         load, law = model.load(0.0, 0.0), law_of(model)
         ahead, back = ([abs(float(law.sliding(s * v, load))) for v in _SPEEDS] for s in (1.0, -1.0))
