@@ -108,6 +108,8 @@ def examples():
         "gradient": (ss.gradient, {"model": robot, "of": "mean_velocity", "wrt": ["drive.amplitude"]}),
         "optimise": (ss.optimise, {"model": robot, "over": {"drive.amplitude": (5e-4, 6e-4)}, "maximise": "mean_velocity", "minimise": None,
              "subject_to": {"stroke": (None, 0.01)}, "robust": None, "quantile": None, "starts": "closed", "seed": 0}),
+        "pareto": (ss.pareto, {"model": robot, "over": {"drive.amplitude": (5e-4, 6e-4)}, "maximise": "mean_velocity",
+             "minimise": "drive_power", "subject_to": None, "points": 2, "starts": "closed", "seed": 0}),
         "waveform": (ss.waveform, {"pieces": 4, "fourier": None, "spline": None}),
         "propagate": (ss.propagate, {"model": robot, "uncertain": {"friction.mu_plus": ("uniform", 0.14, 0.16)}, "of": "mean_velocity",
              "samples": 8, "seed": 0}),

@@ -245,3 +245,21 @@ def test_what_is_uncertain_cannot_vary():
         )
     with pytest.raises(ss.InputError, match=r"quantile=0\.05"):
         ss.optimise(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", quantile=0.05)
+
+
+def test_a_front_is_not_beaten_by_a_grid():
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    over = {"drive.amplitude": (3e-4, 8e-4), "drive.omega": (150.0, 260.0)}
+    front = ss.pareto(rig, over=over, maximise="mean_velocity", minimise="drive_power", points=4)
+    grid = ss.sweep(rig, **{name: np.linspace(*ends, 61) for name, ends in over.items()})
+    assert front.sizes["point"] >= 3
+    assert (front.mean_velocity.diff("point") > 0).all()
+    assert (front.drive_power.diff("point") > 0).all()
+    for power, V in zip(front.drive_power.values, front.mean_velocity.values, strict=True):
+        assert float(grid.mean_velocity.where(grid.drive_power <= power).max()) <= V * (1 + 1e-6)
+    assert set(over) <= set(front.data_vars)
+
+
+def test_a_front_needs_two_quantities():
+    with pytest.raises(ss.InputError, match="two quantities"):
+        ss.pareto(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", minimise="mean_velocity")

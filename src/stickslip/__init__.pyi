@@ -162,6 +162,7 @@ from .optimising import (
     Waveform as Waveform,
     gradient as gradient,
     optimise as optimise,
+    pareto as pareto,
     propagate as propagate,
     waveform as waveform,
 )

@@ -3,7 +3,8 @@
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.optimise import optimise
 from stickslip.optimising.optimum import Optimum
+from stickslip.optimising.pareto import pareto
 from stickslip.optimising.uncertain import Propagated, propagate
 from stickslip.optimising.waveforms import Waveform, waveform
 
-__all__ = ["Gradient", "Optimum", "Propagated", "Waveform", "gradient", "optimise", "propagate", "waveform"]
+__all__ = ["Gradient", "Optimum", "Propagated", "Waveform", "gradient", "optimise", "pareto", "propagate", "waveform"]

@@ -1,0 +1,114 @@
+"""`pareto`: the best of one quantity for every level of another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.callbacks import told_of_progress
+from stickslip.errors import InputError, Problems, StickslipError
+from stickslip.fields import leaves
+from stickslip.optimising.optimise import optimise
+from stickslip.optimising.optimum import Optimum
+from stickslip.optimising.results import check_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["pareto"]
+
+_ABOVE = 1e-6  # of the least value: how far above it the first level is, so that of equally cheap machines the best is found
+
+
+@explains_arguments
+def pareto(
+    model: Model,
+    over: dict[str, Any],
+    maximise: str,
+    minimise: str,
+    subject_to: dict[str, Any] | None = None,
+    points: int = 8,
+    starts: str | None = "closed",
+    seed: int = 0,
+    workers: int = 1,
+    progress: Any = None,
+) -> xr.Dataset:
+    """The front of two quantities: for each of some levels of the one that is to be small, the largest of the other.
+
+    Each point is an optimum of its own (`optimise`), with the level as a limit; levels are evenly spaced from the least value there is to
+    that of the machine with the largest of the other. Points that another one beats in both are left out.
+
+    Parameters
+    ----------
+    model, over, subject_to, starts, seed, workers
+        As for `optimise`.
+    maximise, minimise : str
+        The two quantities: "mean_velocity", "cost_of_transport", "drive_power", ….
+    points : int
+        Levels, 2 or more.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (searches done, in all); it ends them by returning False.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along the dimension "point", by rising `minimise`: both quantities, and the numbers of the machines that differ between them.
+
+    Raises
+    ------
+    InputError
+        As for `optimise`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> front = ss.pareto(robot, over={"drive.amplitude": (3e-4, 8e-4)}, maximise="mean_velocity", minimise="drive_power", points=3)
+    >>> bool((front.mean_velocity.diff("point") > 0).all()), round(float(front["drive.amplitude"][-1]), 9)
+    (True, 0.0008)
+    """
+    problems = Problems("pareto")
+    problems.whole("points", points, 2, example=8, most=1000)
+    for argument, name in (("maximise", maximise), ("minimise", minimise)):
+        try:
+            check_quantity("pareto", argument, name, model)
+        except InputError as error:
+            problems.include(error)
+    if maximise == minimise or (isinstance(subject_to, dict) and minimise in subject_to):
+        problems.add(f"{minimise!r} is to be small and is maximised or limited too; allowed are two quantities; leave it out of the other")
+    problems.check()
+    report, whole = told_of_progress(progress, "pareto"), points + 2
+    asked = dict(over=over, starts=starts, seed=seed, workers=workers)
+    least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
+    most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
+    found, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
+    for done, level in enumerate(np.linspace(low, high, points)[:-1] if low < high else ()):
+        if report is not None and report(done + 2, whole) is False:
+            break
+        try:
+            found.append(optimise(model, maximise=maximise, subject_to={**(subject_to or {}), minimise: (None, float(level))}, **asked))
+        except StickslipError:  # the search has not met a machine below this level
+            continue
+    if report is not None:
+        report(whole, whole)
+    return _dataset([each for each in found if not _beaten(each, found, maximise, minimise)], maximise, minimise)
+
+
+def _beaten(one: Optimum, others: list[Optimum], maximise: str, minimise: str) -> bool:
+    """Whether another one is at least as good in both, and better in one."""
+    pairs = [(other[maximise] - one[maximise], one[minimise] - other[minimise]) for other in others if other is not one]
+    return any(a >= 0.0 and b >= 0.0 and (a > 0.0 or b > 0.0) for a, b in pairs)
+
+
+def _dataset(found: list[Optimum], maximise: str, minimise: str) -> xr.Dataset:
+    import xarray as xr
+
+    found = sorted(found, key=lambda each: each[minimise])
+    numbers = [dict(leaves(each.model)) for each in found]
+    varied = [name for name in numbers[0] if len({each[name] for each in numbers}) > 1]
+    columns = {name: [each[name] for each in found] for name in (minimise, maximise)}
+    columns |= {name: [each[name] for each in numbers] for name in varied}
+    made = {name: ("point", np.array(values)) for name, values in columns.items()}
+    return xr.Dataset(made, coords={"point": np.arange(len(found))}, attrs={"maximise": maximise, "minimise": minimise})
