@@ -11,7 +11,7 @@ from stickslip.optimising.candidates import Candidates
 __all__ = ["search"]
 
 Array = Any
-_AROUND = (0.05, 0.005, 5e-4)  # of the unknowns: half the boxes around the best in which the population goes on
+_AROUND = (0.02, 0.002, 2e-4)  # of the unknowns: half the boxes around the best in which the population goes on
 _GAIN = 1e-8  # of the best: what the population has to find for another climb to be worth its time
 _NO_VALUE = 1e3  # of the best: what stands for the value of what is no machine
 _NEAR = 1e-4  # the same of the search over everything, from where derivatives go on
@@ -39,11 +39,9 @@ def search(worth: Candidates, starts: Array, seed: int, generations: int, popula
     for half in _AROUND:
         before = worth.least
         low, high = np.clip(worth.best - half, 0.0, 1.0), np.clip(worth.best + half, 0.0, 1.0)
-        _evolve(worth, low, high, worth.best[None], rng, generations // 4, population, _SETTLED)
+        _evolve(worth, low, high, worth.best[None], rng, generations // 5, population, _SETTLED)
         if before - worth.least > _GAIN * abs(worth.least):
             _climb(worth)
-        if before - worth.least <= _SETTLED * abs(worth.least):
-            break
 
 
 def _evolve(worth: Candidates, low: Array, high: Array, starts: Array, rng: Any, generations: int, population: int, settled: float) -> None:

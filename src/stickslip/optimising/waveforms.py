@@ -21,7 +21,7 @@ _KINDS = {"pieces": 2, "fourier": 1, "spline": 4}  # with the least count of eac
 _MOST = 64
 _SHORTEST = 0.02  # of the longest duration: that of a piece, before the motion is closed
 _LEAST_SHARE = 0.05  # of the longest period within the limits
-_HARMONICS = 4  # of a spline for each of its points: what is left out falls with the fourth power
+_HARMONICS = 2  # of a spline for each of its points: what is left out is a thousandth of it, or less
 
 
 @sealed
@@ -75,7 +75,7 @@ def waveform(pieces: int | None = None, fourier: int | None = None, spline: int 
         Harmonics: amplitudes, phases and the frequency are found. The result is a `MultiHarmonic`.
     spline : int, optional
         Points, evenly spaced in the period, of a periodic cubic spline through relative positions. The result is a `Recorded` with the
-        first harmonics of the spline, four for each point.
+        first harmonics of the spline, two for each point.
 
     Returns
     -------
