@@ -224,6 +224,7 @@ def test_a_waveform_is_of_one_kind():
         ss.waveform(pieces=1)
 
 
+@pytest.mark.slow
 def test_a_robust_drive_keeps_its_speed_on_a_fresh_sample():
     # the nominal optimum waits on the verge of slipping back, which a smaller coefficient of friction makes it do
     made, uncertain = robot(ss.ThreePhase.example()), {"friction.mu_minus": ("uniform", 0.22, 0.28)}
