@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.mapping import coordinates, spread_over
-from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map
+from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.sensitivity import directions_of, sensitivity
 from stickslip.dynamics.tangents import not_followed
 from stickslip.errors import InputError, SolveError
@@ -119,13 +118,8 @@ def attractor(model: Any, what: str) -> PeriodicOrbit:
             f"{what}: the motion does not repeat within {PERIODS} drive periods, so that nothing has a derivative; type "
             "ss.sensitivity(run) for that of a run from its start, or take other numbers"
         )
-    orbit, near = None, _AGREE * float(machine_of(model).free_velocity or 1.0)
-    with contextlib.suppress(SolveError):
-        orbit = periodic_orbit(model, period)
-    if orbit is None or abs(orbit.mean_velocity - V) > near:  # an unstable motion of the same period, or another attractor
-        from stickslip.solvers import solve
-
-        orbit = periodic_orbit(model, period, guess=solve(model, periods=PERIODS, keep="trajectory", samples=4))
+    near, settled = _AGREE * float(machine_of(model).free_velocity or 1.0), int(found["periods_run"][0])
+    orbit = periodic_orbit(model, period, guess=strobe_map(model, at_rest(model), settled, RTOL).state[0])
     if abs(orbit.mean_velocity - V) > near:
         raise SolveError(f"{what}: from rest V is {V:.9g} m/s, and the periodic motion found there has {orbit.mean_velocity:.9g} m/s")
     return orbit
