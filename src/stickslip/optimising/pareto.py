@@ -80,7 +80,7 @@ def pareto(
         problems.add(f"{minimise!r} is to be small and is maximised or limited too; allowed are two quantities; leave it out of the other")
     problems.check()
     report, whole = told_of_progress(progress, "pareto"), points + 2
-    asked = dict(over=over, starts=starts, seed=seed, workers=workers)
+    asked: dict[str, Any] = dict(over=over, starts=starts, seed=seed, workers=workers)
     least = optimise(model, minimise=minimise, subject_to=subject_to, **asked)
     most = optimise(model, maximise=maximise, subject_to=subject_to, **asked)
     found, low, high = [most], least[minimise] + _ABOVE * abs(least[minimise]), most[minimise]
