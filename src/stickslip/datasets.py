@@ -28,7 +28,7 @@ def trajectory_columns(run: Any) -> dict[str, Any]:
 
 
 def names_of(run: Any) -> dict[str, list[str]]:
-    """The names of the bodies and contacts of a run by dimension; none of a machine that has one of each by its kind.
+    """The names of the bodies and contacts of a run by dimension; none where its columns are those of one body and contact.
 
     Examples
     --------
@@ -37,7 +37,7 @@ def names_of(run: Any) -> dict[str, list[str]]:
     {}
     """
     layout = run.pieces.layout
-    return {} if layout.single else {"body": [b.name for b in layout.bodies], "contact": [c.name for c in layout.contacts]}
+    return {} if layout.own else {"body": [b.name for b in layout.bodies], "contact": [c.name for c in layout.contacts]}
 
 
 def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, ...]:

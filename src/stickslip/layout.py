@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import InputError, is_whole
 
-__all__ = ["BodyStates", "ContactStates", "StateLayout", "of_one_contact"]
+__all__ = ["BodyStates", "ContactStates", "StateLayout", "of_one_contact", "of_principal"]
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,8 @@ class StateLayout:
         For each way the number of the state that is the velocity of its reference body.
     single : bool
         Whether the machine has one body and one contact by its kind, as a `Robot` has: columns then have no axis for them.
+    principal : str, optional
+        Name of the principal body of a machine of several: columns are then those of this body and its contact, without an axis.
 
     Examples
     --------
@@ -88,6 +90,7 @@ class StateLayout:
     contacts: tuple[ContactStates, ...]
     ways: tuple[int, ...] = ()
     single: bool = False
+    principal: str | None = None
 
     @classmethod
     def of_one(cls, inner: int = 0, memories: int = 0, knows_position: bool = False) -> StateLayout:
@@ -127,6 +130,13 @@ class StateLayout:
         return (len(self.bodies), len(self.contacts)) == (1, 1)
 
     @property
+    def own(self) -> dict[str, int]:
+        """Which body and which contact the columns are those of, by dimension; none where they have an axis for all."""
+        if self.principal is not None:
+            return of_principal(self.principal, [b.name for b in self.bodies], [c.direction for c in self.contacts])
+        return {"body": 0, "contact": 0} if self.single else {}
+
+    @property
     def most_inner(self) -> int:
         """How many inner states the law with the most of them has."""
         return max((len(contact.inner) for contact in self.contacts), default=0)
@@ -150,6 +160,7 @@ class StateLayout:
             *_unequal("columns of mode", contacts, "contacts", len(self.contacts)),
             *self._misdirected(),
             *self._not_single(),
+            *self._without_principal(),
         ]
 
     def _misdirected(self) -> list[str]:
@@ -161,6 +172,11 @@ class StateLayout:
         if not self.single or self.is_one:
             return []
         return [f"single=True with {self.says}; allowed is one body and one contact; leave it out"]
+
+    def _without_principal(self) -> list[str]:
+        names = [body.name for body in self.bodies]
+        known = self.principal is None or self.principal in names
+        return [] if known else [f"principal={self.principal!r}; allowed is one of {', '.join(map(repr, names))}, or None"]
 
     @property
     def says(self) -> str:
@@ -183,7 +199,29 @@ class StateLayout:
         contacts = tuple(
             ContactStates(c["name"], tuple(map(float, c["direction"])), tuple(c["inner"]), tuple(c["memory"])) for c in kept["contacts"]
         )
-        return cls(bodies, contacts, tuple(kept["ways"]), bool(kept["single"]))
+        return cls(bodies, contacts, tuple(kept["ways"]), bool(kept["single"]), kept.get("principal"))
+
+
+def of_principal(name: str, bodies: Sequence[str], directions: Sequence[Sequence[float]]) -> dict[str, int]:
+    """Numbers of the principal body and of its first contact, by dimension; of a body without contacts the machine's first.
+
+    Parameters
+    ----------
+    name : str
+        That of the body.
+    bodies : sequence of str
+        Names of all bodies.
+    directions : sequence
+        Of each contact, what its slip takes of each body's velocity.
+
+    Examples
+    --------
+    >>> of_principal("tail", ["head", "tail"], [(1.0, 0.0), (0.0, 1.0)])
+    {'body': 1, 'contact': 1}
+    """
+    body = bodies.index(name)
+    contact = next((i for i, row in enumerate(directions) if row[body]), 0)
+    return {"body": body, "contact": contact} if len(directions) else {"body": body}
 
 
 def _outside(word: str, numbers: list[Any], count: int) -> list[str]:

@@ -9,6 +9,7 @@ from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
 from stickslip.friction.adapter import LawAdapter
+from stickslip.layout import of_principal
 from stickslip.mechanics import Mechanics, OneBody, declares_parts
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
@@ -43,8 +44,22 @@ class MachineAdapter:
         return not declares_parts(self.model)
 
     @property
+    def principal(self) -> str | None:
+        """The body whose motion is the machine's; None where there is none, or one body on one contact."""
+        return None if self.is_single else getattr(self.model, "principal", None)
+
+    @property
+    def own(self) -> dict[str, int]:
+        """Number of its principal body and of that body's contact by dimension, or of its only ones; none where it has neither."""
+        if self.principal is not None:
+            return of_principal(self.principal, self.mechanics.bodies, self.mechanics.slips_of)
+        return {"body": 0, "contact": 0} if self.is_single else {}
+
+    @property
     def part_names(self) -> dict[str, tuple[str, ...]]:
-        """Names of its bodies, contacts and stops by dimension, of those that it has; none of a machine of one body on one contact.
+        """Names of its bodies, contacts and stops by dimension, of those for which columns have one; none of one body on one contact.
+
+        Of a machine with a principal body columns have no dimension for bodies and contacts.
 
         Examples
         --------
@@ -52,11 +67,10 @@ class MachineAdapter:
         >>> machine_of(ss.Chain.example()).part_names
         {'body': ('module 1', 'module 2'), 'contact': ('module 1', 'module 2')}
         """
-        if self.is_single:
-            return {}
         m = self.mechanics
         found = {"body": m.bodies, "contact": m.contacts, "stop": tuple(name for name, _ in m.named_stops)}
-        return {dim: names for dim, names in found.items() if names}
+        own = self.own
+        return {dim: names for dim, names in found.items() if names and dim not in own}
 
     @property
     def laws(self) -> tuple[LawAdapter, ...]:

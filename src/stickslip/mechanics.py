@@ -6,6 +6,8 @@ Everything here takes floats, arrays of cases or symbols, so that the plain judg
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
+from operator import add
 from typing import Any, Protocol
 
 from stickslip.friction.adapter import LawAdapter, law_of
@@ -47,6 +49,12 @@ class Mechanics(Protocol):
     def slips_of(self) -> tuple[tuple[float, ...], ...]:
         """Of each contact, what its slip takes of each body's velocity."""
         return self.directions
+
+    @property
+    def shares(self) -> tuple[Any, ...]:
+        """Part of each coordinate in the way that the machine makes: that of its centre of mass."""
+        total = reduce(add, self.masses)
+        return tuple(mass / total for mass in self.masses)
 
     @property
     def start(self) -> tuple[Any, ...]:

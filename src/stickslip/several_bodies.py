@@ -85,6 +85,14 @@ class SeveralBodies(Mechanics):
         """All that moves with each coordinate [kg]."""
         return tuple(_sum(self.parts[name].mass for name in group) for group in self.groups)
 
+    @property
+    def shares(self) -> tuple[Any, ...]:
+        """Part of each coordinate in the way that the machine makes: that of its principal body, else that of its centre of mass."""
+        principal = getattr(self.model, "principal", None)
+        if principal is None:
+            return super().shares
+        return tuple(float(c == self.coordinate[principal]) for c in range(self.coordinates))
+
     @cached_property
     def directions(self) -> tuple[tuple[float, ...], ...]:
         """1 at the coordinate of the contact's body, -1 at that of the body it rubs on."""

@@ -15,8 +15,9 @@ from stickslip.mechanics import normal_load
 from stickslip.position import knows_position
 
 __all__ = [
-    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "centre_of_mass", "drifting_apart", "is_steady", "judged",
-    "mean_tolerance", "of_run", "outcome_of", "repetition_of", "scales_of", "strobe_tolerance", "unsettled_note", "window_count",
+    "IRREGULAR", "STEADINESS", "STEADY", "UNKNOWN", "UNSETTLED", "Steadiness", "drifting_apart", "is_steady", "judged",
+    "mean_tolerance", "of_run", "outcome_of", "repetition_of", "scales_of", "strobe_tolerance", "unsettled_note", "way_of_machine",
+    "window_count",
 ]  # fmt: skip
 
 STEADY, UNSETTLED, IRREGULAR, UNKNOWN = 0, 1, 2, -1
@@ -220,7 +221,7 @@ def of_run(run: Any) -> Steadiness:
     if run.model.period is None:
         first, last = run.window
         x = run.at(np.array([first, last]))["x"]
-        x = x if machine_of(run.model).is_single else centre_of_mass(run.model, x)
+        x = x if machine_of(run.model).is_single else way_of_machine(run.model, x)
         return Steadiness(UNKNOWN, 0, float((x[1] - x[0]) / (last - first)), float("nan"))
     t, T = run.strobe_times, run.period_time
     x, strobe, scales = _strobe_of(run)
@@ -243,7 +244,7 @@ def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
         return run.strobe_x, *_with_position(model, strobe)
     mechanics, speed = machine_of(model).mechanics, float(machine_of(model).free_velocity)
     x, v = run.strobe_x, run.strobe_v
-    way = centre_of_mass(model, x)
+    way = way_of_machine(model, x)
     apart = [x[:, 1:] - x[:, :1]] + ([way[:, None]] if _place_matters(mechanics, x) else [])
     inner = np.empty((len(x), 0)) if z is None else z.reshape(len(x), -1)
     there = ~np.isnan(inner[0])
@@ -285,12 +286,11 @@ def _sizes(law: Any, load: Any, states: int) -> Any:
     return np.array([*own, *([np.nan] * (states - law.states))])
 
 
-def centre_of_mass(model: Any, x: Any) -> Any:
-    """Position of the centre of mass from those of the bodies (..., bodies) [m]."""
+def way_of_machine(model: Any, x: Any) -> Any:
+    """Position of the principal body, or of the centre of mass where there is none, from those of the bodies (..., bodies) [m]."""
     mechanics = machine_of(model).mechanics
-    masses = np.array([float(m) for m in mechanics.masses])
     q = np.stack(mechanics.coordinates_of(tuple(np.moveaxis(np.asarray(x), -1, 0))), axis=-1)
-    return q @ masses / masses.sum()
+    return q @ np.array([float(share) for share in mechanics.shares])
 
 
 def _place_matters(mechanics: Any, x: Any) -> bool:

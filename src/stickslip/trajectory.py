@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,8 +81,8 @@ class Trajectory:
 
     A `Robot` or a mechanism has one body on one contact, and a column is an array (time,). Of a machine of several x, v and
     acceleration are (time, body), mode and friction_force (time, contact), and z is (time, contact, state), NaN where a law has fewer
-    states than another. Of any run ``run.bodies[name].x`` and ``run.contacts[name].mode`` are (time,); the names of a Robot's are
-    "body" and "contact".
+    states than another. Where a machine names a principal body, columns are those of this body and of its contact, (time,) as a Robot's
+    are. Of any run ``run.bodies[name].x`` and ``run.contacts[name].mode`` are (time,); the names of a Robot's are "body" and "contact".
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ class Trajectory:
         names = list(self.contacts)
         if not self.lost_contact or len(names) == 1:
             return names if self.lost_contact else []
-        last, most = self.load[-1], abs(self.load).max(axis=0)
+        last, most = self.parted.load[-1], abs(self.parted.load).max(axis=0)
         return [name for name, load, largest in zip(names, last, most, strict=True) if load <= 1e-9 * largest]
 
     @cached_property
@@ -222,9 +222,24 @@ class Trajectory:
         return np.clip(np.searchsorted(self.pieces.t, t, side="right") - 1, 0, len(self.pieces.mode) - 1)
 
     # ---- bodies and contacts ----
+    @cached_property
+    def parted(self) -> Trajectory:
+        """The same run with axes for all bodies and contacts, where its columns are those of a principal body; else itself."""
+        layout = self.pieces.layout
+        return self if layout.principal is None else replace(self, pieces=replace(self.pieces, layout=replace(layout, principal=None)))
+
     def _flat(self, column: Any) -> Any:
-        """A column without its axis of bodies or contacts, where the machine has one of each by its kind: the one place where it goes."""
+        """A column without its axis of bodies or contacts, where the machine has one of each by its kind."""
         return column[:, 0] if self.pieces.layout.single else column
+
+    def _own(self, name: str, column: Any) -> Any:
+        """A column of the run with axes for all parts, as this run has it: that of its principal body, or of that body's contact."""
+        layout = self.pieces.layout
+        dim = next((dim for dim in VARIABLES[name].dims if dim in layout.own), None)
+        if layout.principal is None or dim is None or column is None:
+            return column
+        own = column[:, layout.own[dim]]
+        return own if name != "z" else _as_column(own.reshape(len(own), -1)[:, : len(layout.contacts[layout.own[dim]].inner)])
 
     def _part(self, column: Any, number: int) -> Any:
         """The column of one body or contact."""
@@ -241,17 +256,17 @@ class Trajectory:
     @property
     def _modes(self) -> Any:
         """The mode on each piece, with the axes of the columns."""
-        return self._flat(self.pieces.mode)
+        return self._own("mode", self._flat(self.pieces.mode))
 
     @property
     def bodies(self) -> dict[str, BodyRun]:
         """The columns of each body by its name."""
-        return {body.name: BodyRun(self, i) for i, body in enumerate(self.pieces.layout.bodies)}
+        return {body.name: BodyRun(self.parted, i) for i, body in enumerate(self.pieces.layout.bodies)}
 
     @property
     def contacts(self) -> dict[str, ContactRun]:
         """The columns of each contact by its name."""
-        return {contact.name: ContactRun(self, i) for i, contact in enumerate(self.pieces.layout.contacts)}
+        return {contact.name: ContactRun(self.parted, i) for i, contact in enumerate(self.pieces.layout.contacts)}
 
     # ---- columns ----
     @property
@@ -261,22 +276,23 @@ class Trajectory:
 
     @cached_property
     def _states(self) -> tuple[Any, Any, Any]:
+        """x, v and z of all bodies and contacts, or of the only ones."""
         return self._states_at(*self._instants)
 
     @property
     def x(self) -> NDArray[np.float64]:
         """Position of the body [m]; (time, body) of a machine of several."""
-        return self._states[0]
+        return self._own("x", self._states[0])
 
     @property
     def v(self) -> NDArray[np.float64]:
         """Velocity of the body [m/s]; (time, body) of a machine of several."""
-        return self._states[1]
+        return self._own("v", self._states[1])
 
     @property
     def z(self) -> NDArray[np.float64] | None:
         """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
-        return _as_column(self._states[2])
+        return self._own("z", _as_column(self._states[2]))
 
     @cached_property
     def mode(self) -> NDArray[np.int8]:
@@ -285,6 +301,8 @@ class Trajectory:
 
     @cached_property
     def _forces(self) -> dict[str, Any]:
+        if self.parted is not self:
+            return {name: self._own(name, column) for name, column in self.parted._forces.items()}
         return self._forces_at(*self._instants, *self._states)
 
     def _forces_at(self, t: Any, index: Any, x: Any, v: Any, z: Any) -> dict[str, Any]:
@@ -326,6 +344,10 @@ class Trajectory:
             t, x, v, z, mode and all forces, each of the shape of `t` (z with a last axis if it has several states), of a machine of several
             bodies and contacts with their axis behind it.
         """
+        if self.parted is not self:
+            every = {name: None if of is None else np.reshape(of, (-1, *of.shape[np.ndim(t) :])) for name, of in self.parted.at(t).items()}
+            found = {name: self._own(name, column) for name, column in every.items()}
+            return {name: None if of is None else of.reshape(np.shape(t) + of.shape[1:])[()] for name, of in found.items()}
         shape, t = np.shape(t), np.atleast_1d(np.asarray(t, float)).ravel()
         first, last = float(self.pieces.t[0]), float(self.pieces.t[-1])
         slack = 1e-12 * (last - first)
@@ -371,17 +393,17 @@ class Trajectory:
     @property
     def strobe_x(self) -> NDArray[np.float64]:
         """Position at the strobe times [m], shaped like `x`."""
-        return self._strobe[0]
+        return self._own("x", self._strobe[0])
 
     @property
     def strobe_v(self) -> NDArray[np.float64]:
         """Velocity at the strobe times [m/s], after an impulse at that instant, shaped like `v`."""
-        return self._strobe[1]
+        return self._own("v", self._strobe[1])
 
     @property
     def strobe_z(self) -> NDArray[np.float64] | None:
         """Inner state at the strobe times, shaped like `z`."""
-        return _as_column(self._strobe[2])
+        return self._own("z", _as_column(self._strobe[2]))
 
     @property
     def strobe_memory(self) -> NDArray[np.float64] | None:
@@ -392,12 +414,12 @@ class Trajectory:
     @cached_property
     def steadiness(self) -> Steadiness:
         """Whether its mean velocity is that of a steady motion, and how far from it that is."""
-        return of_run(self)
+        return of_run(self) if self.parted is self else self.parted.steadiness
 
     @property
     def notes(self) -> list[str]:
         """Remarks on the machine's numbers, on a motion that has not settled, and on bodies that drift apart."""
-        return [*machine_of(self.model).notes, *(note for note in (self._settled, drifting_apart(self)) if note)]
+        return [*machine_of(self.model).notes, *(note for note in (self._settled, drifting_apart(self.parted)) if note)]
 
     @property
     def _settled(self) -> str:

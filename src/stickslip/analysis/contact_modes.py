@@ -42,7 +42,7 @@ def watched_contacts(run: Any) -> dict[str, Watched]:
     """The contacts of a run, of one or of several, by name."""
     if machine_of(run.model).is_single:
         return {name: Watched(run) for name in run.contacts}
-    return {name: WatchedOf(run, i) for i, name in enumerate(run.contacts)}
+    return {name: WatchedOf(run.parted, i) for i, name in enumerate(run.contacts)}
 
 
 def _stretches(watched: Watched, start: float, end: float) -> list[Stretch]:
@@ -89,7 +89,7 @@ def pressed_stops(run: Any, start: float, end: float) -> dict[str, list[tuple[fl
     found: dict[str, list[tuple[float, float]]] = {}
     for ends, stop in mechanics.elastic_stops:
         name = "-".join(end for end in ends if end is not None)
-        found.setdefault(name, []).extend(_pressed(run, mechanics, ends, stop, start, end))
+        found.setdefault(name, []).extend(_pressed(run.parted, mechanics, ends, stop, start, end))
     return found
 
 

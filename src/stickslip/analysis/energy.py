@@ -201,7 +201,7 @@ def _balanced(run: Any) -> Any:
         raise InputError(
             "energy", [f"{type(run.model).__name__} {why}; type run.friction_force and run.slip for the power of each contact"]
         )
-    return run
+    return run.parted
 
 
 def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[str, Array]:

@@ -99,7 +99,9 @@ class Motions:
     period : int or None
         Drive periods until the motion of the whole machine repeats; None if none was found.
     direction : int
-        Sign of the mean velocity of the centre of mass.
+        Sign of the mean velocity of the centre of mass, or of the principal body.
+    principal : str, optional
+        Name of the contact of the machine's principal body, if it has one: type, pattern and what else a `Motion` has are its own then.
 
     Examples
     --------
@@ -113,9 +115,12 @@ class Motions:
     anchored: tuple[str, ...]
     period: int | None
     direction: int
+    principal: str | None = None
 
     def __getattr__(self, name: str) -> Any:
         if name in Motion.__dataclass_fields__ or name == "twin":
+            if self.principal is not None:
+                return getattr(self.contacts[self.principal], name)
             names = ", ".join(map(repr, self.contacts))
             raise AttributeError(f"a machine of several contacts has no {name} as a whole; type motion.contacts[name].{name}, of {names}")
         raise AttributeError(f"Motions has no {name!r}")
@@ -153,7 +158,7 @@ def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Mo
         return run.motion(dwell=dwell)
     _check(run, slip_ratio, dwell)
     if hasattr(run, "model") and not machine_of(run.model).is_single:
-        return _of_contacts(run, slip_ratio, dwell)
+        return _of_contacts(run.parted, slip_ratio, dwell)
     run = needs_run("motion", run, "its types and patterns are those of one velocity")
     return _motion(run, Watched(run), _One(run), slip_ratio, dwell)
 
@@ -167,7 +172,8 @@ def _of_contacts(run: Any, slip_ratio: float, dwell: float) -> Motions:
     net = run.steadiness.mean_velocity
     machine = machine_of(run.model)
     floor = (float(run.rtol) if machine.has_inner_states else 1e-12) * float(machine.free_velocity)
-    return Motions(found, still, period, int(np.sign(net)) if abs(net) > floor else 0)
+    own = list(found)[machine.own["contact"]] if "contact" in machine.own else None
+    return Motions(found, still, period, int(np.sign(net)) if abs(net) > floor else 0, own)
 
 
 def _never_moves(run: Any, watched: Watched, found: Motion) -> bool:

@@ -22,7 +22,7 @@ from stickslip.machine import MachineAdapter, machine_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
 from stickslip.solvers.starts import start_of_parts
-from stickslip.steadiness import centre_of_mass
+from stickslip.steadiness import way_of_machine
 
 __all__ = [
     "Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight",
@@ -355,6 +355,7 @@ def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any
 
 def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
+    run = run.parted
     x, v, z, memory = run.strobe_x, run.strobe_v, run.strobe_z, run.strobe_memory
     held = [] if memory is None else [memory]
     if machine_of(run.model).is_single:
@@ -372,8 +373,8 @@ def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
 
 
 def way_of(run: Any) -> Array:
-    """Position of the body, or of the centre of mass of several, at the strobe times [m]."""
-    return run.strobe_x if machine_of(run.model).is_single else centre_of_mass(run.model, run.strobe_x)
+    """Position of the body, of the principal body, or of the centre of mass of several, at the strobe times [m]."""
+    return run.strobe_x if machine_of(run.model).is_single else way_of_machine(run.model, run.parted.strobe_x)
 
 
 def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.analysis.steady import is_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import Problems, did_you_mean, is_whole
-from stickslip.steadiness import centre_of_mass
+from stickslip.steadiness import way_of_machine
 from stickslip.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -122,19 +122,20 @@ def _check_settle(problems: Problems, run: Any, settle: Any) -> None:
 def _columns(run: Any) -> list[str]:
     """Names of the columns with one number at each instant; of several bodies and contacts with theirs."""
     found = {n: values for n, values in run.at(run.strobe_times[:1]).items() if n != "t" and values is not None}
+    flat = [n for n, values in found.items() if np.ndim(values) == 1] if run.pieces.layout.own else []
     if run.pieces.layout.single:
-        return [n for n, values in found.items() if np.ndim(values) == 1]
-    named = [f"{n}.{body}" for n in _OF_BODIES if n in found for body in run.bodies]
+        return flat
+    named = [*flat, *(f"{n}.{body}" for n in _OF_BODIES if n in found for body in run.bodies)]
     named += [f"{n}.{contact}" for n in _OF_CONTACTS if n in found for contact in run.contacts]
     return named + [f"z.{c.name}.{k}" for c in run.pieces.layout.contacts for k in range(len(c.inner))]
 
 
 def read(run: Any, column: str, t: Array) -> Array:
     """One column at some times: array (time,)."""
-    if run.pieces.layout.single:
-        return run.at(t)[column]
     kind, _, part = column.partition(".")
-    found = run.at(t)[kind]
+    if not part:
+        return run.at(t)[column]
+    found = run.parted.at(t)[kind]
     if kind == "z":
         part, _, state = part.rpartition(".")
         found = found[..., int(state)]
@@ -153,7 +154,7 @@ def halved(run: Any, on: str, value: float, low: Array, high: Array, sign: Array
 def _dataset(run: Any, t: Array) -> Any:
     import xarray as xr
 
-    if not run.pieces.layout.single:
+    if not run.pieces.layout.own:
         return _dataset_of_parts(run, t)
     found = run.at(t) if len(t) else {"x": t, "v": t, "z": None}
     columns: dict[str, Any] = {"time": ("point", t, {"units": "s"}), "v": ("point", found["v"], {"units": "m/s", "long_name": "velocity"})}
@@ -170,7 +171,7 @@ def _dataset_of_parts(run: Any, t: Array) -> Any:
     import xarray as xr
 
     x, v, z = run._states_at(t, run._index(t))
-    way = centre_of_mass(run.model, x)
+    way = way_of_machine(run.model, x)
     columns: dict[str, Any] = {
         "time": ("point", t, {"units": "s"}),
         "v": (("point", "body"), v, {"units": "m/s", "long_name": "velocity"}),
@@ -259,7 +260,8 @@ def _asked(run: Any, column: str, parts: dict[str, Any], problems: Problems) -> 
     dim = "body" if column in _OF_BODIES else "contact"
     own = list(run.bodies if dim == "body" else run.contacts)
     others = [name for name, part in parts.items() if part is not None and name != dim]
-    several = not run.pieces.layout.single and column in (*_OF_BODIES, *_OF_CONTACTS)
+    layout = run.pieces.layout
+    several = not layout.single and (parts[dim] is not None or not layout.own) and column in (*_OF_BODIES, *_OF_CONTACTS)
     if others and column in (*_OF_BODIES, *_OF_CONTACTS):
         problems.add(f"{others[0]} = {parts[others[0]]!r}, but {column} is a column of each {dim}; type {dim}={own[0]!r}")
     number = _number(dim, parts[dim], own, problems) if parts[dim] is not None else None

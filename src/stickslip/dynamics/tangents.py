@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -243,7 +242,5 @@ def _offsets(machine: Any, owners: tuple[int | None, ...]) -> list[Any]:
 
 
 def _shares(machine: Any) -> list[Any]:
-    """Part of all masses that each coordinate has."""
-    masses = machine.mechanics.masses
-    total = reduce(lambda a, b: a + b, masses)
-    return [mass / total for mass in masses]
+    """Part of each coordinate in the way that the machine makes."""
+    return list(machine.mechanics.shares)

@@ -226,6 +226,7 @@ def _states_of(eq: System) -> StateLayout:
         ),
         ways=(0,) if eq.cyclic else (),
         single=eq.single,
+        principal=eq.principal,
     )
 
 

@@ -92,8 +92,9 @@ class System:
     scales: tuple[Sym | None, ...]  # typical size of each state; None: not known
     cyclic: bool
     mass: Sym  # all that moves with the first contact [kg]
-    shares: tuple[Sym, ...]  # of each position among the states, in that of the centre of mass; none for one body
+    shares: tuple[Sym, ...]  # of each position among the states, in the way that the machine makes; none for one body
     offered: Sym | None  # what all forces but friction add up to [N], where time alone decides it; of one body
+    principal: str | None = None  # the body whose motion is the machine's
     signals: tuple[Signal, ...] = ()
     ratios: tuple[Sym, ...] = ()  # slip ratios of the contacts, where laws have inner states and there are signals
     passive: int = 0  # the last states, on which no other state, no event and no step's length depends (see tangent.py)

@@ -116,7 +116,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
     eq = System(
         graph=graph, names=m.names, t=m.t, y=y, f=f,
         bodies=tuple((name, m.equations.coordinate_of(name)) for name in m.equations.bodies),
-        slips_of=m.equations.slips_of, single=m.single, offsets=m.offsets, contacts=tuple(parts.contacts),
+        slips_of=m.equations.slips_of, single=m.single, principal=m.machine.principal, offsets=m.offsets, contacts=tuple(parts.contacts),
         guards=guards, signs=len(graph.guards), switches=switches,
         modes=tuple(parts.modes), first_modes=tuple(parts.first_modes),
         clocks=tuple(graph.clocks), instants=tuple(instant for clock in graph.clocks for instant in instants_of(graph, clock, m.t)),
@@ -131,14 +131,8 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
 
 
 def _shares(m: Symbolic) -> tuple[Sym, ...]:
-    """Part of all masses that each coordinate has, of those whose positions are states."""
-    if len(m.y) == 1:
-        return ()
-    masses = list(map(m.lift, m.equations.masses))
-    total = masses[0]
-    for mass in masses[1:]:
-        total = total + mass
-    return tuple(mass / total for mass in masses[m.cyclic :])
+    """Part of each coordinate in the way that the machine makes, of those whose positions are states."""
+    return () if len(m.y) == 1 else tuple(map(m.lift, m.equations.shares))[m.cyclic :]
 
 
 def _offered(m: Symbolic) -> Sym | None:

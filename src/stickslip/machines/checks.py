@@ -40,6 +40,10 @@ def check_parts(machine: Any, problems: Problems) -> None:
             _check_ends(what, ends, bodies, problems)
             for part in each if isinstance(each, tuple) else (each,):
                 _check_joint(what, ends, part, problems)
+    if machine.principal is not None and machine.principal not in bodies:
+        problems.add(
+            f"principal = {machine.principal!r}; allowed is None or the name of a body; {did_you_mean(str(machine.principal), bodies)}"
+        )
     if not problems.found:
         _check_groups(machine, problems)
 

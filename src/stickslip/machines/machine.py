@@ -63,6 +63,10 @@ class Machine(Frozen):
 
     _table: ClassVar[str] = "machine"  # what its table in TOML is called
 
+    #: The body whose motion is the machine's: ``run.x``, ``run.v`` and columns of datasets are its own, and those of its first contact,
+    #: without axes for bodies and contacts; others are in ``run.bodies[name]``. None: columns have an axis for all bodies.
+    principal: ClassVar[str | None] = None
+
     #: After this time the drives repeat [s]; None where nothing does: a run is then so many seconds long.
     period: Any = None
 

@@ -47,6 +47,11 @@ class Turned(Machine):
         """That of the machine [s]."""
         return self.machine.period
 
+    @property
+    def principal(self) -> str | None:  # type: ignore[override]
+        """That of the machine."""
+        return self.machine.principal
+
     def mirrored(self) -> Any:
         """The machine itself."""
         return self.machine

@@ -34,7 +34,7 @@ def _runs(run: Any, several: bool = False) -> list[Any]:
         raise InputError("plot", [f"run = {run!r}; allowed is a Trajectory or a list of them; type ss.plot.velocity(ss.solve(robot))"])
     if len({r.model.period is None for r in runs}) > 1:
         raise InputError("plot", ["some runs have a drive period and some have none; draw them apart, each with ax= of its own"])
-    return [r if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
+    return [r.parted if several and _parts(r, "body") else of_one_contact("plot", r, "one curve is drawn for each run") for r in runs]
 
 
 def only_run(run: Any) -> Any:
@@ -45,7 +45,7 @@ def only_run(run: Any) -> Any:
 
 def _parts(run: Any, dim: str) -> list[str]:
     """Names of the bodies or contacts of a machine that lists them; none of a robot or a bench."""
-    return [] if machine_of(run.model).is_single else names_of(run)[dim]
+    return [] if machine_of(run.model).is_single else names_of(run.parted)[dim]
 
 
 def _by_part(runs: list[Any], names: list[str], columns: list[tuple[Any, Any]], dim: str) -> list[tuple[str, int, Any, Any]]:

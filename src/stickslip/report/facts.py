@@ -34,7 +34,7 @@ def joules(work: float) -> str:
 
 
 def mean_of(run: Any, body: str | None = None) -> float:
-    """Mean velocity of the centre of mass or of a body [m/s]; what is rounding of a machine that stays where it is counts as 0."""
+    """Mean velocity of the machine or of a body [m/s]; what is rounding of a machine that stays where it is counts as 0."""
     from stickslip.analysis.steady import mean_velocity
 
     return _told(run, float(mean_velocity(run, body=body)))
@@ -104,7 +104,7 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
     law = machine_of(run.model).law_names
     found = [
         ("machine", f"{type(run.model).__name__} with {run.pieces.layout.says}" + (f", {law} friction" if law else "")),
-        ("mean velocity of the centre of mass", millimetres(mean_of(run))),
+        (f"mean velocity of {_whose(run.model)}", millimetres(mean_of(run))),
     ]
     if run.model.period is not None:
         m: Any = motion(run)
@@ -114,6 +114,11 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
             ("drive period", f"{1e3 * run.period_time:.6g} ms"),
         ]
     return [*found, *_balance(run), ("status", _status(run))]
+
+
+def _whose(model: Any) -> str:
+    """Whose mean velocity is that of a machine."""
+    return machine_of(model).principal or "the centre of mass"
 
 
 def _balance(run: Any) -> list[tuple[str, str]]:

@@ -35,7 +35,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
 
     start, end = shown_span(run) if span is None else span
     factor, unit = (1e3, "ms") if run.model.period is not None else (1.0, "s")
-    at = run.at(np.linspace(start, end, _MOMENTS))
+    at = run.parted.at(np.linspace(start, end, _MOMENTS))
     return {
         "t": _plain(factor * (at["t"] - start)),
         "unit": unit,

@@ -59,7 +59,7 @@ def _shown(run: Any, periods: float) -> tuple[float, float]:
 def _columns(run: Any, periods: float, names: tuple[str, ...]) -> tuple[Any, list[Any], list[tuple[float, float]], tuple[str, str]]:
     """Times from the beginning of the span, columns, where the contact sticks, and what the time axis says."""
     (start, end), (factor, unit) = _shown(run, periods), _clock(run)
-    found = [sampled(run, start, end, name) for name in names]
+    found = [sampled(run.parted, start, end, name) for name in names]
     rested = rests(run, start, end) if machine_of(run.model).is_single else []
     shade = [(factor * (a - start), factor * (b - start)) for a, b in rested]
     return factor * (found[0][0] - start), [y for _, y in found], shade, ("time t", unit)

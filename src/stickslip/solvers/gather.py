@@ -12,7 +12,7 @@ from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
 from stickslip.machine import machine_of
-from stickslip.solvers.parts import RawParts, columns_of_parts, of_only_parts, typed
+from stickslip.solvers.parts import RawParts, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance
@@ -88,7 +88,7 @@ def _columns(todo: Request, raw: Raw, T: Any, free: Any, tolerance: float) -> di
         of_parts = _columns_of_one(raw, T, good, lasting, todo.dwell, rtol)
     else:
         of_parts = columns_of_parts(raw.parts, T, raw.window, raw.period, good, lasting, todo.dwell, rtol)
-        of_parts = of_only_parts(of_parts) if machine_of(todo.model).is_single else of_parts
+        of_parts = of_own_parts(of_parts, machine_of(todo.model))
     power = of_parts.pop("friction_power", None)
     return {
         "mean_velocity": velocity,

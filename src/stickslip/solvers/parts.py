@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 
 from stickslip.coded_words import CodedWords
+from stickslip.machine import MachineAdapter
 from stickslip.segments import type_of
+from stickslip.variables import VARIABLES
 
-__all__ = ["OF_SEVERAL", "RawParts", "columns_of_parts", "nothing", "of_only_parts", "typed"]
+__all__ = ["OF_SEVERAL", "RawParts", "columns_of_parts", "left_out", "nothing", "of_own_parts", "typed"]
 
 Array = Any
 #: Columns that only machines have that list their parts.
-OF_SEVERAL = ("body_velocity", "body_displacement", "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
+_OF_EACH_BODY = ("body_velocity", "body_displacement")
+OF_SEVERAL = (*_OF_EACH_BODY, "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
 _FRACTIONS = ("margin", "stick_fraction", "forward_fraction", "backward_fraction")
 
 
@@ -99,9 +102,20 @@ def columns_of_parts(raw: RawParts, T: Array, spans: Array, period: Array, good:
     return {name: values for name, values in found.items() if values.shape[1] > 0}
 
 
-def of_only_parts(columns: dict[str, Any]) -> dict[str, Array]:
-    """The columns of a machine of one body on one contact, without their axis."""
-    return {name: np.asarray(values)[:, 0] for name, values in columns.items() if name not in OF_SEVERAL}
+def of_own_parts(columns: dict[str, Any], machine: MachineAdapter) -> dict[str, Any]:
+    """The columns of a machine; of one body on one contact, or of the principal ones, without their axis."""
+    own, without = machine.own, left_out(machine)
+    found = {name: values for name, values in columns.items() if name not in without}
+    return {name: np.asarray(of)[:, own[_dim(name)]] if _dim(name) in own else of for name, of in found.items()}
+
+
+def left_out(machine: MachineAdapter) -> tuple[str, ...]:
+    """Columns that a machine of one body on one contact does not have, or one with a principal body, whose mean velocity says it all."""
+    return OF_SEVERAL if machine.is_single else _OF_EACH_BODY if machine.own else ()
+
+
+def _dim(name: str) -> str:
+    return VARIABLES[name].dims[0]
 
 
 def nothing(bodies: int, contacts: int, stops: int) -> RawParts:

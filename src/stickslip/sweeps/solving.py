@@ -13,13 +13,13 @@ from stickslip.engine.closed import steady_force
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import law_of
-from stickslip.machine import machine_of
+from stickslip.machine import MachineAdapter, machine_of
 from stickslip.pool import Cancelled
 from stickslip.solvers import orbits, parts
 from stickslip.solvers.arcs import handles, reduced
 from stickslip.solvers.request import request
 from stickslip.status import Status
-from stickslip.sweeps.columns import COLUMNS, END, dim_of, empty, filled, flattened, joined
+from stickslip.sweeps.columns import COLUMNS, END, empty, filled, flattened, joined
 from stickslip.sweeps.planning import Plan, solver_arguments
 from stickslip.sweeps.robots import Group, groups_of
 from stickslip.variables import VARIABLES
@@ -28,9 +28,8 @@ __all__ = ["columns_of", "columns_of_group", "kept_columns", "solved", "solved_p
 
 Array = Any
 ALPHAS = ("alpha_plus", "alpha_minus")
-#: Columns that only machines of one body on one contact have, and that only others have, which list their parts.
+#: Columns that only machines of one body on one contact have.
 OF_ONE = ("drive_power", "cost_of_transport", *ALPHAS)
-OF_SEVERAL = (*parts.OF_SEVERAL, "friction_power")
 _OTHER_PARTS = "its bodies, contacts or stops are not those of the first machine: only what is of the whole machine is kept"
 Tell = Callable[[int], None]  # cases begun
 Solver = Callable[[Any, dict[str, Any], dict[str, Any], int, Any], tuple[Any, dict[str, Array]]]
@@ -82,10 +81,18 @@ def solved_points(
 def kept_columns(plan: Plan) -> tuple[str, ...]:
     """Columns that say something about the robots of a plan."""
     known = plan.sample is not None and bool(_alphas(plan.sample[0]))
-    several = plan.sample is not None and not machine_of(plan.sample[0]).is_single
-    left_out = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *(OF_ONE if several else OF_SEVERAL)}
-    without = {name for name in COLUMNS if several and VARIABLES[name].dims and dim_of(name, plan.parts) is None}  # it has no stops
-    return (*(name for name in COLUMNS if name not in left_out | without), *plan.observed)
+    machine = None if plan.sample is None else machine_of(plan.sample[0])
+    without = {*plan.space.columns, *plan.space.dims, *(() if known else ALPHAS), *_not_of(machine)}
+    return (*(name for name in COLUMNS if name not in without), *plan.observed)
+
+
+def _not_of(machine: MachineAdapter | None) -> set[str]:
+    """Columns that a machine does not have; what it cannot be asked is that of a robot."""
+    if machine is None or machine.is_single:
+        return {*parts.OF_SEVERAL, "friction_power"}
+    dims = {*machine.part_names, *machine.own}
+    lacking = {name for name in COLUMNS if VARIABLES[name].dims and VARIABLES[name].dims[0] not in dims}  # it has no stops
+    return {*OF_ONE, *parts.left_out(machine), *lacking}
 
 
 def _counted(sentences: Any) -> dict[str, int]:
@@ -152,9 +159,10 @@ def columns_of(
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
     names = machine_of(robot).part_names
-    found = {name: many.columns[name] for name in COLUMNS if name in many.columns and (names or name not in OF_SEVERAL)}
+    without = _not_of(machine_of(robot))
+    found = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
     found |= {name: many.columns[name] for name in options.get("observe") or ()}
-    if not names:
+    if machine_of(robot).is_single:
         found |= _power(robot, many.columns, more) | _alphas(robot)
     ends = {name: values for name, values in more.items() if name.startswith(END)}
     return {each: of for name, values in found.items() for each, of in flattened(name, values, names).items()} | ends

@@ -45,9 +45,10 @@ def _case(todo: Request, i: int) -> Any:
 
 def _nothing(model: Any) -> dict[str, Any]:
     """Results of a case that could not be solved."""
-    names = machine_of(model).part_names
-    parts = {"parts": no_parts(*(len(names.get(dim, ())) for dim in ("body", "contact", "stop")))} if names else {}
-    return {**strobes.NOTHING, **parts}
+    if machine_of(model).is_single:
+        return dict(strobes.NOTHING)
+    m = machine_of(model).mechanics
+    return {**strobes.NOTHING, "parts": no_parts(len(m.bodies), len(m.contacts), len(m.named_stops))}
 
 
 def _parts(todo: Request) -> Iterator[tuple[tuple[int, int], Raw]]:

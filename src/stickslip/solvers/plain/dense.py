@@ -83,4 +83,5 @@ def _layout(e: Equations) -> StateLayout:
             ContactStates(name, row, tuple(range(*own)), tuple(range(*held)))
             for name, row, own, held in zip(mechanics.contacts, mechanics.slips_of, inner, memory, strict=True)
         ),
+        principal=e.principal,
     )

@@ -23,7 +23,7 @@ def reduced(todo: Request, model: Any, pieces: PolynomialPieces, case: int) -> d
     T = float(np.ravel(todo.span)[case if np.ndim(todo.span) else 0])
     run = Trajectory(model, pieces, todo.periods, todo.settle, todo.rtol, todo.method)
     if not machine_of(model).is_single:
-        return reduced_parts(todo, run)
+        return reduced_parts(todo, run.parted)
     strobe = _strobe(run)
     found = strobes.reduced(model, strobe, todo.settle, todo.method, todo.rtol)
     period = found["period"]
