@@ -10,7 +10,7 @@ from typing import Any
 from stickslip.contracts import Drive, Machine, Track
 from stickslip.friction.adapter import LawAdapter
 from stickslip.layout import of_principal
-from stickslip.mechanics import Mechanics, OneBody, declares_parts
+from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
 
 __all__ = ["MachineAdapter", "is_machine", "machine_of"]
 
@@ -36,7 +36,12 @@ class MachineAdapter:
             return OneBody(self.model)
         from stickslip.several_bodies import SeveralBodies
 
-        return SeveralBodies(self.model)
+        return SeveralBodies(self.said)
+
+    @cached_property
+    def said(self) -> Any:
+        """What says its equations: the model, or the machine of several bodies that its drive makes of it."""
+        return parts_of(self.model)
 
     @property
     def is_single(self) -> bool:
@@ -46,7 +51,7 @@ class MachineAdapter:
     @property
     def principal(self) -> str | None:
         """The body whose motion is the machine's; None where there is none, or one body on one contact."""
-        return None if self.is_single else getattr(self.model, "principal", None)
+        return None if self.is_single else getattr(self.said, "principal", None)
 
     @property
     def own(self) -> dict[str, int]:
@@ -143,7 +148,7 @@ class MachineAdapter:
     @property
     def free_velocity(self) -> Any:
         """What its drive would do to the body without friction [m/s]."""
-        own = getattr(self.model, "free_velocity", None)
+        own = getattr(self.said, "free_velocity", None)
         return self.velocity_scale if own is None else own
 
     @property

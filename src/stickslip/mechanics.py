@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from stickslip.friction.adapter import LawAdapter, law_of
 
-__all__ = ["Mechanics", "Numbers", "OneBody", "declares_parts", "normal_load", "signed_less"]
+__all__ = ["Mechanics", "Numbers", "OneBody", "declares_parts", "lists_parts", "normal_load", "parts_of", "signed_less"]
 
 Numbers = Sequence[Any]
 
@@ -162,9 +162,34 @@ def normal_load(model: Any, t: Any, x: Any) -> Any:
     return model.load(t, x) if callable(model.load) else model.load
 
 
-def declares_parts(model: Any) -> bool:
-    """Whether a model lists bodies and contacts, as a `stickslip.Machine` does."""
+def lists_parts(model: Any) -> bool:
+    """Whether a model lists bodies and contacts itself, as a `stickslip.Machine` does."""
     return callable(getattr(model, "bodies", None)) and callable(getattr(model, "contacts", None))
+
+
+def declares_parts(model: Any) -> bool:
+    """Whether a model is a machine of bodies and contacts: it lists them, or its drive says what they are."""
+    return lists_parts(model) or _by_drive(model) is not None
+
+
+def parts_of(model: Any) -> Any:
+    """What lists the bodies and contacts of a model that has some: the model, or what its drive makes of it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.Robot(0.2, 0.07, ss.Forced.example(), ss.Coulomb(mu_plus=0.2, mu_minus=0.3))
+    >>> list(parts_of(robot).bodies()), parts_of(ss.Chain.example()) == ss.Chain.example()
+    (['body', 'inner'], True)
+    """
+    make = _by_drive(model)
+    return model if make is None else make(model)
+
+
+def _by_drive(model: Any) -> Any:
+    """What makes a machine of bodies of a model, because the inner mass of its drive moves by itself; None where it does not."""
+    make = getattr(getattr(model, "drive", None), "machine", None)
+    return make if callable(make) else None
 
 
 def _dot(g: Numbers, u: Numbers) -> Any:

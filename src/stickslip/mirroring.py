@@ -67,7 +67,8 @@ def _image(model: Any) -> Any:
     if not all(hasattr(model, name) for name in ("drive", "friction", "track")):
         why = f"{type(model).__name__} has no drive on a track that could be turned round, and no method mirrored()"
         raise InputError("mirrored", [f"{why}; write one that returns its mirror image"])
-    drive = model.drive.drive if isinstance(model.drive, Reversed) else Reversed(model.drive)
+    own = getattr(model.drive, "mirrored", None)
+    drive = own() if callable(own) else model.drive.drive if isinstance(model.drive, Reversed) else Reversed(model.drive)
     return dataclasses.replace(model, drive=drive, friction=mirrored_law(model.friction), track=_uphill(model.track))
 
 

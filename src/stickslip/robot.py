@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 
 from stickslip.arguments import explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.adapter import NEEDS, drive_of, lacking
+from stickslip.drives.adapter import drive_of, lacking, needs_of
+from stickslip.drives.force import FORCE_NEEDS
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, leaves, positive
 from stickslip.forces import check_law
@@ -17,6 +18,16 @@ from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.tracks import Level, grip_of
 
 __all__ = ["Robot"]
+
+
+class _PartKinds:
+    """Kinds of a robot's parts in a study file; read when asked for, because a drive by force is made of parts that know robots."""
+
+    def __get__(self, robot: Any, cls: type) -> dict[str, dict[str, Any]]:
+        from stickslip.drives import DRIVES
+        from stickslip.machines.forced import Forced
+
+        return {"drive": {**DRIVES, "forced": Forced}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +45,8 @@ class Robot(Frozen):
     inner_mass : float
         Mass m of the vibrating inner mass [kg].
     drive : Harmonic or any drive
-        How the inner mass moves relative to the body.
+        How the inner mass moves relative to the body. With a `Forced` one it moves by itself, and the robot has two bodies, "body" and
+        "inner": results are those of the body, and ``run.bodies["inner"].x`` is where the inner mass is.
     friction : Coulomb or LuGre or any law
         How the body rubs on the track.
     gravity : float
@@ -58,6 +70,7 @@ class Robot(Frozen):
     gravity: float = field(default=9.81, metadata={"example": "9.81"})
     track: Any = dataclasses.field(default_factory=Level)
 
+    part_kinds = _PartKinds()
     _rules: ClassVar[dict[str, Any]] = {
         "body_mass": (positive, "a positive mass [kg]"),
         "inner_mass": (positive, "a positive mass [kg]"),
@@ -65,10 +78,11 @@ class Robot(Frozen):
     }
 
     def _check(self, problems: Problems) -> None:
-        for name, needs in (("drive", NEEDS), ("track", ("across", "along"))):
+        for name, needs in (("drive", needs_of(self.drive)), ("track", ("across", "along"))):
             part = getattr(self, name)
             if lacking(part, needs):
-                problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {_PARTS[name]}")
+                typed = f"drive=ss.Forced({type(part).__name__}(...))" if not lacking(part, FORCE_NEEDS) else _PARTS[name]
+                problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {typed}")
             elif not dataclasses.is_dataclass(part):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
         check_law(self.friction, problems)

@@ -290,10 +290,9 @@ def _groups(bodies: tuple[str, ...], told: list[tuple[Any, Any]]) -> tuple[list[
 def _named(stops: list[Stopper]) -> list[tuple[str, Stopper]]:
     """Stops with their names, numbered where two bodies have several between them."""
     names = [stop.name for stop in stops]
-    return [
-        (name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}", stop)
-        for k, (name, stop) in enumerate(zip(names, stops, strict=True))
-    ]
+    for k, (name, stop) in enumerate(zip(names, stops, strict=True)):
+        stop.name = name if names.count(name) == 1 else f"{name} {names[: k + 1].count(name)}"
+    return [(stop.name, stop) for stop in stops]
 
 
 def _is_elastic(link: Any) -> bool:

@@ -26,7 +26,7 @@ from stickslip.friction import LAWS, Coulomb
 from stickslip.friction.adapter import adapted
 from stickslip.jsontext import plain
 from stickslip.layout import StateLayout
-from stickslip.mechanics import declares_parts
+from stickslip.mechanics import lists_parts
 from stickslip.mechanisms import MECHANISMS
 from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
@@ -132,10 +132,10 @@ def _dimension(group: Any, size: int) -> str:
 
 def _model_attributes(model: Any) -> dict[str, str]:
     """The model as TOML; a law that TOML cannot name as its name, kind and numbers beside a stand-in."""
-    if type(model) is not Robot and type(model) not in MECHANISMS.values() and not declares_parts(model):
+    if type(model) is not Robot and type(model) not in MECHANISMS.values() and not lists_parts(model):
         allowed = f"a Robot, a mechanism or a machine of bodies and contacts; type {_COLUMNS_ONLY} for its columns"
         raise InputError("save", [f"the model is a {type(model).__name__}; a file can keep {allowed}"])
-    if declares_parts(model):
+    if lists_parts(model):
         return _machine_attributes(model)
     law = model.friction
     try:

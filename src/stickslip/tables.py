@@ -26,6 +26,11 @@ def _kinds_of(cls: type) -> dict[str, dict[str, Any]]:
     return {f.name: known[f.name] for f in dataclasses.fields(cls) if f.name in known}
 
 
+def _required(cls: type) -> list[str]:
+    """The fields that have no default."""
+    return [f.name for f in dataclasses.fields(cls) if f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING]
+
+
 def _kind_name(part: str, record: Any, kinds: dict[str, Any]) -> str:
     for name, cls in kinds.items():
         if type(record) is cls:
@@ -54,6 +59,8 @@ def to_table(record: Any) -> dict[str, Any]:
         value = getattr(record, field.name)
         if field.name in known:
             several = isinstance(value, tuple)
+            if several and not value:
+                continue
             tables = [_table_of_part(field.name, part, known[field.name]) for part in (value if several else (value,))]
             table[field.name] = tables if several else tables[0]
         elif is_array(value):
@@ -119,14 +126,9 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
     if hasattr(cls, "kind") and arguments.pop("kind", cls.kind) != cls.kind:
         problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
     for part, kinds in _kinds_of(cls).items():
-        given = arguments.get(part)
-        if isinstance(given, dict):
-            arguments[part] = _part(part, dict(given), problems, f"{name}.{part}", kinds)
-        elif isinstance(given, list) and given and all(isinstance(each, dict) for each in given):  # an array of tables: several parts
-            first = next(iter(kinds))  # of several parts the kind may be left out
-            made = [_part(part, {"kind": first, **each}, problems, f"{name}.{part}.{i}", kinds) for i, each in enumerate(given)]
-            arguments[part] = None if None in made else tuple(made)
-        elif part in arguments or part != "track":
+        if _is_table(arguments.get(part)):
+            arguments[part] = _parts(part, arguments[part], problems, f"{name}.{part}", kinds)
+        elif part in arguments or part in _required(cls):
             problems.add(_missing(part, name, kinds))
             arguments.pop(part, None)
     for field in dataclasses.fields(cls):
@@ -135,6 +137,20 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
     made = _build(cls, arguments, name, problems)
     problems.check()
     return made
+
+
+def _is_table(given: Any) -> bool:
+    """Whether a value of a file is a table, or an array of tables: several parts."""
+    return isinstance(given, dict) or (isinstance(given, list) and bool(given) and all(isinstance(each, dict) for each in given))
+
+
+def _parts(part: str, given: Any, problems: Problems, where: str, kinds: dict[str, Any]) -> Any:
+    """What a table, or an array of tables, stands for; None where one of them is wrong."""
+    if isinstance(given, dict):
+        return _part(part, dict(given), problems, where, kinds)
+    first = next(iter(kinds))  # of several parts the kind may be left out
+    made = [_part(part, {"kind": first, **each}, problems, f"{where}.{i}", kinds) for i, each in enumerate(given)]
+    return None if None in made else tuple(made)
 
 
 def _missing(part: str, where: str, kinds: dict[str, Any]) -> str:
@@ -153,8 +169,8 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str, kind
         problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), kinds)}")
         return None
     known = {**PARTS, **_kinds_of(kinds[kind])}
-    for inner in [name for name in table if name in known and isinstance(table[name], dict)]:  # a drive around a drive
-        table[inner] = _part(inner, dict(table[inner]), problems, f"{where}.{inner}", known[inner])
+    for inner in [name for name in table if name in known and _is_table(table[name])]:  # a drive around a drive
+        table[inner] = _parts(inner, table[inner], problems, f"{where}.{inner}", known[inner])
     return _build(kinds[kind], table, where, problems)
 
 
@@ -173,7 +189,7 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
         problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
         arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
-    lacking = [p for p in kinds if arguments.get(p, 0) is None or (p not in arguments and p != "track")]
+    lacking = [p for p in kinds if arguments.get(p, 0) is None or (p not in arguments and p in _required(cls))]
     for part in lacking:
         if "." in where and part not in arguments:  # a part of a part
             problems.add(_missing(part, where, kinds[part]))
@@ -198,7 +214,7 @@ def _read_back(example: str, otherwise: Any) -> Any:
 
 def _stand_in(cls: Any, part: str, kinds: dict[str, Any]) -> Any:
     """Some part of this sort, for one that is missing."""
-    if part in getattr(cls, "part_kinds", {}):
+    if part in getattr(cls, "part_kinds", {}) and hasattr(cls, "example"):
         return getattr(cls.example(), part)
     kind = next(iter(kinds.values()))
     return kind.example() if hasattr(kind, "example") else kind()

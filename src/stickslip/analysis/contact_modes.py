@@ -87,9 +87,9 @@ def pressed_stops(run: Any, start: float, end: float) -> dict[str, list[tuple[fl
         return {}
     mechanics: Any = machine.mechanics
     found: dict[str, list[tuple[float, float]]] = {}
-    for ends, stop in mechanics.elastic_stops:
-        name = "-".join(end for end in ends if end is not None)
-        found.setdefault(name, []).extend(_pressed(run.parted, mechanics, ends, stop, start, end))
+    for name, stop in mechanics.named_stops:
+        if stop.part.restitution is None:
+            found[name] = _pressed(run.parted, mechanics, stop.ends, stop.part, start, end)
     return found
 
 

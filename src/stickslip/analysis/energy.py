@@ -57,7 +57,8 @@ class Energy:
     friction_of : dict of array (periods,)
         What friction takes at each contact, by its name [J].
     damping_of : dict of array (periods,)
-        Of a machine that lists its parts, what each link and each stop takes, by the bodies that it joins [J].
+        Of a machine that lists its parts, what each link and each stop takes, by the bodies that it joins [J]; a stop beside a link is
+        "head-tail (stop)".
     """
 
     drive: Array

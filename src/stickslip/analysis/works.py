@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["kinetic", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
+__all__ = ["kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
 
 Array = Any
 _INSTANTS = 7  # of a period, at which a prescribed distance is asked whether it moves
@@ -49,7 +49,19 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, column: dict[str, Array
 
 def names_of_links(mechanics: Any) -> list[str]:
     """The links and elastic stops by the bodies that they join, in the order of their columns."""
-    return ["-".join(end for end in ends if end is not None) for ends, _ in mechanics.elastic]
+    stops = [label_of_stop(mechanics, name) for name, stop in mechanics.named_stops if stop.part.restitution is None]
+    return [*_links(mechanics), *stops]
+
+
+def label_of_stop(mechanics: Any, name: str) -> str:
+    """A stop by its name; with a word where a link has the same."""
+    return f"{name} (stop)" if name in _links(mechanics) else name
+
+
+def _links(mechanics: Any) -> list[str]:
+    """The links that give way, without stops."""
+    joined = mechanics.elastic[: len(mechanics.elastic) - len(mechanics.elastic_stops)]
+    return ["-".join(end for end in ends if end is not None) for ends, _ in joined]
 
 
 def _applied(mechanics: Any, t: Array, x: Array, v: Array) -> Array:
@@ -79,6 +91,6 @@ def lost_at_hits(run: Any, mechanics: Any) -> list[tuple[float, float, str]]:
     lost = kinetic(mechanics, before) - kinetic(mechanics, after)
     struck: dict[int, list[str]] = {}
     for node, event in run._hits:
-        struck.setdefault(node, []).append(event.part)
-    other = [mechanics.stops[0].name]  # a rate of the gap too small for an event
+        struck.setdefault(node, []).append(label_of_stop(mechanics, event.part))
+    other = [label_of_stop(mechanics, mechanics.stops[0].name)]  # a rate of the gap too small for an event
     return [(float(nodes[i]), float(lost[i]), " and ".join(struck.get(int(later[i]), other))) for i in np.flatnonzero(thrown)]

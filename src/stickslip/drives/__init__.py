@@ -3,11 +3,15 @@
 from stickslip.contracts import Drive
 from stickslip.drives.bang_bang import BangBang
 from stickslip.drives.cantilever import cantilever_eigenvalues
+from stickslip.drives.force import ForceSum
 from stickslip.drives.harmonic import Harmonic
+from stickslip.drives.harmonic_force import HarmonicForce
 from stickslip.drives.multi_harmonic import MultiHarmonic
 from stickslip.drives.pieces import Pieces
 from stickslip.drives.piezo_beam import PiezoBeam
+from stickslip.drives.pulses import Pulses
 from stickslip.drives.recorded import Recorded
+from stickslip.drives.recorded_force import RecordedForce
 from stickslip.drives.sawtooth import Sawtooth
 from stickslip.drives.three_phase import ThreePhase
 from stickslip.drives.trapezoid import Trapezoid
@@ -18,11 +22,15 @@ from stickslip.drives.vertical import VerticalVibration
 __all__ = [
     "DRIVES",
     "BangBang",
+    "ForceSum",
     "Harmonic",
+    "HarmonicForce",
     "MultiHarmonic",
     "Pieces",
     "PiezoBeam",
+    "Pulses",
     "Recorded",
+    "RecordedForce",
     "Reversed",
     "Sawtooth",
     "ThreePhase",

@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.contracts import Drive
 from stickslip.maths import maximum
 
-__all__ = ["NEEDS", "DriveAdapter", "drive_of", "lacking"]
+__all__ = ["NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of"]
 
 #: What a drive has to say; the rest has its default in `DriveAdapter`.
 NEEDS = ("position", "velocity", "acceleration", "period")
@@ -79,6 +79,11 @@ class DriveAdapter:
 def drive_of(drive: Drive) -> DriveAdapter:
     """A drive, to be asked for what not every drive says."""
     return DriveAdapter(drive)
+
+
+def needs_of(drive: Any) -> tuple[str, ...]:
+    """What a drive has to say: its motion, or, if the inner mass moves by itself, the machine that the robot is then."""
+    return ("period", "machine") if callable(getattr(drive, "machine", None)) else NEEDS
 
 
 def lacking(part: Any, needs: tuple[str, ...] = NEEDS) -> list[str]:

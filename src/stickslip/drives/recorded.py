@@ -119,7 +119,7 @@ class Recorded(FourierDrive):
         """
         given = {"position": position, "velocity": velocity, "acceleration": acceleration}
         record = checked(t, given, period, tolerance, order)
-        a, b, remark = fitted(record, tolerance, order)
+        a, b, _, remark = fitted(record, tolerance, order)
         return cls(record.period, *_position(a, b, 2 * math.pi / record.period, record.derivatives), notes=(remark,))
 
     @classmethod

@@ -38,8 +38,8 @@ class Samples:
 
     @property
     def derivatives(self) -> int:
-        """0 for a position, 1 for a velocity, 2 for an acceleration."""
-        return ("position", "velocity", "acceleration").index(self.name)
+        """1 for a velocity, 2 for an acceleration, 0 for a position or a force."""
+        return {"velocity": 1, "acceleration": 2}.get(self.name, 0)
 
     @property
     def per_period(self) -> float:
@@ -59,20 +59,22 @@ class Samples:
         return float(self.values.std())
 
 
-def checked(t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any) -> Samples:
-    """The record, or everything that is wrong with it."""
-    problems = Problems("Recorded")
+def checked(
+    t: Any, given: dict[str, Any], period: Any, tolerance: Any, order: Any, what: str = "Recorded", example: str = _EXAMPLE
+) -> Samples:
+    """The record, or everything that is wrong with it, with what to type for example."""
+    problems = Problems(what)
     names = [name for name, values in given.items() if values is not None]
     if len(names) != 1:
-        problems.add(f"give exactly one of position, velocity and acceleration; got {', '.join(names) or 'none'}; {_EXAMPLE}")
+        problems.add(f"give exactly one of position, velocity and acceleration; got {', '.join(names) or 'none'}; {example}")
     if not _is_number(period) or not period > 0:
-        problems.add(f"period = {period!r}; allowed is the period of the record [s], which is not guessed; {_EXAMPLE}")
+        problems.add(f"period = {period!r}; allowed is the period of the record [s], which is not guessed; {example}")
     if not _is_number(tolerance) or not 0 < tolerance < 1:
         problems.add(f"tolerance = {tolerance!r}; allowed is a part of the r.m.s. between 0 and 1; type for example tolerance=1e-3")
     if order is not None:
         problems.whole("order", order, 1, example=10)
-    t = _numbers("t", t, problems)
-    values = [_numbers(name, given[name], problems) for name in names]
+    t = _numbers("t", t, problems, example)
+    values = [_numbers(name, given[name], problems, example) for name in names]
     problems.check()
     if t.shape != values[0].shape or len(t) < 5:
         problems.add(f"t has {len(t)} values and {names[0]} {len(values[0])}; allowed are as many of one as of the other, at least 5")
@@ -89,7 +91,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < float("inf")
 
 
-def _numbers(name: str, values: Any, problems: Problems) -> Array:
+def _numbers(name: str, values: Any, problems: Problems, example: str) -> Array:
     import numpy as np
 
     try:
@@ -97,7 +99,7 @@ def _numbers(name: str, values: Any, problems: Problems) -> Array:
     except (TypeError, ValueError):
         array = np.array(np.nan)
     if array.ndim != 1:
-        problems.add(f"{name} = {describe(array)}; allowed is a list of numbers; {_EXAMPLE}")
+        problems.add(f"{name} = {describe(array)}; allowed is a list of numbers; {example}")
         return np.empty(0)
     bad = np.flatnonzero(~np.isfinite(array))
     if len(bad):
@@ -209,8 +211,8 @@ def _misses(record: Samples, c: Array) -> Array:
     return np.concatenate([values - basis @ c for basis, values in _chunks(record, len(c) // 2)])
 
 
-def fitted(record: Samples, tolerance: float, order: int | None) -> tuple[list[float], list[float], str]:
-    """Coefficients of the cosines and of the sines of the record, and a sentence on what they leave."""
+def fitted(record: Samples, tolerance: float, order: int | None) -> tuple[list[float], list[float], float, str]:
+    """Coefficients of the cosines and of the sines of the record, its mean, and a sentence on what they leave."""
     import numpy as np
 
     most = min(MOST, record.harmonics) if order is None else order
@@ -230,4 +232,4 @@ def fitted(record: Samples, tolerance: float, order: int | None) -> tuple[list[f
     )
     if residual > tolerance and order == most:
         remark += f", more than tolerance = {tolerance:g}: the record has noise or corners that {order} harmonics do not follow"
-    return list(c[1::2]), list(c[2::2]), remark
+    return list(c[1::2]), list(c[2::2]), float(c[0]), remark

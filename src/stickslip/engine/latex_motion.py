@@ -60,7 +60,7 @@ def lines_of_motion(model: Any) -> list[str]:
     traced = replace_leaf(model, letters.symbols)
     single = machine_of(model).is_single
     try:
-        mechanics: Any = OneBody(traced) if single else _Parts(traced)
+        mechanics: Any = OneBody(traced) if single else _Parts(machine_of(traced).said)
         return [*_of_bodies(mechanics), *([] if single else _of_links(mechanics)), *_of_contacts(mechanics, letters)]
     except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
         why = f"what drives this {type(model).__name__} cannot be written as a formula"

@@ -19,6 +19,7 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
 from stickslip.maths import maximum, pi
+from stickslip.mechanics import lists_parts
 from stickslip.position import knows_position
 from stickslip.status import Status
 
@@ -33,7 +34,7 @@ def label(model: Any) -> str:
     drive, track = machine_of(model).drive, machine_of(model).track
     if not machine_of(model).is_single:
         laws = [law.name for law in machine_of(model).mechanics.laws]
-        return " × ".join([*dict.fromkeys(laws), type(model).__name__, str(len(laws))])
+        return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, str(len(laws))])
     parts = [type(model.friction).__name__, type(model if drive is None else drive).__name__]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)

@@ -2,7 +2,8 @@
 
 from stickslip.machines.bodies import Bodies
 from stickslip.machines.chain import Chain
+from stickslip.machines.forced import Forced
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact, Gait, Rigid, Spring, Stop
 
-__all__ = ["Bodies", "Body", "Chain", "Contact", "Gait", "Machine", "Rigid", "Spring", "Stop"]
+__all__ = ["Bodies", "Body", "Chain", "Contact", "Forced", "Gait", "Machine", "Rigid", "Spring", "Stop"]

@@ -203,9 +203,11 @@ def _losses(run: Any, which: str) -> dict[str, str]:
 def _links(run: Any) -> list[tuple[str, Row, list[Row]]]:
     """What links and stops take, and how often stops are hit."""
     from stickslip.analysis.contact_modes import hits
+    from stickslip.analysis.works import label_of_stop
     from stickslip.report.moving import shown_span
 
-    struck = hits(run, *shown_span(run))
+    mechanics = machine_of(run.model).mechanics
+    struck = {label_of_stop(mechanics, name): of for name, of in hits(run, *shown_span(run)).items()}
     rows = []
     losses = _losses(run, "damping_of")
     for name in dict.fromkeys([*losses, *struck]):

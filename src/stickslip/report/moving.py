@@ -133,7 +133,7 @@ def _links(model: Any) -> list[list[int]]:
     mechanics: Any = machine.mechanics
     number = {None: -1, **{name: i for i, name in enumerate(mechanics.bodies)}}
     joined = [(ends, 1) for ends, _ in mechanics.elastic] + [(ends, 0) for ends, _ in mechanics.told]
-    return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in model.links()]
+    return [[number[a], number[b], gives] for (a, b), gives in joined if (a, b) in mechanics.model.links()]
 
 
 # ---- contacts ----

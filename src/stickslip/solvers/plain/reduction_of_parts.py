@@ -77,7 +77,7 @@ def _hits(run: Trajectory, since: float) -> dict[str, tuple[int, float]]:
     speeds: dict[str, list[float]] = {name: [] for name, stop in mechanics.named_stops if stop.part.restitution is not None}
     for event in run.events:
         if event.kind == "hit" and event.t > since and event.velocity is not None:
-            speeds[_hit(run, event)].append(-event.velocity)
+            speeds[event.part].append(-event.velocity)
     found = {}
     for name, stop in mechanics.named_stops:
         if name in speeds:
@@ -99,10 +99,3 @@ def _pressed(run: Trajectory, at: dict[str, Array]) -> dict[str, tuple[int, floa
             found[name] = begun, float(np.max(abs(stop.part.force(distance, rate))))
     return found
 
-
-def _hit(run: Trajectory, event: Any) -> str:
-    """The stop that was hit: of several between the same two bodies the one whose gap is closed."""
-    mechanics = machine_of(run.model).mechanics
-    q = mechanics.coordinates_of(tuple(run.at(event.t)["x"]))
-    gaps = {name: abs(float(stop.gap(event.t, q))) for name, stop in mechanics.named_stops if stop.name == event.part}
-    return min(gaps, key=lambda name: gaps[name])

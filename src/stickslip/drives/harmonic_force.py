@@ -1,0 +1,71 @@
+"""A harmonic force on an inner mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from stickslip.drives.drive import angular_frequency
+from stickslip.drives.force import Force
+from stickslip.fields import positive
+from stickslip.maths import pi, sin
+
+__all__ = ["HarmonicForce"]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class HarmonicForce(Force):
+    r"""A force on the inner mass of a `Forced` drive: :math:`F(t) = A \sin(\omega t + \varphi)`.
+
+    Parameters
+    ----------
+    amplitude : float
+        A [N].
+    omega : float
+        Angular frequency [rad/s]. Give exactly one of `omega` and `frequency`.
+    phase : float, optional
+        How far it is ahead at t = 0 [rad]; pi/2 makes a cosine.
+    frequency : float
+        Frequency [Hz].
+
+    Examples
+    --------
+    >>> force = HarmonicForce(amplitude=1.5, frequency=1 / 0.06, phase=pi / 2)
+    >>> round(force.period, 12), round(force.at(0.0), 12)
+    (0.06, 1.5)
+    """
+
+    amplitude: float = field(metadata={"example": "1.5"})
+    omega: float = field(metadata={"example": "104.72"})
+    phase: float = field(default=0.0, metadata={"example": "1.57"})
+
+    _rules: ClassVar[dict[str, Any]] = {"omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)")}
+
+    def __init__(self, amplitude: Any, omega: Any = None, phase: Any = 0.0, frequency: Any = None):
+        object.__setattr__(self, "amplitude", amplitude)
+        object.__setattr__(self, "omega", angular_frequency("HarmonicForce", omega, frequency, "type for example omega=104.72"))
+        object.__setattr__(self, "phase", phase)
+        self.__post_init__()
+
+    @property
+    def period(self) -> Any:
+        """2 pi / omega [s]."""
+        return 2 * pi / self.omega
+
+    @property
+    def frequency(self) -> Any:
+        """Frequency [Hz]."""
+        return self.omega / (2 * pi)
+
+    def at(self, t: Any) -> Any:
+        """The force [N]."""
+        return self.amplitude * sin(self.omega * t + self.phase)
+
+    def mirrored(self) -> HarmonicForce:
+        """The force turned round."""
+        return replace(self, amplitude=-self.amplitude)
+
+    @classmethod
+    def example(cls) -> HarmonicForce:
+        """A force that shakes a capsubot of some hundred grams."""
+        return cls(amplitude=1.5, omega=2 * pi / 0.06)

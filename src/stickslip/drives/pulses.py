@@ -1,0 +1,62 @@
+"""A force that is switched on and off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from stickslip.drives.force import Force
+from stickslip.fields import positive
+from stickslip.maths import where, within
+
+__all__ = ["Pulses"]
+
+
+@dataclass(frozen=True, eq=False)
+class Pulses(Force):
+    r"""A force on the inner mass of a `Forced` drive that is on for a part of each period, as pulse width modulation makes it.
+
+    .. math:: F(t) = A \text{ for } 0 \le t < d\,T, \quad 0 \text{ for } d\,T \le t < T
+
+    Parameters
+    ----------
+    amplitude : float
+        A, while it is on [N].
+    period : float
+        T [s].
+    duty : float
+        d, the part of the period for which it is on, between 0 and 1.
+
+    Examples
+    --------
+    >>> force = Pulses(amplitude=1.25, period=0.06, duty=0.35)
+    >>> force.at(0.0), force.at(0.0209), force.at(0.0211), force.at(0.06), [round(s, 12) for s in force.breaks]
+    (1.25, 1.25, 0.0, 1.25, [0.021])
+    """
+
+    amplitude: float = field(metadata={"example": "1.25"})
+    period: float = field(metadata={"example": "0.06"})
+    duty: float = field(metadata={"example": "0.35"})
+
+    _rules: ClassVar[dict[str, Any]] = {
+        "period": (positive, "a positive period [s]"),
+        "duty": (lambda d: (d > 0) & (d < 1), "between 0 and 1, the part of the period for which the force is on"),
+    }
+
+    @property
+    def breaks(self) -> tuple[Any, ...]:  # type: ignore[override]
+        """When it is switched off [s]."""
+        return (self.duty * self.period,)
+
+    def at(self, t: Any) -> Any:
+        """The force [N]; at an instant of switching that after it."""
+        return where(within(t, self.period) < self.duty * self.period, self.amplitude, 0.0)
+
+    def mirrored(self) -> Pulses:
+        """The force turned round."""
+        return replace(self, amplitude=-self.amplitude)
+
+    @classmethod
+    def example(cls) -> Pulses:
+        """The pulses of a capsubot."""
+        return cls(amplitude=1.25, period=0.06, duty=0.35)
