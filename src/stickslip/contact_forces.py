@@ -12,6 +12,7 @@ from stickslip.mechanics import Mechanics
 __all__ = ["columns_of_parts"]
 
 Array = Any
+_CLOSED = 1e-10  # of the velocity scale: how still the gap of a closed stop is
 
 
 def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: Array, z: Any, zdot: Any, memory: Any) -> dict[str, Array]:
@@ -52,9 +53,11 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
         )
         R[:, i] = law.force(slip, inner, rates, loads[:, i], own, applied)
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
-    if np.any(resting):
-        _hold(mechanics, resting, t, q, u, loads, R)
-    moved = mechanics.accelerations(t, q, u, tuple(R.T))
+    closed = _closed(mechanics, t, q, u)
+    pressed = np.zeros(closed.shape)
+    if np.any(resting) or np.any(closed):
+        _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed)
+    moved = _under(mechanics, t, q, u, R, pressed)
     acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)
     return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
 
@@ -64,19 +67,42 @@ def _columns(rows: Any, t: Array) -> Array:
     return np.array([np.broadcast_to(np.asarray(row, float), np.shape(t)) for row in rows]).reshape(len(rows), len(t)).T
 
 
-def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array) -> None:
-    """Friction forces of the contacts at rest: those under which their slip velocities stay as they are."""
-    R[resting] = 0.0
-    g = np.array(mechanics.directions)
+def _closed(mechanics: Mechanics, t: Array, q: Any, u: Any) -> Array:
+    """Whether each stop with restitution stays closed at instants: its gap is, and it neither opens nor closes."""
+    if not mechanics.stops:
+        return np.zeros((len(t), 0), bool)
+    gaps, rates = (_columns(of, t) for of in ([stop.gap(t, q) for stop in mechanics.stops], [stop.rate(t, u) for stop in mechanics.stops]))
+    speed = float(getattr(mechanics, "velocity_scale", None) or 1.0)
+    time = 1.0 if mechanics.period is None else float(mechanics.period)
+    return (abs(gaps) <= _CLOSED * speed * time) & (abs(rates) <= _CLOSED * speed)
+
+
+def _under(mechanics: Mechanics, t: Array, q: Any, u: Any, R: Array, pressed: Array) -> tuple[Any, ...]:
+    """Accelerations under friction forces and those of closed stops."""
+    moved = mechanics.accelerations(t, q, u, tuple(R.T))
+    for stop, force in zip(mechanics.stops, pressed.T, strict=True):
+        moved = tuple(a - h / m * force for a, h, m in zip(moved, stop.direction, mechanics.masses, strict=True))
+    return moved
+
+
+def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array, pressed: Array) -> None:
+    """Forces of contacts at rest and of closed stops: those under which slip velocities, and rates of the gaps, stay as they are."""
+    contacts = len(mechanics.contacts)
+    R[resting[:, :contacts]] = 0.0
+    g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
     free = _columns(mechanics.accelerations(t, q, u, tuple(R.T)), t)
-    push = free @ g.T + _columns(mechanics.offset_rates(t), t)  # rates of the slips without the forces that are looked for
+    told = (*mechanics.offset_rates(t), *(stop.offset_rate(t) for stop in mechanics.stops))
+    push = free @ g.T + _columns(told, t)  # rates of the slips and gaps without the forces that are looked for
     for pattern in np.unique(resting, axis=0):
         (held,) = np.nonzero(pattern)
         at = np.all(resting == pattern, axis=1)
         if len(held):
-            R[np.ix_(at, held)] = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, held)], held)
+            bear = held[held < contacts]
+            found = _multipliers(mechanics, G[np.ix_(held, held)], push[np.ix_(at, held)], loads[np.ix_(at, bear)], bear)
+            R[np.ix_(at, bear)] = found[:, : len(bear)]
+            pressed[np.ix_(at, held[held >= contacts] - contacts)] = found[:, len(bear) :]
 
 
 def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held: Array) -> Array:

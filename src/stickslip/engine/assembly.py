@@ -33,3 +33,8 @@ class Assembly:
         self.modes.append(self.m.graph.mode(f"mode{len(self.modes)}"))
         self.first_modes.append(first)
         return len(self.modes) - 1, self.modes[-1]
+
+    def place(self, number: int) -> Sym:
+        """A position by its number among the states."""
+        zero = self.m.graph.constant(0.0)
+        return [place for place in self.m.places if place is not zero][number - len(self.m.y) - len(self.inner)]

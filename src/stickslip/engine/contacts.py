@@ -6,6 +6,7 @@ from typing import Any
 
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet
+from stickslip.engine.pressed import add_pressed, pressed_stops, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
@@ -102,6 +103,7 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
     for law in m.laws:
         if not law.dynamic:
             parts.mode(m.graph.constant(0.0))
+    pressed_stops(parts)
     for i, law in enumerate(m.laws):
         if law.dynamic:
             _add_dynamic(parts, i, speeds[i])
@@ -113,23 +115,61 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
         else:
             _add_set_valued(parts, group[0], speeds[group[0]])
     parts.contacts.sort(key=lambda contact: m.equations.contacts.index(contact.name))
+    for p in m.pressed:
+        add_pressed(parts, p)
 
 
 def add_stop(parts: Assembly, stop: Any) -> None:
-    """A stop with restitution: where its gap closes, velocities jump, and contacts whose slip jumps are free."""
+    """A stop with restitution: where its gap closes, velocities jump, and contacts whose slip jumps are free. It may stay closed."""
     m = parts.m
-    graph = m.graph
-    masses = list(map(m.lift, m.equations.masses))
-    weights = [h / mass if h else None for h, mass in zip(stop.direction, masses, strict=True)]
-    G = sum((abs(h) * abs(h) / mass for h, mass in zip(stop.direction, masses, strict=True) if h), graph.constant(0.0))
-    impulse = (1.0 + m.lift(stop.restitution)) * m.lift(stop.rate(m.t, m.v)) / G
-    states = {c: m.y[c] - weight * impulse for c, weight in enumerate(weights) if weight is not None}
-    modes = {}
-    for contact in parts.contacts:
-        thrown = sum((g * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0))
-        if contact.branches is not None and thrown is not graph.constant(0.0):
-            after, (number,) = contact.slip + thrown, contact.modes
-            one = graph.constant(1.0)
-            modes[number] = graph.by_side(after, one, -one, parts.modes[number])
+    graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
+    p = next((each for each in m.pressed if each.stop is stop), None)
+    rate, e, gap = m.lift(stop.rate(m.t, m.v)), m.lift(stop.restitution), m.lift(stop.gap(m.t, m.places))
+    over = (
+        -one
+        if p is None
+        else settles(parts, p, rate, {i: parts.modes[k] for i, k in _deciding(parts).items()} | _thrown(parts, stop, rate, e))
+    )
+    impulse = (1.0 + graph.select(over, zero, e)) * rate * _mass_at(parts, stop)
+    states = _after(parts, stop, impulse)
+    deciding = _deciding(parts)
+    modes = {deciding[i]: side for i, side in _thrown(parts, stop, rate, graph.select(over, zero, e)).items()}
+    if p is not None:
+        gap = graph.select(p.closed, one, gap)
+        modes[p.number] = graph.select(over, one, zero)
+        place, shut = shut_at(parts, p)
+        states[place] = graph.select(over, shut, parts.place(place))
     parts.hits[stop] = len(parts.events), -impulse
-    parts.events.append((m.lift(stop.gap(m.t, m.places)), modes, states, 0))
+    parts.events.append((gap, modes, states, 0))
+
+
+def _mass_at(parts: Assembly, stop: Any) -> Sym:
+    """The mass that a hit on a stop feels."""
+    m = parts.m
+    masses = map(m.lift, m.equations.masses)
+    return 1.0 / sum((abs(h) * abs(h) / mass for h, mass in zip(stop.direction, masses, strict=True) if h), m.graph.constant(0.0))
+
+
+def _after(parts: Assembly, stop: Any, impulse: Sym) -> dict[int, Sym]:
+    """Velocities of the coordinates after an impulse of a stop."""
+    m = parts.m
+    masses = map(m.lift, m.equations.masses)
+    return {c: m.y[c] - h / mass * impulse for c, (h, mass) in enumerate(zip(stop.direction, masses, strict=True)) if h}
+
+
+def _deciding(parts: Assembly) -> dict[int, int]:
+    """Of each contact under a law that rests exactly the number of its mode."""
+    return {parts.m.equations.contacts.index(c.name): c.modes[0] for c in parts.contacts if c.branches is not None}
+
+
+def _thrown(parts: Assembly, stop: Any, rate: Sym, e: Any) -> dict[int, Sym]:
+    """Of each contact whose slip a hit changes, to which side it slips then."""
+    m, found = parts.m, {}
+    graph, one = m.graph, m.graph.constant(1.0)
+    states = _after(parts, stop, (1.0 + e) * rate * _mass_at(parts, stop))
+    for i, number in _deciding(parts).items():
+        contact = next(c for c in parts.contacts if m.equations.contacts.index(c.name) == i)
+        thrown = sum((g * (states[c] - m.y[c]) for c, g in enumerate(contact.direction) if g and c in states), graph.constant(0.0))
+        if thrown is not graph.constant(0.0):
+            found[i] = graph.by_side(contact.slip + thrown, one, -one, parts.modes[number])
+    return found

@@ -24,12 +24,16 @@ def numbers_of(model: Any) -> tuple[str, ...]:
     )
 
 
+AS_IT_IS = object()  # stops are closed as their modes say
+
+
 class Symbolic:
     """A model with symbols for its numbers, time, velocities and positions."""
 
     def __init__(self, model: Any, cyclic: bool):
         self.graph = graph = Graph()
         self.cyclic = cyclic
+        self.pressed: list[Any] = []  # stops that may stay closed
         names = numbers_of(model)
         self.model: Any = replace_leaf(model, {name: graph.case(name) for name in names})
         self.machine = machine_of(self.model)
@@ -67,11 +71,19 @@ class Symbolic:
         """A number or symbol as a symbol."""
         return value if isinstance(value, Sym) else self.graph.constant(value)
 
-    def accelerations(self, R: dict[int, Any], at: dict[int, Sym] | None = None) -> tuple[Sym, ...]:
-        """Accelerations of the coordinates under the friction forces R by contact, with other states `at` those of the coordinates."""
+    def accelerations(self, R: dict[int, Any], at: dict[int, Sym] | None = None, closed: Any = AS_IT_IS) -> tuple[Sym, ...]:
+        """Accelerations of the coordinates under the friction forces R by contact, with other states `at` those of the coordinates.
+
+        Stops are closed as their modes say; or none is (`closed` = None), or that one.
+        """
         v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
         forces = [R.get(i, 0.0) for i in range(len(self.laws))]
-        return tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces))
+        found = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces))
+        if closed is not AS_IT_IS:
+            return found if closed is None else closed.closing(self, found)
+        for p in self.pressed:
+            found = tuple(self.graph.select(p.closed, shut, a) for shut, a in zip(p.closing(self, found), found, strict=True))
+        return found
 
     def feet(self, i: int) -> list[int]:
         """The contacts of the coordinate that a contact brakes, where it brakes one alone."""

@@ -27,6 +27,8 @@ __all__ = ["run", "run_to_end"]
 
 #: Steps that a case may take: for each period it should run, and in all where there is no period.
 BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000
+#: The same of machines with stops that throw bodies back: rebounds that do not end would use up any budget.
+BUDGET_WITH_STOPS, LEAST_WITH_STOPS = 2_000, 100_000
 CHUNK = 4096
 
 
@@ -44,12 +46,18 @@ def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Sum
         checks.check_numbers(todo.model)
         done = "" if todo.model.period is None else f" after {results.periods_run[0]} of {todo.periods} periods"
         raise SolveError(
-            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table, kernel.layout)}. "
-            f"Try another rtol (now {todo.rtol:g}) "
-            'or start, check the law\'s numbers, or type method="radau" (SciPy on the law in plain Python: slower)'
+            f"the run stopped{done}: {STATUS[status]}; the state was {_state(todo, results.end[0], table, kernel.layout)}. {_remedy(todo)}"
         )
     counts = {"steps": int(results.accepted[0]), "rejected": int(results.rejected[0])}
     return trajectory(todo, method, _pieces(results.pieces, kernel, table, todo.periods), counts, status if status == Status.LOST else 0)
+
+
+def _remedy(todo: Request) -> str:
+    """What to try instead."""
+    slower = "(SciPy on the law in plain Python: slower)"
+    if machine_of(todo.model).mechanics.stops:
+        return f'If hits on a stop follow one another without end until it is pressed for a while, type method="dop853" {slower}'
+    return f'Try another rtol (now {todo.rtol:g}) or start, check the law\'s numbers, or type method="radau" {slower}'
 
 
 def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> str:
@@ -82,6 +90,8 @@ def _method(tableau: Tableau | None) -> str:
 def _job(todo: Request, rtol: float) -> lanes.Job:
     """What to do with every case."""
     budget = BUDGET_APERIODIC if todo.model.period is None else BUDGET * todo.periods
+    if machine_of(todo.model).mechanics.stops:
+        budget = min(budget, max(BUDGET_WITH_STOPS * todo.periods, LEAST_WITH_STOPS))
     return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 

@@ -98,4 +98,3 @@ def _pressed(run: Trajectory, at: dict[str, Array]) -> dict[str, tuple[int, floa
             begun = int(np.sum(touching & ~np.roll(touching, 1)))
             found[name] = begun, float(np.max(abs(stop.part.force(distance, rate))))
     return found
-
