@@ -200,11 +200,27 @@ def test_without_reaction_the_body_feels_the_spring_alone():
     assert run.bodies["inner"].x == pytest.approx(x, abs=1e-12)
 
 
+def resting_start():
+    """The state on the strobe with which the inner mass swings in a capsule at rest."""
+    orbit = ss.periodic_orbit(C6)
+    return orbit, {"x": {"inner": float(orbit.state[2])}, "v": {"inner": float(orbit.state[1])}}
+
+
 def test_past_grazing_the_capsule_jumps_to_another_motion():
-    """It rests up to the grazing gap, and from just below that it moves: there is no small motion between."""
-    at = lambda away: C7.replace({"drive.stops.0.gap": GRAZING + away})  # noqa: E731
-    above, below = (ss.solve(at(away), periods=400, settle=300) for away in (1e-9, -1e-4))
-    assert ss.mean_velocity(above) == 0.0 and ss.mean_velocity(below) > 0.02
+    """It rests up to the grazing gap, and from just below that it moves at once: there is no small motion between."""
+    _, start = resting_start()
+    at = lambda away: ss.solve(C7.replace({"drive.stops.0.gap": GRAZING + away}), periods=400, settle=300, start=start)  # noqa: E731
+    above, below = ss.mean_velocity(at(1e-9)), ss.mean_velocity(at(-1e-9))
+    assert above == 0.0 and below == pytest.approx(TRUTH["C7"][1], rel=1e-4)  # that of a gap smaller by 1e-4
+    assert ss.mean_velocity(ss.solve(C7.replace({"drive.stops.0.gap": GRAZING + 1e-4}), periods=400, settle=300)) > 0.02  # both coexist
+
+
+def test_a_branch_that_ends_where_a_stop_is_grazed_says_so():
+    orbit, _ = resting_start()
+    gaps = {"parameter": "drive.stops.0.gap", "start": GRAZING + 0.05, "stop": GRAZING - 0.05}
+    branch = ss.continuation(C7.replace({"drive.stops.0.gap": GRAZING + 0.05}), guess=orbit.state, **gaps)
+    assert branch.values[-1] == pytest.approx(GRAZING, abs=1e-6)
+    assert branch.ended.startswith("the stop inner-body is grazed at drive.stops.0.gap = 1.5556") and "jump" in branch.ended
 
 
 def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():

@@ -346,7 +346,7 @@ def test_equal_balls_hand_a_hit_on_and_unequal_restitutions_at_one_instant_are_r
 
 
 def test_a_start_beyond_a_stop_is_said():
-    with pytest.raises(ss.SolveError, match="begins beyond the stop ball 0"):
+    with pytest.raises(ss.InputError, match="begins beyond the stop ball 0"):
         hits_of(Balls(), duration=1.0, start={"x": [-0.1]})
 
 

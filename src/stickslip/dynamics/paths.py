@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.family import Family
+from stickslip.dynamics.grazed import grazed
 from stickslip.dynamics.mapping import Coordinates, coordinates, strobe_map, with_rests
 from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.orbits import RUNS, PeriodicOrbit
@@ -200,6 +201,13 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
                     found, point, step = corner
                     break
             if step < 1e-6:
+                stop = "" if why else grazed(here.orbit)
+                if stop:
+                    yield (
+                        f"the stop {stop} is grazed at {name} = {here.value:.9g}, where hits begin or end, and how this motion goes on was "
+                        "not found: it may jump to another one; ss.solve from its state shows to which"
+                    )
+                    return
                 yield why or f"no step was small enough at {name} = {here.value:.9g}: {found.why if found else ''}"
                 return
         if not inside(point.value):

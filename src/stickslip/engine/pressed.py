@@ -1,8 +1,8 @@
 """Stops that stay closed: where rebounds have come to an end and forces press, both ends move as one until nothing presses them together.
 
-A stop with restitution whose gap h closes at the rate -r throws its ends back, h' = e r. Under a pressure lambda the rebounds shrink by e, and
-are all over after the time 2 e r m/(lambda (1 - e)), where m is the mass that the hit feels. Where that is a moment the stop stays closed: a
-mode of it is 1 from there on, h' = 0, and lambda = -(h'' without it) m >= 0 is what decides when it opens again.
+A stop with restitution whose gap h closes at the rate -r throws its ends back, h' = e r. Under a pressure lambda the rebounds shrink by e
+and are all over after the time 2 e r m/(lambda (1 - e)), where m is the mass that the hit feels. Where that is a
+moment the stop stays closed: a mode of it is 1 from there on, h' = 0, and the sign of lambda = -(h'' without it) m says when it opens.
 
 One of the ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end.
 """

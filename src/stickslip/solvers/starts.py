@@ -37,6 +37,7 @@ def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -
     x, v = (_filled(what, given.get(what), bodies, _columns(first[what], cases), labels, problems) for what in ("x", "v"))
     q, u = (_columns(mechanics.coordinates_of(tuple(of.T)), cases) for of in (x, v))
     _check_distances(mechanics, x, q, v, u, problems)
+    _check_stops(mechanics, q, problems)
     loads = mechanics.loads(0.0, tuple(q.T))
     begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
     z = _filled("z", given.get("z"), inner, _columns(begun, cases), labels, problems)
@@ -90,3 +91,13 @@ def _check_distances(mechanics: Any, x: Array, q: Array, v: Array, u: Array, pro
             name = mechanics.bodies[int(np.argmax(missed.max(axis=0)))]
             why = f"is not at its prescribed distance, by {missed.max():.3g}"
             problems.add(f"start {what} of {name!r} {why}; give {what} for all bodies that it joins")
+
+
+def _check_stops(mechanics: Any, q: Array, problems: Problems) -> None:
+    """Note stops with restitution beyond which all cases begin; of some cases the status says it."""
+    size = np.max(abs(q), initial=0.0)
+    for stop in mechanics.stops:
+        gap = np.asarray(stop.gap(0.0, tuple(q.T)), float)
+        if np.all(gap < -_SAME * max(size, 1e-300)):
+            told = f"the run begins beyond the stop {stop.name}, by {-float(np.max(gap)):.3g} m"
+            problems.add(f"{told}; allowed is a gap that is open or closed; give another start, or a larger gap")
