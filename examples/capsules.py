@@ -1,4 +1,4 @@
-"""The figure of the page on capsules: two impacts in a period, direction by mass ratio, the jump at grazing. Run: python examples/capsules.py"""
+"""The figure of the page on capsules: impacts, direction by mass ratio, the jump at grazing. Run: python examples/capsules.py"""
 
 from pathlib import Path
 

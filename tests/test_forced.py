@@ -265,3 +265,104 @@ def test_what_is_wrong_is_said_with_what_to_type(make, said):
 def test_a_start_beyond_a_stop_is_refused():
     with pytest.raises(ss.StickslipError, match="inner-body"):
         ss.solve(C3, periods=2, start={"x": {"inner": 0.6}})
+
+
+@pytest.mark.parametrize("name", ["capsule", "capsubot"])
+def test_a_study_file_begins_with_a_preset(name, tmp_path, capsys):
+    """`stickslip init` writes stops and forces as tables of their own, and `stickslip run` reads them."""
+    from stickslip.cli import main
+
+    path = tmp_path / "rig.toml"
+    assert main(["init", str(path), "--preset", name]) == 0
+    assert ss.Robot.from_toml(path.read_text(encoding="utf-8")) == getattr(ss.presets, name)()
+    assert main(["run", str(path), "periods=20"]) == 0
+    told = capsys.readouterr().out
+    assert "inner" in told and "mean velocity" in told
+
+
+def test_presets_give_the_numbers_that_they_name():
+    assert ss.presets.capsubot() == K3 and ss.presets.capsule() == C1
+    many = ss.solve(ss.presets.capsule(mass_ratio=[2.0, 5.0]), periods=400, settle=300)
+    assert many.mean_velocity[0] < 0 < many.mean_velocity[1]
+
+
+LUGRE = ss.LuGre(mu_plus=0.2, mu_minus=0.25, f_plus=0.3, f_minus=0.3, sigma0=200.0, sigma1=3.0, sigma2=0.05, v_s=0.1)
+
+
+@pytest.mark.parametrize("name", ["C1", pytest.param("C3", marks=pytest.mark.slow)])
+def test_bristles_under_a_capsule_are_solved_as_the_judge_solves_them(name):
+    """Lanes, one run, and SciPy's Radau at a tolerance of its own; both are held to 1e-9 in each step, of which there are some hundred."""
+    robot = TRUTH[name][0].replace(friction=LUGRE)
+    run = ss.solve(robot, periods=6, rtol=1e-9)
+    judged = ss.solve(robot, periods=6, rtol=1e-10, method="radau")
+    lanes = ss.solve(robot.replace({"drive.damping": np.array([0.1, 0.11])}), periods=6, settle=0, rtol=1e-9)
+    assert np.allclose(run.strobe_v, judged.strobe_v, rtol=0, atol=1e-6) and np.allclose(run.strobe_x, judged.strobe_x, rtol=0, atol=1e-6)
+    assert lanes.mean_velocity[0] == pytest.approx(ss.mean_velocity(ss.solve(robot, periods=6, settle=0, rtol=1e-9)), abs=1e-8)
+    assert ss.energy(run).worst < 1e-6 and run.z.shape == run.t.shape
+
+
+def test_a_stop_that_is_pressed_stays_closed_and_opens_again():
+    """A force that grows pulls an inner mass of unit weight off its stop at the moment when it turns, by hand; before it, both rest."""
+    drive = ss.Forced(ss.HarmonicForce(-1.0, 1.0), stops=(ss.Stop(gap=0.0, restitution=0.3, side=-1),))
+    robot = ss.Robot(3.0, 1.0, drive, ss.Coulomb(5.0, 5.0), gravity=1.0)
+    run = ss.solve(robot, periods=1)
+    before, after = (run.t > 1e-9) & (run.t < np.pi), run.t > np.pi  # nothing presses at t = 0
+    inner = run.bodies["inner"]
+    assert abs(run.v).max() < 1e-15 and abs(inner.x[before]).max() < 1e-12  # -sin t presses up to pi
+    s = run.t[after] - np.pi  # x'' = sin s from rest, until it is back
+    assert inner.x[after] == pytest.approx(s - np.sin(s), abs=1e-9)
+    assert run.friction_force[before] == pytest.approx(0.0, abs=1e-12)  # force on the mass and reaction on the body cancel at the stop
+    assert inner.acceleration[before] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*TRUTH, "both"])
+def test_the_judge_finds_the_same_motions(name):
+    """SciPy's DOP853 on plain Python, from the state on the strobe of the exact run: one period returns to it."""
+    robot = TRUTH[name][0] if name in TRUTH else BOTH_SIDES
+    exact, judged = (ss.solve(robot, periods=8, method=method, rtol=1e-12) for method in ("auto", "dop853"))
+    for body in ("body", "inner"):
+        assert np.allclose(exact.bodies[body].strobe_x, judged.bodies[body].strobe_x, rtol=0, atol=1e-9)
+        assert np.allclose(exact.bodies[body].strobe_v, judged.bodies[body].strobe_v, rtol=0, atol=1e-9)
+
+
+def drawn(rng, cases, restitution=True):
+    """Capsules with a stop on each side, many at once."""
+    u = lambda low, high: rng.uniform(low, high, cases)  # noqa: E731
+    stops = (
+        ss.Stop(gap=u(0.02, 1.0), **({"restitution": u(0.0, 0.9)} if restitution else {"stiffness": u(5.0, 50.0)})),
+        ss.Stop(gap=u(0.02, 1.0), restitution=u(0.0, 0.9), side=-1),
+    )
+    gamma = u(1.5, 8.0)
+    drive = ss.Forced(
+        ss.HarmonicForce(u(0.3, 2.5), u(0.3, 1.6), phase=u(0.0, 6.0)), stiffness=u(0.3, 2.0), damping=u(0.02, 0.4), stops=stops
+    )
+    law = ss.Coulomb(*(u(0.5, 1.5) / (gamma + 1) for _ in range(2)))
+    return ss.Robot(gamma, 1.0, drive, law, gravity=1.0, track=ss.Incline(u(-0.05, 0.05)))
+
+
+@pytest.mark.slow
+def test_a_thousand_drawn_capsules_are_finished():
+    many = ss.solve(drawn(np.random.default_rng(5), 1000), periods=60, keep="summary")
+    assert np.isin(many.status, (0, 1)).mean() >= 0.99
+
+
+@pytest.mark.slow
+def test_drawn_capsules_move_as_the_judge_says():
+    """Rebounds that end, stops that stay closed and bodies that slide on an incline; DOP853 keeps 1e-10 in each step, of some hundred."""
+    from stickslip.batch import some_of
+
+    many = drawn(np.random.default_rng(6), 12)
+    for i in range(12):
+        robot = some_of(many, [i])
+        robot = robot.replace({name: float(value[0]) for name, value in _numbers(robot)})
+        exact, judged = (ss.solve(robot, periods=3, method=method, rtol=1e-10) for method in ("auto", "dop853"))
+        for body in ("body", "inner"):
+            assert np.allclose(exact.bodies[body].strobe_v, judged.bodies[body].strobe_v, rtol=0, atol=1e-7)
+        assert ss.energy(exact).worst < 1e-8
+
+
+def _numbers(robot):
+    from stickslip.fields import leaves
+
+    return [(name, np.atleast_1d(value)) for name, value in leaves(robot)]

@@ -13,14 +13,14 @@ from stickslip.fields import arguments_of, describe, example_of, is_array, is_nu
 from stickslip.friction import LAWS
 from stickslip.tracks import TRACKS
 
-__all__ = ["document_of", "from_table", "from_toml", "record_html", "to_table", "to_toml"]
+__all__ = ["document_of", "from_table", "from_toml", "kinds_of", "record_html", "to_table", "to_toml"]
 
 PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
 #: What a field of any other name may hold, such as the motion of a stage.
 EVERY: dict[str, Any] = {name: cls for kinds in PARTS.values() for name, cls in kinds.items()}
 
 
-def _kinds_of(cls: type) -> dict[str, dict[str, Any]]:
+def kinds_of(cls: type) -> dict[str, dict[str, Any]]:
     """The parts that a record of this class has, each with its kinds by name; a class adds its own in `part_kinds`."""
     known = {**PARTS, **getattr(cls, "part_kinds", {})}
     return {f.name: known[f.name] for f in dataclasses.fields(cls) if f.name in known}
@@ -54,7 +54,7 @@ def _file_of(record: Any) -> str:
 def to_table(record: Any) -> dict[str, Any]:
     """A record as nested dicts of plain numbers, lists and strings."""
     table: dict[str, Any] = {}
-    known = _kinds_of(type(record))
+    known = kinds_of(type(record))
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
         if field.name in known:
@@ -125,7 +125,7 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
     problems, arguments = Problems("study file"), dict(table)
     if hasattr(cls, "kind") and arguments.pop("kind", cls.kind) != cls.kind:
         problems.add(f'{name}.kind = {table["kind"]!r}; {cls.__name__} reads kind = "{cls.kind}"')
-    for part, kinds in _kinds_of(cls).items():
+    for part, kinds in kinds_of(cls).items():
         if _is_table(arguments.get(part)):
             arguments[part] = _parts(part, arguments[part], problems, f"{name}.{part}", kinds)
         elif part in arguments or part in _required(cls):
@@ -168,7 +168,7 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str, kind
     if not is_one_of(kind, kinds):
         problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), kinds)}")
         return None
-    known = {**PARTS, **_kinds_of(kinds[kind])}
+    known = {**PARTS, **kinds_of(kinds[kind])}
     for inner in [name for name in table if name in known and _is_table(table[name])]:  # a drive around a drive
         table[inner] = _parts(inner, table[inner], problems, f"{where}.{inner}", known[inner])
     return _build(kinds[kind], table, where, problems)
@@ -181,7 +181,7 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         hint = other_words(name, arguments[name], taken, " = ") or did_you_mean(name, taken)
         problems.add(f"{where}.{name} is not known; {hint}")
         del arguments[name]
-    kinds = _kinds_of(cls)
+    kinds = kinds_of(cls)
     for name in [n for n, p in taken.items() if p.default is p.empty and n not in arguments and n not in kinds]:
         if "None" in str(fields[name].type):
             arguments[name] = None

@@ -57,12 +57,11 @@ def _parser(command: str) -> Parser:
 
 def _robot(asked: Any) -> Any:
     """The robot that was asked for; names that are not known are told together."""
-    from stickslip.drives import DRIVES
-    from stickslip.friction import LAWS
+    from stickslip.cli.lists import things
 
     problems, changes = Problems("init"), {}
-    parts: list[tuple[str, str | None, dict[str, Any]]] = [("friction", asked.law, dict(LAWS)), ("drive", asked.drive, dict(DRIVES))]
-    for field, word, known in parts:
+    asked_for = (("friction", asked.law, things("laws")), ("drive", asked.drive, things("drives")))
+    for field, word, known in asked_for:
         if word is not None and word not in known:
             problems.add(f"--{'law' if field == 'friction' else 'drive'} {word}: {did_you_mean(word, known)}")
         elif word is not None:
@@ -85,34 +84,40 @@ def commented(robot: Any) -> str:
     >>> ss.Robot.from_toml(text).drive.amplitude
     0.0005
     """
+    from stickslip.fields import leaves
+
     head = ["# A study file: stickslip run FILE, or check, sweep, map, bifurcation, report. Units are SI, angles radians.", ""]
     body = _table(robot, "robot")
-    name = next(iter(n for n, v in vars(robot.drive).items() if isinstance(v, float)), "amplitude")
-    value = getattr(robot.drive, name, 1.0)
+    name, value = next(iter(leaves(robot.drive)), ("amplitude", 1.0))
     return "\n".join([*head, *body]) + "\n" + _SOLVE + _ARGUMENTS.format(name=name, low=0.8 * value, high=1.2 * value)
 
 
-def _table(record: Any, where: str) -> list[str]:
-    """The lines of one table and of those within it."""
+def _table(record: Any, where: str, kinds: dict[str, Any] | None = None, listed: bool = False) -> list[str]:
+    """The lines of one table, or of one of an array of tables, and of those within it; `kinds` are what may stand there."""
     import dataclasses
 
     import tomli_w
 
-    from stickslip.tables import PARTS
+    from stickslip.tables import kinds_of
     from stickslip.tracks import Incline, Level
 
-    told, lines, inner = meanings(type(record)), [_remarked(f"[{where}]", about(type(record)))], []
-    kinds = {cls: name for part in PARTS.values() for name, cls in part.items()}
-    if type(record) in kinds:
-        lines.append(_remarked(f'kind = "{kinds[type(record)]}"', _others(where.rpartition(".")[2], PARTS)))
+    told, lines, inner = meanings(type(record)), [_remarked(f"[[{where}]]" if listed else f"[{where}]", about(type(record)))], []
+    kinds = kinds or {}
+    names = {cls: name for name, cls in kinds.items()}
+    if type(record) in names and len(kinds) > 1:
+        lines.append(_remarked(f'kind = "{names[type(record)]}"', _others(where.rpartition(".")[2], kinds)))
     if type(record) is Level:
         folded = f" (the friction has {math.degrees(record.folded):.4g} degrees folded in already)" if record.folded else ""
         lines += [_remarked('# kind = "incline"', f"instead, for gravity along the track{folded}, with the next line:")]
         lines += [_remarked("# tilt = 0.035", f"[rad] {meanings(Incline)['tilt']['meaning']}")]
+    known = kinds_of(type(record))
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
         if dataclasses.is_dataclass(value):
-            inner += ["", *_table(value, f"{where}.{field.name}")]
+            inner += ["", *_table(value, f"{where}.{field.name}", known.get(field.name, {}))]
+        elif field.name in known and isinstance(value, tuple):
+            for part in value:
+                inner += ["", *_table(part, f"{where}.{field.name}", known[field.name], listed=True)]
         elif value is not None:
             words = told.get(field.name, {"unit": "", "meaning": ""})
             unit = f"[{words['unit']}] " if words["unit"] else ""
@@ -131,7 +136,7 @@ def _remarked(line: str, remark: str) -> str:
     return f"{line:<32} # {remark}" if remark else line
 
 
-def _others(part: str, parts: dict[str, dict[str, Any]]) -> str:
+def _others(part: str, kinds: dict[str, Any]) -> str:
     """Where to find the other kinds."""
     command = {"friction": "laws", "drive": "drives"}.get(part)
-    return f"`stickslip {command}` lists all" if command else f"{', '.join(parts[part])}"
+    return f"`stickslip {command}` lists all" if command else ", ".join(kinds)

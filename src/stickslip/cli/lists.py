@@ -64,9 +64,9 @@ def things(command: str) -> dict[str, Any]:
         from stickslip.mechanisms import MECHANISMS
 
         return dict(MECHANISMS)
-    from stickslip.drives import DRIVES
+    from stickslip.robot import Robot
 
-    return dict(DRIVES)
+    return dict(Robot.part_kinds["drive"])
 
 
 def _entry(thing: Any, symbols: dict[str, str]) -> dict[str, Any]:

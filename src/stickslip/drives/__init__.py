@@ -1,5 +1,7 @@
 """Drives: how the inner mass is shaken. One drive, one file; `DRIVES` lists them by name."""
 
+from typing import Any
+
 from stickslip.contracts import Drive
 from stickslip.drives.bang_bang import BangBang
 from stickslip.drives.cantilever import cantilever_eigenvalues
@@ -21,6 +23,7 @@ from stickslip.drives.vertical import VerticalVibration
 
 __all__ = [
     "DRIVES",
+    "FORCES",
     "BangBang",
     "ForceSum",
     "Harmonic",
@@ -44,3 +47,7 @@ _ALL = (Harmonic, MultiHarmonic, TwoPhase, ThreePhase, BangBang, Trapezoid, Piec
 _KEEPING_THE_CONTRACT: tuple[type[Drive], ...] = _ALL  # mypy compares their methods
 DRIVES = {drive.__name__.lower(): drive for drive in _ALL}
 """Every drive by its name in lower case. A `PiezoBeam` is not among them: it makes a `Harmonic` from volts and hertz."""
+
+FORCES: dict[str, Any] = {"harmonic": HarmonicForce, "pulses": Pulses, "recorded": RecordedForce, "sum": ForceSum}
+"""The forces on an inner mass by their names in a study file."""
+ForceSum.part_kinds = {"parts": FORCES}

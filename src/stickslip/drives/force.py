@@ -64,6 +64,8 @@ class ForceSum(Force):
     parts: Any
     repeats: tuple[int, ...] | None = None
 
+    part_kinds: ClassVar[dict[str, Any]] = {}  # what may stand in a study file; the registry of forces knows
+
     def __init__(self, parts: Any, repeats: Any = None):
         object.__setattr__(self, "parts", parts)
         object.__setattr__(self, "repeats", None if repeats is None else tuple(repeats))
@@ -105,7 +107,7 @@ class ForceSum(Force):
         return self.repeats
 
     @property
-    def breaks(self) -> tuple[Any, ...]:  # type: ignore[override]
+    def breaks(self) -> tuple[Any, ...]:
         """Where one of them is not smooth, in each of its periods, and where such a one begins anew [s]."""
         return tuple(
             k * part.period + instant

@@ -44,7 +44,7 @@ class Pulses(Force):
     }
 
     @property
-    def breaks(self) -> tuple[Any, ...]:  # type: ignore[override]
+    def breaks(self) -> tuple[Any, ...]:
         """When it is switched off [s]."""
         return (self.duty * self.period,)
 

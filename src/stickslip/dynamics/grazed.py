@@ -24,7 +24,7 @@ def grazed(orbit: Any) -> str:
     machine, run = machine_of(orbit.model), orbit.run.parted
     speed = float(machine.velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]
-    for name, stop in machine.mechanics.named_stops:  # type: ignore[attr-defined]
+    for name, stop in machine.mechanics.named_stops:
         if name in slow or _least_gap(run, machine.mechanics, stop) < _NEAR:
             return str(name)
     return ""

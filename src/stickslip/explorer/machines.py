@@ -13,6 +13,7 @@ from stickslip.explorer.effort import affordable
 from stickslip.explorer.parameters import Parameter
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine import is_machine, machine_of
+from stickslip.mechanics import lists_parts
 
 __all__ = ["Shown", "numbers_of", "picture", "report", "study"]
 
@@ -114,7 +115,7 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
     machine = machine_of(model)
     for name, value in leaves(model):
         value, kind, told = float(value), name.rstrip("0123456789.").rpartition(".")[2], told_by_field(model, name)
-        own = "." not in name and not machine.is_single  # what a field of somebody's machine means, only its metadata may say
+        own = "." not in name and lists_parts(model)  # what a field of somebody's machine means, only its metadata may say
         label, unit = ("", "") if own else meaning_of(name, mechanism=machine.drive is None)
         label, unit = str(told.get("label", label or kind.replace("_", " "))), str(told.get("unit", unit))
         low, high = told.get("range") or _around(kind, value)

@@ -6,19 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from stickslip.drives.force import Force, ForceSum, not_forces
+from stickslip.drives import FORCES
+from stickslip.drives.force import not_forces
 from stickslip.drives.harmonic_force import HarmonicForce
-from stickslip.drives.pulses import Pulses
-from stickslip.drives.recorded_force import RecordedForce
 from stickslip.errors import OneContactNeeded, Problems
 from stickslip.fields import Frozen, at_least, everywhere
 from stickslip.machines.parts import Body, Contact, Spring, Stop
 
-__all__ = ["FORCES", "BodyAndMass", "Forced"]
+__all__ = ["BodyAndMass", "Forced"]
 
-#: The forces by their names in a study file.
-FORCES: dict[str, type[Force]] = {"harmonic": HarmonicForce, "pulses": Pulses, "recorded": RecordedForce, "sum": ForceSum}
-ForceSum.part_kinds = {"parts": FORCES}
 _STOP = "type stops=(ss.Stop(gap=0.01, restitution=0.5),)"
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine import machine_of
+from stickslip.mechanics import lists_parts
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.facts import facts, tables
@@ -119,7 +120,7 @@ def numbers_of(model: Any) -> list[tuple[str, str, str]]:
     for name, value in leaves(model):
         (row,) = numbers([(name, value)], mechanism=machine.drive is None)
         told = told_by_field(model, name)
-        if "." not in name and not machine.is_single:
+        if "." not in name and lists_parts(model):
             row = (name, f"{float(value):.10g} {told.get('unit', '')}".rstrip(), str(told.get("label", "")))
         found.append(row)
     return found
