@@ -289,7 +289,8 @@ def test_presets_give_the_numbers_that_they_name():
 LUGRE = ss.LuGre(mu_plus=0.2, mu_minus=0.25, f_plus=0.3, f_minus=0.3, sigma0=200.0, sigma1=3.0, sigma2=0.05, v_s=0.1)
 
 
-@pytest.mark.parametrize("name", ["C1", pytest.param("C3", marks=pytest.mark.slow)])
+@pytest.mark.slow  # the judge's steps, not ours
+@pytest.mark.parametrize("name", ["C1", "C3"])
 def test_bristles_under_a_capsule_are_solved_as_the_judge_solves_them(name):
     """Lanes, one run, and SciPy's Radau at a tolerance of its own; both are held to 1e-9 in each step, of which there are some hundred."""
     robot = TRUTH[name][0].replace(friction=LUGRE)
