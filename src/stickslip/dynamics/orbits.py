@@ -127,8 +127,9 @@ class PeriodicOrbit(ClosedMotion):
 
     @cached_property
     def differences(self) -> Array:
-        """The multipliers once more, from differences of the strobe map: the second opinion."""
-        return largest_first(np.linalg.eigvals(difference_jacobian(self.model, self.state, self.period, self.rtol)))
+        """The multipliers once more, from differences of the strobe map: the second opinion; NaN beside a start beyond which a stop is."""
+        found = difference_jacobian(self.model, self.state, self.period, self.rtol)
+        return largest_first(np.linalg.eigvals(found)) if np.isfinite(found).all() else np.full(len(found), np.nan)
 
     @cached_property
     def mean_velocity(self) -> float:

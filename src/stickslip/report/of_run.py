@@ -128,11 +128,11 @@ def numbers_of(model: Any) -> list[tuple[str, str, str]]:
 
 def meaning_of(name: str, mechanism: bool = False) -> tuple[str, str]:
     """What a number is called and its unit, by its dotted name; nothing where nobody knows."""
-    from stickslip.sweeps.naming import AXES
+    from stickslip.sweeps.naming import axis_of
 
     kind = name.rstrip("0123456789.").rpartition(".")[2]
     own = _OF_MECHANISMS.get(kind) if mechanism and ".drive." not in f".{name}" else None
-    meaning, unit = own or AXES.get(kind, ("", ""))
+    meaning, unit = own or axis_of(name.rstrip("0123456789.")) or ("", "")
     return meaning, unit if unit != "1" else ""
 
 

@@ -14,7 +14,7 @@ from stickslip.machine import machine_of
 from stickslip.presets import DIMENSIONLESS
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import COLUMNS, described, dim_of, stacked
-from stickslip.sweeps.naming import AXES
+from stickslip.sweeps.naming import axis_of
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.robots import shared_numbers
 
@@ -136,5 +136,5 @@ def _label(values: Array) -> Array:
 
 
 def _told(name: str) -> dict[str, str]:
-    known = AXES.get(name) or AXES.get(str(name).rpartition(".")[2])
+    known = axis_of(name)
     return {"long_name": known[0], "units": known[1]} if known else {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["AXES"]
+__all__ = ["AXES", "axis_of"]
 
 #: What the axes of a sweep are called on a plot, and their units: by the last part of a dotted name.
 AXES: dict[str, tuple[str, str]] = {
@@ -38,4 +38,39 @@ AXES: dict[str, tuple[str, str]] = {
     "start.x": ("position at the start x", "m"),
     "start.v": ("velocity at the start v", "m/s"),
     "start.z": ("inner state at the start z", "m"),
+    "force.amplitude": ("force on the inner mass A", "N"),
+    "parts.amplitude": ("force on the inner mass A", "N"),
+    "force.phase": ("phase of the force φ", "rad"),
+    "parts.phase": ("phase of the force φ", "rad"),
+    "force.period": ("period of the force T", "s"),
+    "parts.period": ("period of the force T", "s"),
+    "force.mean": ("mean of the force", "N"),
+    "parts.mean": ("mean of the force", "N"),
+    "duty": ("part of the period for which the force is on", "1"),
+    "drive.stiffness": ("stiffness of the spring k", "N/m"),
+    "drive.damping": ("damping c", "N s/m"),
+    "link.damping": ("damping c", "N s/m"),
+    "stops.gap": ("gap of the stop", "m"),
+    "stops.restitution": ("restitution e", "1"),
+    "stops.stiffness": ("stiffness of the stop", "N/m"),
+    "stops.damping": ("damping of the stop", "N s/m"),
+    "pulse": ("force of the pulses", "N"),
+    "damper": ("damping c", "N s/m"),
+    "force_ratio": ("force over sliding friction α", "1"),
+    "damping_ratio": ("damping ratio ξ", "1"),
+    "mass_ratio": ("mass ratio γ", "1"),
+    "stop_stiffness": ("stiffness of the stop over that of the spring β", "1"),
+    "gap": ("gap of the stop δ", "m"),
 }
+
+
+def axis_of(name: str) -> tuple[str, str] | None:
+    """What a number is called and its unit: by its whole name, by its last two words, or by the last; None where nobody knows.
+
+    Examples
+    --------
+    >>> axis_of("drive.amplitude"), axis_of("drive.force.parts.1.amplitude")
+    (('amplitude of the inner mass A', 'm'), ('force on the inner mass A', 'N'))
+    """
+    words = [word for word in str(name).split(".") if not word.isdigit()]
+    return AXES.get(str(name)) or AXES.get(".".join(words[-2:])) or AXES.get(words[-1] if words else "")
