@@ -1,4 +1,4 @@
-"""Published parameter sets, one function each, with their source."""
+"""Robots with a vibrating inner mass: the founding paper's rig, and the robot without dimensions."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of
 from stickslip.fields import at_least, checked_number, describe, everywhere, positive
 from stickslip.friction import Coulomb, LuGre
-from stickslip.machines import Bodies, Chain, Gait, Spring
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
 
-__all__ = ["DIMENSIONLESS", "PRESETS", "piezo_beam_rig", "piezo_rig"]
+__all__ = ["coulomb_robot", "piezo_beam_rig", "piezo_rig"]
 
 #: Masses [kg] and LuGre numbers of the paper's rig (section 4).
 BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
@@ -246,104 +245,3 @@ def coulomb_robot(alpha_plus: Any, alpha_minus: Any) -> Robot:
     0.201452203333669
     """
     return Robot(0.5, 0.5, Harmonic(amplitude=2.0, omega=1.0), Coulomb(mu_plus=alpha_plus, mu_minus=alpha_minus), gravity=1.0)
-
-
-PRESETS = {"piezo_rig": piezo_rig, "piezo_beam_rig": piezo_beam_rig, "coulomb_robot": coulomb_robot}
-#: Presets whose units are all 1: what they give is no number of meters or seconds.
-DIMENSIONLESS = ("coulomb_robot",)
-
-
-@explains_arguments
-def two_modules(
-    phase: Any = math.pi,
-    stiffness: Any = 1200.0,
-    damping: Any = 0.4,
-    amplitude: Any = 6e-4,
-    omega: Any = 65.4 * math.pi,
-    mu_plus: Any = 0.15,
-    mu_minus: Any = 0.21,
-    body_mass: Any = 62.59e-3,
-    inner_mass: Any = 9.48e-3,
-) -> Chain:
-    """Two robots joined by a spring, the second driven a phase ahead of the first.
-
-    Masses and drive are those of the founding paper's robot, friction differs forwards and backwards under Coulomb's law, and the spring is
-    ours: near the resonance of the two against each other, where in antiphase they are 4.7 times as fast as one of them.
-
-    Parameters
-    ----------
-    phase : float or array
-        How far the second is ahead of the first, which is the head [rad].
-    stiffness, damping : float or array
-        Of the spring between them [N/m], [N s/m].
-    amplitude, omega : float or array
-        Of the inner masses [m], [rad/s].
-    mu_plus, mu_minus : float or array
-        Friction coefficients forwards and backwards [-].
-    body_mass, inner_mass : float or array
-        Of each module [kg].
-
-    Returns
-    -------
-    Chain
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> apart, together = (ss.mean_velocity(ss.solve(ss.presets.two_modules(phase), periods=200)) for phase in (math.pi, 0.0))
-    >>> print(f"{apart * 1e3:.6f} mm/s in antiphase, {together * 1e3:.6f} mm/s in phase")
-    11.119896 mm/s in antiphase, 2.383491 mm/s in phase
-    """
-    friction = Coulomb(mu_plus=mu_plus, mu_minus=mu_minus)
-    module = Robot(body_mass=body_mass, inner_mass=inner_mass, drive=Harmonic(amplitude=amplitude, omega=omega), friction=friction)
-    return Chain((module, module), link=Spring(stiffness=stiffness, damping=damping), phases=(0.0, phase))
-
-
-@explains_arguments
-def worm(
-    amplitude: Any = 2e-3,
-    frequency: Any = 2.0,
-    lag: Any = 2 * math.pi / 3,
-    count: int = 3,
-    mass: Any = 0.05,
-    mu_plus: Any = 0.1,
-    mu_minus: Any = 0.3,
-    length: Any = 0.05,
-) -> Chain:
-    r"""A peristaltic worm: masses at distances along which a wave runs from head to tail.
-
-    The numbers are ours. Of three masses with a lag of a third of a period one always holds, and the worm goes three amplitudes in a
-    period, as long as its inertia does not tear it loose:
-
-    .. math:: V = 3 a f \quad\text{for}\quad \mu_- \ge 2\mu_+, \quad \tfrac32 a\omega^2 \le (\mu_- - 2\mu_+) g
-
-    Parameters
-    ----------
-    amplitude, frequency : float or array
-        Of each distance between neighbours [m], [Hz].
-    lag : float or array
-        How far each distance is behind the one before it [rad].
-    count : int
-        How many masses.
-    mass : float or array
-        Of each [kg].
-    mu_plus, mu_minus : float or array
-        Friction coefficients forwards and backwards [-].
-    length : float or array
-        Mean distance between neighbours [m].
-
-    Returns
-    -------
-    Chain
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> round(ss.mean_velocity(ss.solve(ss.presets.worm(), periods=20)), 12)
-    0.012
-    """
-    bodies = Bodies(mass=mass, count=count, friction=Coulomb(mu_plus=mu_plus, mu_minus=mu_minus))
-    return Chain(bodies, link=Gait(Harmonic(amplitude=amplitude, frequency=frequency), lag=lag, length=length))
-
-
-PRESETS |= {"two_modules": two_modules, "worm": worm}

@@ -1,0 +1,23 @@
+"""Machines with published or plainly labelled numbers, one function each, with their source."""
+
+from stickslip.presets.capsules import capsubot, capsule
+from stickslip.presets.chains import two_modules, worm
+from stickslip.presets.robots import coulomb_robot, piezo_beam_rig, piezo_rig
+
+__all__ = [
+    "DIMENSIONLESS",
+    "PRESETS",
+    "capsubot",
+    "capsule",
+    "coulomb_robot",
+    "piezo_beam_rig",
+    "piezo_rig",
+    "two_modules",
+    "worm",
+]
+
+_ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule)
+#: Every preset by its name.
+PRESETS = {preset.__name__: preset for preset in _ALL}
+#: Presets whose units are all 1: what they give is no number of meters or seconds.
+DIMENSIONLESS = ("coulomb_robot", "capsule")

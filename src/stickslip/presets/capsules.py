@@ -1,0 +1,122 @@
+"""Robots whose inner mass is driven by force: capsubots and capsules."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stickslip.arguments import explains_arguments
+from stickslip.drives import HarmonicForce, Pulses
+from stickslip.errors import Problems
+from stickslip.fields import at_least, checked_number, positive
+from stickslip.friction import Coulomb
+from stickslip.machines import Forced, Stop
+from stickslip.robot import Robot
+
+__all__ = ["capsubot", "capsule"]
+
+
+@explains_arguments
+def capsubot(
+    pulse: Any = 1.25,
+    period: Any = 0.06,
+    duty: Any = 0.35,
+    stiffness: Any = 256.23,
+    damper: Any = 0.0,
+    mu: Any = 0.29,
+    body_mass: Any = 0.193,
+    inner_mass: Any = 0.074,
+    gravity: Any = 9.81,
+) -> Robot:
+    """A capsubot: a coil inside the body pushes a magnet on a spring, switched on for a part of each period.
+
+    Masses, stiffness, friction and pulses are those with which the published model of a vibration-driven robot with an electromagnet goes
+    back by 9.19 mm/s (Nunuparov, Becker, Bolotnik, Zeidis, Zimmermann, Arch. Appl. Mech. 89 (2019) 2193-2208). It has no damper.
+
+    Parameters
+    ----------
+    pulse : float or array
+        Force of the coil on the magnet while it is on, forwards [N].
+    period : float or array
+        Period of the pulses [s].
+    duty : float or array
+        Part of the period for which it is on, between 0 and 1 [-].
+    stiffness, damper : float or array
+        Of the spring and the damper between magnet and body [N/m], [N s/m].
+    mu : float or array
+        Friction coefficient of body and track, the same both ways and at rest [-].
+    body_mass, inner_mass : float or array
+        Masses of the body and of the magnet [kg].
+    gravity : float or array
+        Acceleration of gravity [m/s^2].
+
+    Returns
+    -------
+    Robot
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> print(f"{ss.mean_velocity(ss.solve(capsubot(), periods=200)) * 1e3:.6f} mm/s")
+    -9.192936 mm/s
+    """
+    drive = Forced(Pulses(pulse, period=period, duty=duty), stiffness=stiffness, damping=damper)
+    return Robot(body_mass, inner_mass, drive, Coulomb(mu_plus=mu, mu_minus=mu), gravity=gravity)
+
+
+@explains_arguments
+def capsule(
+    force_ratio: Any = 1.6,
+    omega: Any = 0.95,
+    damping_ratio: Any = 0.05,
+    gap: Any = 0.02,
+    stop_stiffness: Any = 15.0,
+    mass_ratio: Any = 5.0,
+    reaction: bool = False,
+) -> Robot:
+    r"""A vibro-impact capsule without dimensions: a force swings the inner mass, which strikes an elastic stop in front of it.
+
+    .. math::
+
+        x_1'' &= \alpha\cos\omega\tau + (x_2-x_1) + 2\xi(x_2'-x_1') - C, \qquad C = \beta\,\max(x_1-x_2-\delta,\,0) \\
+        \gamma x_2'' &= -(x_2-x_1) - 2\xi(x_2'-x_1') + C - R, \qquad |R| \le 1
+
+    All its units are 1: inner mass, stiffness of the spring and sliding friction. The groups are those of Liu, Pavlovskaia, Hendry,
+    Wiercigroch, Int. J. Mech. Sci. 72 (2013) 39-54; the numbers are set from memory of that work, and the results are ours.
+
+    Parameters
+    ----------
+    force_ratio : float or array
+        Force over sliding friction, alpha [-].
+    omega : float or array
+        Its angular frequency over the natural one, omega [-].
+    damping_ratio : float or array
+        xi [-].
+    gap : float or array
+        Of the stop in front of the inner mass, delta [-].
+    stop_stiffness : float or array
+        That of the stop over that of the spring, beta [-].
+    mass_ratio : float or array
+        Mass of the capsule over the inner mass, gamma [-].
+    reaction : bool
+        Whether the capsule feels the reaction of the force; not in that work.
+
+    Returns
+    -------
+    Robot
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> forwards, back = (ss.solve(capsule(mass_ratio=ratio), periods=300, settle=200) for ratio in (5.0, 2.0))
+    >>> print(f"{ss.mean_velocity(forwards):.9f}", ss.mean_velocity(back) < 0)
+    0.165538437 True
+    """
+    problems = Problems("capsule")
+    damping = checked_number("damping_ratio", damping_ratio, problems, at_least(0.0), "zero or more", "damping_ratio=0.05")
+    ratio = checked_number("mass_ratio", mass_ratio, problems, positive, "a positive number", "mass_ratio=5.0")
+    problems.check()
+    force = HarmonicForce(force_ratio, omega, phase=0.5 * math.pi)
+    drive = Forced(force, stiffness=1.0, damping=2 * damping, stops=(Stop(gap=gap, stiffness=stop_stiffness),), reaction=reaction)
+    one = 1 / (ratio + 1)  # of both masses' weight
+    return Robot(ratio, 1.0, drive, Coulomb(mu_plus=one, mu_minus=one), gravity=1.0)
