@@ -135,12 +135,14 @@ from .identifying import (
 )
 from .io import load as load
 from .machines import (
+    PID as PID,
     Bodies as Bodies,
     Body as Body,
     Chain as Chain,
     Contact as Contact,
     Forced as Forced,
     Gait as Gait,
+    Joint as Joint,
     Machine as Machine,
     Rigid as Rigid,
     Spring as Spring,

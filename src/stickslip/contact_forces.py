@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.friction.adapter import TINY
 from stickslip.mechanics import Mechanics
 
-__all__ = ["columns_of_parts"]
+__all__ = ["columns_of_parts", "held_by_controllers"]
 
 Array = Any
 _CLOSED = 1e-10  # of the velocity scale: how still the gap of a closed stop is
@@ -42,7 +42,8 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
     slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q), t)
     R = np.zeros_like(slips)
     first = 0
-    free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
+    held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
+    free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held)
     for i, law in enumerate(mechanics.laws):
         own, first = tuple(memory[first : first + law.modes]), first + law.modes
         side = np.where(mode[:, i] == 0, 1, mode[:, i])
@@ -56,8 +57,8 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
     closed = _closed(mechanics, t, q, u)
     pressed = np.zeros(closed.shape)
     if np.any(resting) or np.any(closed):
-        _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed)
-    moved = _under(mechanics, t, q, u, R, pressed)
+        _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
+    moved = _under(mechanics, t, q, u, R, pressed, held)
     acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)
     return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
 
@@ -65,6 +66,12 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
 def _columns(rows: Any, t: Array) -> Array:
     """Numbers or arrays, one for each body or contact, as one array with a row for each instant."""
     return np.array([np.broadcast_to(np.asarray(row, float), np.shape(t)) for row in rows]).reshape(len(rows), len(t)).T
+
+
+def held_by_controllers(mechanics: Mechanics, z: Array) -> tuple[Array, ...]:
+    """States of the controllers (time,), one after the other, from inner states (time, contact or controller, state)."""
+    first = len(mechanics.contacts)
+    return tuple(z[:, first + i, k] for i, count in enumerate(mechanics.controllers.counts) for k in range(count))
 
 
 def _closed(mechanics: Mechanics, t: Array, q: Any, u: Any) -> Array:
@@ -77,22 +84,22 @@ def _closed(mechanics: Mechanics, t: Array, q: Any, u: Any) -> Array:
     return (abs(gaps) <= _CLOSED * speed * time) & (abs(rates) <= _CLOSED * speed)
 
 
-def _under(mechanics: Mechanics, t: Array, q: Any, u: Any, R: Array, pressed: Array) -> tuple[Any, ...]:
+def _under(mechanics: Mechanics, t: Array, q: Any, u: Any, R: Array, pressed: Array, held: Any) -> tuple[Any, ...]:
     """Accelerations under friction forces and those of closed stops."""
-    moved = mechanics.accelerations(t, q, u, tuple(R.T))
+    moved = mechanics.accelerations(t, q, u, tuple(R.T), held)
     for stop, force in zip(mechanics.stops, pressed.T, strict=True):
         moved = tuple(a - h / m * force for a, h, m in zip(moved, stop.direction, mechanics.masses, strict=True))
     return moved
 
 
-def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array, pressed: Array) -> None:
+def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads: Array, R: Array, pressed: Array, held: Any) -> None:
     """Forces of contacts at rest and of closed stops: those under which slip velocities, and rates of the gaps, stay as they are."""
     contacts = len(mechanics.contacts)
     R[resting[:, :contacts]] = 0.0
     g = np.array([*mechanics.directions, *(stop.direction for stop in mechanics.stops)])
     masses = np.array([np.broadcast_to(mass, ()) for mass in mechanics.masses], float)
     G = (g / masses) @ g.T
-    free = _columns(mechanics.accelerations(t, q, u, tuple(R.T)), t)
+    free = _columns(mechanics.accelerations(t, q, u, tuple(R.T), held), t)
     told = (*mechanics.offset_rates(t), *(stop.offset_rate(t) for stop in mechanics.stops))
     push = free @ g.T + _columns(told, t)  # rates of the slips and gaps without the forces that are looked for
     for pattern in np.unique(resting, axis=0):

@@ -14,7 +14,7 @@ from stickslip.jsontext import plain
 from stickslip.machine import machine_of
 from stickslip.status import STATUS
 from stickslip.steadiness import STEADINESS
-from stickslip.variables import VARIABLES
+from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["COLUMNS", "attributes", "dims_of", "names_of", "summary_dataset", "trajectory_columns", "trajectory_dataset", "write_csv"]
 
@@ -45,13 +45,13 @@ def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, .
     return tuple(dim for dim in VARIABLES[name].dims if dim in names or dim not in ("body", "contact"))[: column.ndim]
 
 
-def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None) -> None:
+def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None, model: Any = None) -> None:
     """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers.
 
     `names` are those of the bodies and contacts: a column of each is called "x.head". Inner states are numbered; those that a law does
-    not have are left out.
+    not have are left out. The `model` says whether columns are ways or angles.
     """
-    flat = {f"{n} [{VARIABLES[name].unit}]": one for name, column in columns.items() for n, one in _parts(name, column, names or {})}
+    flat = {f"{n} [{unit_of(name, model)}]": one for name, column in columns.items() for n, one in _parts(name, column, names or {})}
     table = np.column_stack(list(flat.values()))
     np.savetxt(file, table, delimiter=",", header=",".join(flat), comments="", fmt="%.17g", encoding="utf-8")
 
@@ -78,9 +78,9 @@ def attributes(run: Any) -> dict[str, Any]:
     return attrs
 
 
-def _described(name: str) -> dict[str, str]:
+def _described(name: str, model: Any = None) -> dict[str, str]:
     variable = VARIABLES[name]
-    return {"units": variable.unit or "1", "long_name": variable.long_name, "symbol": variable.symbol}
+    return {"units": unit_of(name, model) or "1", "long_name": variable.long_name, "symbol": variable.symbol}
 
 
 def trajectory_dataset(run: Any) -> Any:
@@ -99,7 +99,7 @@ def trajectory_dataset(run: Any) -> Any:
     import xarray as xr
 
     columns, names = trajectory_columns(run), names_of(run)
-    data = {name: (dims_of(name, column, names), column, _described(name)) for name, column in columns.items() if name != "t"}
+    data = {name: (dims_of(name, column, names), column, _described(name, run.model)) for name, column in columns.items() if name != "t"}
     coords = {"time": ("time", columns["t"], _described("t")), **{dim: (dim, of) for dim, of in names.items()}}
     return xr.Dataset(data, coords=coords, attrs=attributes(run))
 
@@ -113,7 +113,7 @@ def summary_dataset(many: Any) -> Any:
     coords = {k: v if isinstance(v, tuple) else ((k,), v) for k, v in (labels.coords or {}).items()}
     if labels.dims is None and many.model is not None:
         coords |= {name: _placed(value, dims) for name, value in leaves(many.model) if is_array(value)}
-    told = {name: _described(name) if name in VARIABLES else {} for name in many.columns}
+    told = {name: _described(name, many.model) if name in VARIABLES else {} for name in many.columns}
     parts = {} if many.model is None else machine_of(many.model).part_names
     coords |= {dim: ((dim,), list(names)) for dim, names in parts.items()}
     data = {name: (_dims_of_case(name, dims, parts), np.asarray(column), told[name]) for name, column in many.columns.items()}

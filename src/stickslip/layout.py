@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import InputError, is_whole
 
-__all__ = ["BodyStates", "ContactStates", "StateLayout", "of_one_contact", "of_principal"]
+__all__ = ["BodyStates", "ContactStates", "ControllerStates", "StateLayout", "of_one_contact", "of_principal"]
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,24 @@ class ContactStates:
 
 
 @dataclass(frozen=True)
+class ControllerStates:
+    """Which states belong to one controller.
+
+    Parameters
+    ----------
+    name : str
+    states : tuple of str
+        What they are called.
+    inner : tuple of int
+        Their numbers among the states.
+    """
+
+    name: str
+    states: tuple[str, ...]
+    inner: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class StateLayout:
     """What the states of a run are.
 
@@ -75,6 +93,7 @@ class StateLayout:
         Whether the machine has one body and one contact by its kind, as a `Robot` has: columns then have no axis for them.
     principal : str, optional
         Name of the principal body of a machine of several: columns are then those of this body and its contact, without an axis.
+    controllers : tuple of ControllerStates, optional
 
     Examples
     --------
@@ -91,6 +110,7 @@ class StateLayout:
     ways: tuple[int, ...] = ()
     single: bool = False
     principal: str | None = None
+    controllers: tuple[ControllerStates, ...] = ()
 
     @classmethod
     def of_one(cls, inner: int = 0, memories: int = 0, knows_position: bool = False) -> StateLayout:
@@ -119,6 +139,8 @@ class StateLayout:
         for contact in self.contacts:
             numbered = len(contact.inner) > 1 or not self.single
             named |= {n: self._name("z", contact.name) + (f".{k}" if numbered else "") for k, n in enumerate(contact.inner)}
+        for part in self.controllers:
+            named |= {n: f"{state}.{part.name}" for state, n in zip(part.states, part.inner, strict=True)}
         return tuple(named.get(number, f"y{number}") for number in range(max(named, default=-1) + 1))
 
     def _name(self, letter: str, part: str) -> str:
@@ -137,16 +159,21 @@ class StateLayout:
         return {"body": 0, "contact": 0} if self.single else {}
 
     @property
+    def with_inner(self) -> tuple[ContactStates | ControllerStates, ...]:
+        """What may have inner states: the contacts, and then the controllers."""
+        return (*self.contacts, *self.controllers)
+
+    @property
     def most_inner(self) -> int:
-        """How many inner states the law with the most of them has."""
-        return max((len(contact.inner) for contact in self.contacts), default=0)
+        """How many inner states the law, or the controller, with the most of them has."""
+        return max((len(part.inner) for part in self.with_inner), default=0)
 
     # ---- checks ----
     def flaws(self, states: int, ways: int, memories: int, contacts: int) -> list[str]:
         """What does not fit to arrays with so many states, ways, memories and contacts: a sentence each."""
         bodies = self.bodies
         used = [*self.ways, *(b.velocity for b in bodies), *(b.position for b in bodies if b.position is not None)]
-        inner, memory = [n for c in self.contacts for n in c.inner], [n for c in self.contacts for n in c.memory]
+        inner, memory = [n for c in self.with_inner for n in c.inner], [n for c in self.contacts for n in c.memory]
         return [
             *_misnamed("bodies", bodies),
             *_misnamed("contacts", self.contacts),
@@ -199,7 +226,9 @@ class StateLayout:
         contacts = tuple(
             ContactStates(c["name"], tuple(map(float, c["direction"])), tuple(c["inner"]), tuple(c["memory"])) for c in kept["contacts"]
         )
-        return cls(bodies, contacts, tuple(kept["ways"]), bool(kept["single"]), kept.get("principal"))
+        controllers = tuple(ControllerStates(c["name"], tuple(c["states"]), tuple(c["inner"])) for c in kept.get("controllers", ()))
+        principal = kept.get("principal")
+        return cls(bodies, contacts, tuple(kept["ways"]), bool(kept["single"]), principal, controllers)
 
 
 def of_principal(name: str, bodies: Sequence[str], directions: Sequence[Sequence[float]]) -> dict[str, int]:

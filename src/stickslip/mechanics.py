@@ -10,6 +10,7 @@ from functools import reduce
 from operator import add
 from typing import Any, Protocol
 
+from stickslip.controllers import NO_CONTROLLERS, Controllers
 from stickslip.friction.adapter import LawAdapter, law_of
 
 __all__ = ["Mechanics", "Numbers", "OneBody", "declares_parts", "lists_parts", "normal_load", "parts_of", "signed_less"]
@@ -28,6 +29,7 @@ class Mechanics(Protocol):
     contacts: tuple[str, ...]
     stops: tuple[Any, ...] = ()  # those with restitution
     named_stops: Sequence[tuple[str, Any]] = ()  # all of them
+    controllers: Controllers = NO_CONTROLLERS
 
     @property
     def coordinates(self) -> int:
@@ -71,8 +73,16 @@ class Mechanics(Protocol):
         """Known jumps of the velocities: (instant in [0, period) [s], jump of each coordinate's velocity [m/s])."""
         return ()
 
-    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers) -> tuple[Any, ...]:
-        """Accelerations of the coordinates [m/s^2] under the contacts' friction forces R [N]."""
+    @property
+    def inner(self) -> tuple[int, ...]:
+        """How many inner states the law of each contact has, and then each controller."""
+        return (*(law.states for law in self.laws), *self.controllers.counts)
+
+    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
+        """Accelerations of the coordinates [m/s^2] under the contacts' friction forces R [N].
+
+        z are the states of the controllers; without them they are switched on at this instant.
+        """
 
     def offsets(self, t: Any) -> tuple[Any, ...]:
         """Slip velocity of each contact while no coordinate moves [m/s]."""
@@ -87,6 +97,30 @@ class Mechanics(Protocol):
     def velocities(self, t: Any, u: Numbers) -> tuple[Any, ...]:
         """Velocity of each body [m/s]."""
         return tuple(u)
+
+    def control_start(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+        """States of the controllers when they are switched on."""
+        return self.controllers.start(t, *self._named(t, q, u))
+
+    def control_rates(self, t: Any, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
+        """Rates of the controllers' states between samples."""
+        return self.controllers.rates(t, *self._named(t, q, u), z)
+
+    def control_sampled(self, t: Any, q: Numbers, u: Numbers, z: Numbers) -> tuple[Any, ...]:
+        """The controllers' states after a sample."""
+        return self.controllers.sampled(t, *self._named(t, q, u), z)
+
+    def control_answers(self, t: Any, q: Numbers, u: Numbers) -> tuple[Any, ...]:
+        """What controllers that are switched on now make of positions and velocities: rates of their states, and the states themselves."""
+        z = self.control_start(t, q, u)
+        return (*self.control_rates(t, q, u, z), *z)
+
+    def _named(self, t: Any, q: Numbers, u: Numbers) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Positions and velocities of the bodies by their names."""
+        return (
+            dict(zip(self.bodies, self.positions(t, q), strict=True)),
+            dict(zip(self.bodies, self.velocities(t, u), strict=True)),
+        )
 
     def coordinate_of(self, body: str) -> int:
         """Number of the coordinate with which a body moves."""
@@ -140,7 +174,7 @@ class OneBody(Mechanics):
         """The model's impulses."""
         return tuple((instant, (jump,)) for instant, jump in getattr(self.model, "impulses", None) or ())
 
-    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers) -> tuple[Any, ...]:
+    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
         """What the model says."""
         return (self.model.acceleration(t, q[0], u[0], R[0]),)
 

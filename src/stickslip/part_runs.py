@@ -1,13 +1,14 @@
-"""The columns of one body or one contact of a run."""
+"""The columns of one body, one contact or one controller of a run."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any
 
+from stickslip.errors import InputError, did_you_mean
 from stickslip.variables import VARIABLES
 
-__all__ = ["BodyRun", "ContactRun"]
+__all__ = ["BodyRun", "ContactRun", "ControllerRun"]
 
 
 def _column(name: str) -> property:
@@ -107,3 +108,37 @@ class ContactRun:
 
     def __repr__(self) -> str:
         return f"<contact {self.name!r} of a run>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ControllerRun:
+    """One controller of a run: what it holds, by the names of its states.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.servo(), duration=0.5)
+    >>> run.controllers["control"].states
+    ('integral',)
+    >>> run.controllers["control"]["integral"].shape == run.t.shape
+    True
+    """
+
+    run: Any
+    number: int
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """What its states are called."""
+        return tuple(self.run.pieces.layout.controllers[self.number].states)
+
+    def __getitem__(self, state: str) -> Any:
+        """The column (time,) of one of its states; `InputError` for a name that is none of them."""
+        if state not in self.states:
+            told = "; it has no states" if not self.states else f"; {did_you_mean(str(state), self.states)}"
+            raise InputError("run.controllers", [f"{state!r} is no state of {self!r}{told}"])
+        z = self.run._held[:, len(self.run.pieces.layout.contacts) + self.number]
+        return z[:, self.states.index(state)]
+
+    def __repr__(self) -> str:
+        return f"<controller {self.run.pieces.layout.controllers[self.number].name!r} of a run>"

@@ -154,12 +154,15 @@ class PolynomialPieces(_Arrays):
         return (t - start) / h, h
 
     def _of_contacts(self, y: Array) -> Array:
-        """The inner states (time, contact, state) among all states (state, time); NaN where a law has fewer than another."""
-        contacts = self.layout.contacts
+        """The inner states (time, contact, state) among all states (state, time), NaN where a law has fewer than another.
+
+        Those of controllers stand behind the contacts.
+        """
+        parts = self.layout.with_inner
         if not self.layout.most_inner:
-            return np.empty((y.shape[1], len(contacts), 0))
-        z = np.full((len(contacts), self.layout.most_inner, y.shape[1]), np.nan)
-        for i, contact in enumerate(contacts):
+            return np.empty((y.shape[1], len(parts), 0))
+        z = np.full((len(parts), self.layout.most_inner, y.shape[1]), np.nan)
+        for i, contact in enumerate(parts):
             z[i, : len(contact.inner)] = y[list(contact.inner)]
         return np.moveaxis(z, 2, 0)
 
@@ -201,7 +204,7 @@ def inner_rates(pieces: Any, t: Array, index: Array) -> Array:
     Where the bristle is stiff, a law's own rate magnifies the last digits of z; the slope does not.
     """
     inner = pieces.layout.most_inner
-    return pieces.inner_rates(t, index) if inner else np.empty((len(t), len(pieces.layout.contacts), 0))
+    return pieces.inner_rates(t, index) if inner else np.empty((len(t), len(pieces.layout.with_inner), 0))
 
 
 def _horner(c: Array, index: Array, theta: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
+from stickslip.controllers import Controllers
 from stickslip.fields import Frozen
 from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.maths import maximum, pi, sqrt
@@ -58,6 +59,7 @@ class SeveralBodies(Mechanics):
         self.model, self.parts = model, dict(model.bodies())
         self.bodies, self.joints = tuple(self.parts), dict(model.contacts())
         self.contacts = tuple(self.joints)
+        self.controllers = Controllers(model.controllers())
         links = {ends: _several(link) for ends, link in model.links().items()}
         self.elastic = [(ends, link) for ends, each in links.items() for link in each if _is_elastic(link)]
         self.told = [(ends, link) for ends, each in links.items() for link in each if not _is_elastic(link)]
@@ -190,14 +192,14 @@ class SeveralBodies(Mechanics):
         return _sum(self.parts[name].mass * values[name] for name in group) / self.masses[self.coordinate[group[0]]]
 
     # ---- motion ----
-    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers) -> tuple[Any, ...]:
+    def accelerations(self, t: Any, q: Numbers, u: Numbers, R: Numbers, z: Numbers | None = None) -> tuple[Any, ...]:
         """Newton's law for each coordinate."""
-        x = dict(zip(self.bodies, self.positions(t, q), strict=True))
-        v = dict(zip(self.bodies, self.velocities(t, u), strict=True))
+        x, v = self._named(t, q, u)
         total: list[Any] = [0.0] * len(self.groups)
         for name, body in self.parts.items():
             total[self.coordinate[name]] = total[self.coordinate[name]] + body.applied(t, x[name], v[name])
-        for name, force in self.model.forces(t, x, v).items():
+        controlled = self.controllers.forces(t, x, v, self.controllers.start(t, x, v) if z is None else z)
+        for name, force in (*self.model.forces(t, x, v).items(), *controlled):
             total[self.coordinate[name]] = total[self.coordinate[name]] + force
         for ends, link in self.elastic:
             tension = link.force(self.distance(ends, tuple(x.values())), self.distance(ends, tuple(v.values())))

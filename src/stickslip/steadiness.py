@@ -238,7 +238,7 @@ def of_run(run: Any) -> Steadiness:
 
 def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
     """Way of the body, or of the centre of mass; strobe points (periods + 1, 1 + what must repeat) that begin with it; their scales."""
-    model, z = run.model, run.strobe_z
+    model, z = run.model, run._strobe_inner
     if machine_of(model).is_single:
         strobe = np.column_stack([run.strobe_x, run.strobe_v, *([] if z is None else [z])])
         return run.strobe_x, *_with_position(model, strobe)
@@ -253,6 +253,10 @@ def _strobe_of(run: Any) -> tuple[Any, Any, Any]:
         for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
         if z is not None
     ]
+    parts = mechanics.controllers
+    for part in parts.parts.values():
+        own = [float(size) for size in part.scales]
+        sizes.append(np.array([*own, *([np.nan] * (z.shape[2] - len(own)))]))
     typical = np.concatenate(sizes)[there] if sizes else np.empty(0)
     typical = np.where(np.isfinite(typical), typical, abs(inner[:, there]).max(axis=0, initial=0.0))
     strobe = np.column_stack([way, v, inner[:, there], *apart])
@@ -300,7 +304,9 @@ def _place_matters(mechanics: Any, x: Any) -> bool:
     for shift in (float(np.ptp(x)), 0.37 * float(np.ptp(x))):
         for t in np.linspace(0.0, T, 8, endpoint=False):
             here, there = (
-                np.array([*mechanics.accelerations(t, at, still, none), *mechanics.loads(t, at)], float)
+                np.array(
+                    [*mechanics.accelerations(t, at, still, none), *mechanics.loads(t, at), *mechanics.control_answers(t, at, still)], float
+                )
                 for at in (q, tuple(value + shift for value in q))
             )
             if np.any(abs(here - there) > 1e-6 * np.max(abs(here), initial=0.0)):

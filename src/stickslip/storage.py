@@ -32,7 +32,7 @@ from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
 from stickslip.tables import document_of
 from stickslip.unpacking import Allowance
-from stickslip.variables import VARIABLES
+from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_mat", "unwritable"]
 
@@ -112,7 +112,7 @@ def save(run: Any, path: str | Path) -> Path:
             dims = tuple(dim if dim in file.dimensions else _dimension(file, n) for dim, n in sizes)
             place = "time" if name == "t" else name
             made = file.create_variable(place, dims, data=column, compression="gzip", compression_opts=1, shuffle=True)
-            made.attrs.update({"units": VARIABLES[name].unit or "1", "long_name": VARIABLES[name].long_name})
+            made.attrs.update({"units": unit_of(name, run.model) or "1", "long_name": VARIABLES[name].long_name})
         group = file.create_group("pieces")
         group.attrs["kind"] = kind_of(run.pieces)
         for name, kept in run.pieces.arrays().items():
@@ -292,7 +292,7 @@ def to_mat(run: Any, path: str | Path) -> Path:
 
     path = as_path(path, "to_mat", "run.mat")
     columns = trajectory_columns(run)
-    units = {name: VARIABLES[name].unit or "1" for name in columns}
+    units = {name: unit_of(name, run.model) or "1" for name in columns}
     with moved_into_place(path, unwritable("to_mat")) as beside:
         savemat(beside, {**columns, "units": units, "run": attributes(run), **names_of(run)}, oned_as="column", appendmat=False)
     return path
@@ -303,7 +303,7 @@ def to_csv(run: Any, path: str | Path) -> Path:
     """Write the columns of a run to a CSV file, units in its first line; returns its path."""
     path = as_path(path, "to_csv", "run.csv")
     with moved_into_place(path, unwritable("to_csv")) as beside:
-        write_csv(trajectory_columns(run), beside, names_of(run))
+        write_csv(trajectory_columns(run), beside, names_of(run), run.model)
     return path
 
 

@@ -20,6 +20,11 @@ PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": 
 EVERY: dict[str, Any] = {name: cls for kinds in PARTS.values() for name, cls in kinds.items()}
 
 
+def _every(cls: type) -> dict[str, Any]:
+    """The same for a class that names more kinds in `holds`."""
+    return {**EVERY, **getattr(cls, "holds", {})}
+
+
 def kinds_of(cls: type) -> dict[str, dict[str, Any]]:
     """The parts that a record of this class has, each with its kinds by name; a class adds its own in `part_kinds`."""
     known = {**PARTS, **getattr(cls, "part_kinds", {})}
@@ -57,6 +62,8 @@ def to_table(record: Any) -> dict[str, Any]:
     known = kinds_of(type(record))
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
+        if field.metadata.get("found"):  # by the record itself, from the others
+            continue
         if field.name in known:
             several = isinstance(value, tuple)
             if several and not value:
@@ -68,7 +75,7 @@ def to_table(record: Any) -> dict[str, Any]:
 
             table[field.name] = np.asarray(value).tolist()
         elif is_record(value):
-            table[field.name] = _table_of_part(field.name, value, EVERY)
+            table[field.name] = _table_of_part(field.name, value, _every(type(record)))
         elif value is not None:
             table[field.name] = [_plain(v) for v in value] if isinstance(value, tuple) else value
     return table
@@ -133,7 +140,7 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
             arguments.pop(part, None)
     for field in dataclasses.fields(cls):
         if isinstance(arguments.get(field.name), dict):
-            arguments[field.name] = _part(field.name, dict(arguments[field.name]), problems, f"{name}.{field.name}", EVERY)
+            arguments[field.name] = _part(field.name, dict(arguments[field.name]), problems, f"{name}.{field.name}", _every(cls))
     made = _build(cls, arguments, name, problems)
     problems.check()
     return made
@@ -169,8 +176,9 @@ def _part(part: str, table: dict[str, Any], problems: Problems, where: str, kind
         problems.add(f"{where}.kind = {kind!r}; {did_you_mean(str(kind), kinds)}")
         return None
     known = {**PARTS, **kinds_of(kinds[kind])}
-    for inner in [name for name in table if name in known and _is_table(table[name])]:  # a drive around a drive
-        table[inner] = _parts(inner, table[inner], problems, f"{where}.{inner}", known[inner])
+    for inner in [name for name in table if _is_table(table[name]) and (name in known or "kind" in table[name])]:
+        others = known.get(inner) or _every(kinds[kind])  # a drive around a drive, the target of a controller
+        table[inner] = _parts(inner, table[inner], problems, f"{where}.{inner}", others)
     return _build(kinds[kind], table, where, problems)
 
 

@@ -17,7 +17,7 @@ from stickslip.events import Event, events_of, hits_of, nodes_at
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
-from stickslip.part_runs import BodyRun, ContactRun
+from stickslip.part_runs import BodyRun, ContactRun, ControllerRun
 from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.sealing import sealed
 from stickslip.status import Status
@@ -268,6 +268,11 @@ class Trajectory:
         """The columns of each contact by its name."""
         return {contact.name: ContactRun(self.parted, i) for i, contact in enumerate(self.pieces.layout.contacts)}
 
+    @property
+    def controllers(self) -> dict[str, ControllerRun]:
+        """The columns of each controller by its name; none of a machine without."""
+        return {part.name: ControllerRun(self.parted, i) for i, part in enumerate(self.pieces.layout.controllers)}
+
     # ---- columns ----
     @property
     def t(self) -> NDArray[np.float64]:
@@ -278,6 +283,11 @@ class Trajectory:
     def _states(self) -> tuple[Any, Any, Any]:
         """x, v and z of all bodies and contacts, or of the only ones."""
         return self._states_at(*self._instants)
+
+    @property
+    def _held(self) -> Any:
+        """Inner states of laws and controllers (time, contact or controller, state)."""
+        return self._states[2]
 
     @property
     def x(self) -> NDArray[np.float64]:
@@ -292,7 +302,14 @@ class Trajectory:
     @property
     def z(self) -> NDArray[np.float64] | None:
         """Inner state of the law: (time,) if it has one, (time, state) if more, None if it has none; (time, contact, state) of several."""
-        return self._own("z", _as_column(self._states[2]))
+        return self._own("z", _as_column(self._of_laws(self._states[2])))
+
+    def _of_laws(self, z: Any) -> Any:
+        """The inner states of the laws among those of laws and controllers."""
+        layout = self.pieces.layout
+        if not layout.controllers:
+            return z
+        return z[:, : len(layout.contacts), : max((len(contact.inner) for contact in layout.contacts), default=0)]
 
     @cached_property
     def mode(self) -> NDArray[np.int8]:
@@ -357,7 +374,8 @@ class Trajectory:
         t = np.clip(t, first, last)
         index = self._index(t)
         x, v, z = self._states_at(t, index)
-        found = {"t": t, "x": x, "v": v, "mode": self._modes[index], **self._forces_at(t, index, x, v, z), "z": _as_column(z)}
+        found = {"t": t, "x": x, "v": v, "mode": self._modes[index], **self._forces_at(t, index, x, v, z)}
+        found["z"] = _as_column(self._of_laws(z))
         return {name: None if column is None else column.reshape(shape + column.shape[1:])[()] for name, column in found.items()}
 
     # ---- strobe ----
@@ -403,7 +421,12 @@ class Trajectory:
     @property
     def strobe_z(self) -> NDArray[np.float64] | None:
         """Inner state at the strobe times, shaped like `z`."""
-        return self._own("z", _as_column(self._strobe[2]))
+        return self._own("z", _as_column(self._of_laws(self._strobe[2])))
+
+    @property
+    def _strobe_inner(self) -> Any:
+        """The same with the states of controllers behind those of the contacts."""
+        return _as_column(self._strobe[2])
 
     @property
     def strobe_memory(self) -> NDArray[np.float64] | None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-__all__ = ["VARIABLES", "Variable"]
+__all__ = ["VARIABLES", "Variable", "in_units_of", "unit_of"]
 
 
 @dataclass(frozen=True)
@@ -84,3 +85,23 @@ VARIABLES: dict[str, Variable] = {
         Variable("status", "status", "", _CASE, "what became of the case: a code with its sentence"),
     )
 }
+
+#: Units of ways and forces, and what stands for them about an axis.
+_ABOUT_AN_AXIS = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m", "N s": "N m s"}
+
+
+def unit_of(name: str, model: Any) -> str:
+    """Unit of a column of a machine: of one that turns about an axis angles and torques.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> unit_of("v", ss.Chain.example()), unit_of("v", ss.Joint.example()), unit_of("friction_force", ss.Joint.example())
+    ('m/s', 'rad/s', 'N m')
+    """
+    return in_units_of(model, VARIABLES[name].unit)
+
+
+def in_units_of(model: Any, unit: str) -> str:
+    """A unit of ways and forces as a machine has it."""
+    return _ABOUT_AN_AXIS.get(unit, unit) if getattr(model, "rotary", False) else unit

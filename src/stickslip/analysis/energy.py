@@ -184,7 +184,7 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     x, v, z = run._states_at(t, index)
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
     if not machine_of(model).is_single:
-        found = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, column)
+        found = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, z, column)
         return found | {"gravity": none, "actuator": none}
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.contact_forces import held_by_controllers
+
 __all__ = ["kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
 
 Array = Any
@@ -26,13 +28,13 @@ def kinetic(mechanics: Any, v: Array) -> Array:
     return 0.5 * v**2 @ np.array([float(body.mass) for body in mechanics.parts.values()])
 
 
-def powers(mechanics: Any, t: Array, x: Array, v: Array, column: dict[str, Array]) -> dict[str, Array]:
-    """Powers [W] at instants, from positions and velocities (n, bodies) and the columns of the contacts.
+def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[str, Array]) -> dict[str, Array]:
+    """Powers [W] at instants, from positions and velocities (n, bodies), inner states and the columns of the contacts.
 
     Returns
     -------
     dict
-        drive: of applied forces and of what moves the ground; friction: R w of each contact (n, contacts); potential: into links and
+        drive: of forces, controllers and what moves the ground; friction: R w of each contact (n, contacts); potential: into links and
         elastic stops, under the force that they have at rest; damping: what else each of them takes, (n, links).
     """
     none = np.zeros_like(t)
@@ -43,7 +45,7 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, column: dict[str, Array
         still = link.force(distance, 0.0 * rate)
         stored = stored + still * rate
         damped.append((link.force(distance, rate) - still) * rate + none)
-    drive = _applied(mechanics, t, x, v) + _of_the_ground(mechanics, v, R, slip)
+    drive = _applied(mechanics, t, x, v, held_by_controllers(mechanics, z)) + _of_the_ground(mechanics, v, R, slip)
     return {"drive": drive + none, "friction": R * slip, "potential": stored, "damping": np.array(damped).reshape(-1, len(t)).T}
 
 
@@ -64,11 +66,12 @@ def _links(mechanics: Any) -> list[str]:
     return ["-".join(end for end in ends if end is not None) for ends, _ in joined]
 
 
-def _applied(mechanics: Any, t: Array, x: Array, v: Array) -> Array:
-    """Power of the applied forces [W]."""
+def _applied(mechanics: Any, t: Array, x: Array, v: Array, held: Any) -> Array:
+    """Power of the applied forces, those of controllers among them [W]."""
     at, moving = (dict(zip(mechanics.bodies, of.T, strict=True)) for of in (x, v))
     own: Array = sum(body.applied(t, at[name], moving[name]) * moving[name] for name, body in mechanics.parts.items())
-    return own + sum(force * moving[name] for name, force in mechanics.model.forces(t, at, moving).items())
+    forces = [*mechanics.model.forces(t, at, moving).items(), *mechanics.controllers.forces(t, at, moving, held)]
+    return own + sum(force * moving[name] for name, force in forces)
 
 
 def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:

@@ -6,6 +6,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.machine import machine_of
+from stickslip.variables import unit_of
 
 __all__ = ["record", "told"]
 
@@ -20,6 +21,7 @@ def record(study: Any, run: Any, written: list[str]) -> dict[str, Any]:
         "robot": study.title(),
         "law": machine_of(run.model).law_names,
         "machine": type(run.model).__name__,
+        "velocity_unit": unit_of("v", run.model),
         "parameters": {name: float(value) for name, value in leaves(run.model)},
         "mean_velocity": mean_velocity(run),
         "bodies": {name: _body(run, name) for name in run.bodies},
@@ -73,11 +75,12 @@ def told(record: dict[str, Any]) -> str:
     """The record as a person reads it."""
     work, made = record["energy"], record["provenance"]["versions"]
     driven, period = record["period_time"] is not None, record.get("period")
-    mean = show.quantity(record["mean_velocity"], "m/s")
+    per_second = record["velocity_unit"]
+    mean = show.quantity(record["mean_velocity"], per_second)
     rows = [
         ("machine", f"{record['machine']} with {record['law']} friction"),
         ("mean velocity", mean if record["steadiness"]["code"] in (0, -1) else f"{mean}  ({record['steadiness']['word']})"),
-        *((name, _of_body(body)) for name, body in record["bodies"].items()),
+        *((name, _of_body(body, per_second)) for name, body in record["bodies"].items()),
         *((f"contact {name}", _of_contact(m, name in record["anchored"])) for name, m in record.get("contacts", {}).items()),
         *([("repeats after", "not found" if period is None else show.counted(period, "drive period"))] if driven else []),
         *_balance(work, driven),
@@ -89,8 +92,8 @@ def told(record: dict[str, Any]) -> str:
     return f"{record['robot']}\n{show.facts(rows)}"
 
 
-def _of_body(body: dict[str, float]) -> str:
-    mean, low, high = (show.quantity(body[name], "m/s") for name in ("mean_velocity", "velocity_min", "velocity_max"))
+def _of_body(body: dict[str, float], per_second: str) -> str:
+    mean, low, high = (show.quantity(body[name], per_second) for name in ("mean_velocity", "velocity_min", "velocity_max"))
     return f"mean velocity {mean}, velocity {low} to {high}"
 
 

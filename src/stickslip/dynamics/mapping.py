@@ -84,9 +84,14 @@ class Coordinates:
             for what, values in (("x", m.positions(0.0, q)), ("v", m.velocities(0.0, u)))
         }
         memory = np.moveaxis(state[..., self.smooth :], -1, 0)
-        for what, values, counts in (("z", np.array(z), [c.states for c in m.laws]), ("memory", memory, [c.modes for c in m.laws])):
+        inner = sum(law.states for law in m.laws)
+        for what, values, counts, names in (
+            ("z", np.array(z[:inner]), [c.states for c in m.laws], m.contacts),
+            ("control", np.array(z[inner:]), m.controllers.counts, m.controllers.names),
+            ("memory", memory, [c.modes for c in m.laws], m.contacts),
+        ):
             own = np.split(values, np.cumsum(counts)[:-1]) if sum(counts) else []
-            named = {name: np.moveaxis(each, 0, -1) for name, each in zip(m.contacts, own, strict=False) if len(each)}
+            named = {name: np.moveaxis(each, 0, -1) for name, each in zip(names, own, strict=False) if len(each)}
             found |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
         return found
 
@@ -131,6 +136,7 @@ def coordinates(model: Any) -> Coordinates:
         for law, load in zip(laws, mechanics.loads(0.0, mechanics.start), strict=True):
             typical = law.scale(load) if law.states else ()
             sizes += [largest(s) for s in ((speed * time,) * law.states if typical is None else typical)]
+    sizes += [largest(size) for size in mechanics.controllers.scales]
     scales = order.joined([0.0, *places[1:]] if order.cyclic else places, [speed] * mechanics.coordinates, sizes)
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
@@ -356,7 +362,7 @@ def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any
 def strobe_states(run: Any) -> Array:
     """The strobe states of a run, one row for each drive period and one for its end."""
     run = run.parted
-    x, v, z, memory = run.strobe_x, run.strobe_v, run.strobe_z, run.strobe_memory
+    x, v, z, memory = run.strobe_x, run.strobe_v, run._strobe_inner, run.strobe_memory
     held = [] if memory is None else [memory]
     if machine_of(run.model).is_single:
         placed = [x] if knows_position(run.model) else []
@@ -368,7 +374,7 @@ def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
     """The coordinates of a machine of several bodies, without memories, from columns of a run: (time, body) and (time, contact, state)."""
     m = machine_of(model).mechanics
     q, u = m.coordinates_of(tuple(x.T)), m.coordinates_of(tuple(v.T))
-    inner = [z[:, i, k] for i, law in enumerate(m.laws) for k in range(law.states)]
+    inner = [z[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
     return order_of(model).joined(q, u, inner)
 
 

@@ -74,7 +74,8 @@ def _drifts(model: Any) -> bool:
         y[order.places] = [place * (10.0**power * largest(machine_of(one).time_scale)) for place in places]
         q, u, _ = order.parted(y, 0.0)
         t = float(random.uniform(0.0, 1.0)) * float(one.period)
-        forces = [*mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts)), *mechanics.loads(t, q)]
+        free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
+        forces = [*free, *mechanics.loads(t, q), *mechanics.control_answers(t, q, u)]
         rows += [[float(slope) for slope in slopes_of(force, len(places))] for force in forces]
     G = np.nan_to_num(np.array(rows)).reshape(len(rows), len(order.kept))
     sizes = np.linalg.norm(G, axis=0)

@@ -93,7 +93,7 @@ def order_of(model: Any) -> Order:
 
 
 def _of_layout(layout: StateLayout, n: int, kept: tuple[int, ...]) -> Order:
-    inner = sum(len(contact.inner) for contact in layout.contacts)
+    inner = sum(len(part.inner) for part in layout.with_inner)
     places = {body.velocity: body.position or 0 for body in layout.bodies}
     names = tuple(layout.names[i] for i in (*range(n + inner), *(places[j] for j in kept)))
     return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways))

@@ -11,7 +11,7 @@ from stickslip.analysis.steady import is_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.steadiness import way_of_machine
-from stickslip.variables import VARIABLES
+from stickslip.variables import VARIABLES, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -243,7 +243,7 @@ def spectrum(
     amplitude = np.where(order > 0, 2.0, 1.0) * abs(lines)
     dims = (dim, "order") if names else ("order",)
     lines, amplitude = (lines, amplitude) if names else (lines[0], amplitude[0])
-    unit = VARIABLES[column].unit if column in VARIABLES else "1"
+    unit = unit_of(column, run.model) if column in VARIABLES else "1"
     columns = {
         "amplitude": (dims, amplitude, {"long_name": f"amplitude of {column}", "units": unit}),
         "phase": (dims, np.angle(lines * np.exp(-1j * np.pi * order / per)), {"units": "rad"}),

@@ -220,6 +220,9 @@ def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], ca
     owners = [name for name, law in zip(m.contacts, m.laws, strict=True) for _ in range(law.states)]
     q = [0.0 * d if j in held else d for j, d in enumerate(slopes.of(lambda machine: machine.mechanics.start))]
     z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts), strict=True)]
+    on, told = slopes.of(lambda machine: _control_starts(machine, start)), _given(start.get("control"), m.controllers.names)
+    owners = [name for name, count in zip(m.controllers.names, m.controllers.counts, strict=True) for _ in range(count)]
+    z += [0.0 * d if name in told else d for name, d in zip(owners, on, strict=True)]
     return np.column_stack(at.order.joined(q, [np.zeros(cases)] * len(q), z))
 
 
@@ -233,6 +236,19 @@ def _inner_starts(machine: Any) -> list[Any]:
     mechanics = machine.mechanics
     loads = mechanics.loads(0.0, mechanics.start)
     return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
+
+
+def _control_starts(machine: Any, start: dict[str, Any]) -> list[Any]:
+    """States of controllers that are switched on where a run begins."""
+    m = machine.mechanics
+    first = m._named(0.0, m.start, (0.0,) * m.coordinates)
+    x, v = ({**told, **_by_name(start.get(what), m.bodies)} for what, told in zip("xv", first, strict=True))
+    return list(m.controllers.start(0.0, x, v))
+
+
+def _by_name(values: Any, names: tuple[str, ...]) -> dict[str, Any]:
+    """What a start says of the bodies."""
+    return {} if values is None else values if isinstance(values, dict) else dict(zip(names, np.moveaxis(values, -1, 0), strict=True))
 
 
 def _offsets(machine: Any, owners: tuple[int | None, ...]) -> list[Any]:

@@ -40,7 +40,8 @@ FUNCTIONS = {
     # changes.py, for tangents
     "rates_now": "void(int64, float64, f1, f1, f1, i1)",
     "settle_changes": "void(int64, f1, f1, i1)",
-    "shift_changes": "void(int64, boolean, boolean, f1, f1, f1, i1)",
+    "note_late": "boolean(int64, f1, f1, i1)",
+    "shift_changes": "void(int64, boolean, boolean, f1, f1, f1, f1, i1)",
 }
 #: What few kernels need of the driver, compiled where one does: its functions, its texts, and what a person is told.
 _APART = {
@@ -49,9 +50,9 @@ _APART = {
         ("columns", "segments", "reducing"),
         "what machines of several parts share",
     ),
-    "changes": (("rates_now", "settle_changes", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
+    "changes": (("rates_now", "settle_changes", "note_late", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
 }
-LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES")
+LOOKS = ("CLOCK_SIGNS", "FIRST_MODES", "GUARD_VALUES", "PASSED_REST", "RATES", "RESTING_CHANGES", "SAMPLE")
 _LOOKS = tuple(f"{name} = {i}" for i, name in enumerate(LOOKS))
 
 #: The first entries of a table: numbers of things, places of a case's constants, places of a lane's fields (-1: there is none).
@@ -61,7 +62,7 @@ _COLUMNS = (
     "F_MODE", "F_CLK", "F_G", "F_HELD", "F_T", "F_H", "F_TEND", "F_X", "F_LE", "F_LH", "F_GROW", "F_STAT", "F_NACC", "F_NREJ", "F_RATIO",
     "F_ACC", "F_T0", "F_HH", "F_X0", "F_SIDE", "F_LAST", "F_TOP", "WATCHED", "EXPONENTS", "F_CLEAR", "COORDINATES", "CONTACTS", "SHARES",
     "SHARE_AT", "PASSIVE", "CARRIED", "DELAY_AT", "ORDERED", "SIGNALS", "RATIOS", "BODIES", "ARMS", "PLACES", "F_FIRED", "LOOKED",
-    "F_LOOKED",
+    "F_LOOKED", "SAMPLE_AT",
 )  # fmt: skip
 
 #: Lists at the end of a table, of what is noted of several bodies and contacts: of each contact the place of its side, or mode, among

@@ -24,7 +24,7 @@ from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
 from stickslip.engine.trace import System, kind_of, label, trace
 from stickslip.engine.unforeseen import slopes
-from stickslip.layout import BodyStates, ContactStates, StateLayout
+from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.recurrence import KEPT, LONGEST
 
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
@@ -208,7 +208,7 @@ def _arranged(model: Any) -> tuple[StateLayout, tuple[int, ...]]:
 
 
 def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:
-    nodes, first = (*eq.f[: eq.positions.start], *eq.guards), int(eq.cyclic)
+    nodes, first = (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values()), int(eq.cyclic)
     varied = frozenset[str]().union(*map(eq.graph.varies, nodes))
     return _states_of(eq), tuple(first + k for k, i in enumerate(eq.positions) if eq.y[i].name in varied)
 
@@ -224,6 +224,7 @@ def _states_of(eq: System) -> StateLayout:
             ContactStates(c.name, of, c.inner, c.modes if c.branches is None else ())
             for c, of in zip(eq.contacts, eq.slips_of, strict=True)
         ),
+        controllers=tuple(ControllerStates(*each) for each in eq.controllers),
         ways=(0,) if eq.cyclic else (),
         single=eq.single,
         principal=eq.principal,
@@ -247,7 +248,8 @@ def _constants(eq: System, step: Step) -> list[Any]:
     instants = [*eq.instants, *(instant for instant, _ in eq.impulses)]
     own = [eq.period, eq.velocity_scale, eq.free_velocity, eq.mass]
     late = [*eq.delays, *(kick for kicks in eq.kicks for kick in kicks)]
-    return [*step.case_nodes, *own, *scales, *eq.shares, *late, *instants, *(jump for _, jumps in eq.impulses for jump in jumps)]
+    jumps = [jump for _, jumps in eq.impulses for jump in jumps]
+    return [*step.case_nodes, *own, *scales, *eq.sampling, *eq.shares, *late, *instants, *jumps]
 
 
 def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[int, ...]]:
@@ -258,7 +260,8 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
     for place, i in enumerate(i for i, s in enumerate(eq.scales) if s is not None):
         scale_at[i] = first + 4 + place
     constants = len(_constants(eq, step))
-    breaks, share_at = len(eq.instants) + len(eq.impulses), first + 4 + sum(s is not None for s in eq.scales)
+    sample_at = first + 4 + sum(s is not None for s in eq.scales)
+    breaks, share_at = len(eq.instants) + len(eq.impulses), sample_at + len(eq.sampling)
     named = {
         "LANES": lanes, "STATES": eq.states, "GUARDS": len(eq.guards), "SIGNS": eq.signs, "FIELDS": len(offsets) + constants,
         "CONSTANTS": constants, "DEGREE": step.degree, "PERIOD": first, "FREE": first + 2, "MASS": first + 3,
@@ -269,7 +272,7 @@ def _layout(eq: System, step: Step, lanes: int) -> tuple[dict[str, int], tuple[i
         "SHARE_AT": share_at, "PASSIVE": eq.passive, "CARRIED": len(eq.carried), "DELAY_AT": share_at + len(eq.shares), "ORDERED": 0,
         "WATCHED": _rows_of("g", offsets), "EXPONENTS": _rows_of("e", offsets),
         "SIGNALS": len(eq.signals), "RATIOS": len(eq.ratios), "BODIES": len(eq.bodies), "ARMS": int(has_arms(eq)),
-        "LOOKED": len(looked_at(eq)),
+        "LOOKED": len(looked_at(eq)), "SAMPLE_AT": sample_at if eq.sampling else -1,
         "PLACES": 1 + (eq.coordinates if eq.signals else 0),
         "FLAGS": sum(f"b{k}" in offsets for k in range(len(eq.guards))),
         "F_C": len(offsets) * lanes, "F_Y": offsets["y0"], "F_SIGN": offsets["b0" if eq.dynamic else "mode0"],

@@ -61,7 +61,8 @@ def lines_of_motion(model: Any) -> list[str]:
     single = machine_of(model).is_single
     try:
         mechanics: Any = OneBody(traced) if single else _Parts(machine_of(traced).said)
-        return [*_of_bodies(mechanics), *([] if single else _of_links(mechanics)), *_of_contacts(mechanics, letters)]
+        parts = [] if single else [*_of_controllers(mechanics), *_of_links(mechanics)]
+        return [*_of_bodies(mechanics), *parts, *_of_contacts(mechanics, letters)]
     except (TypeError, ValueError, AttributeError):  # a record, say: numbers and no formula
         why = f"what drives this {type(model).__name__} cannot be written as a formula"
         raise InputError("latex", [f"{why}; for a law alone type ss.latex(law)"]) from None
@@ -86,7 +87,8 @@ def _of_bodies(mechanics: Any) -> list[str]:
     x, v = _states(own)
     R = tuple(symbol(subscripted("R", index), real=True) for index in indices(mechanics.contacts))
     lines = []
-    moved = mechanics.accelerations(t, _of_coordinates(mechanics, x), _of_coordinates(mechanics, v), R)
+    q, u = _of_coordinates(mechanics, x), _of_coordinates(mechanics, v)
+    moved = mechanics.accelerations(t, q, u, R, _held(mechanics))
     for c, (mass, acceleration) in enumerate(zip(mechanics.masses, moved, strict=True)):
         lines.append(f"{_inertia(mechanics, c, own)} &= {text_of(spread(bare(mass) * bare(acceleration)))}")
     for instant, jumps in mechanics.jumps:
@@ -96,6 +98,28 @@ def _of_bodies(mechanics: Any) -> list[str]:
             if bare(jumps[mechanics.coordinate_of(name)]) != 0
         ]
     return lines
+
+
+def _held(mechanics: Any) -> tuple[Tex, ...]:
+    """Symbols of what controllers hold."""
+    own = mechanics.controllers
+    return tuple(
+        symbol(subscripted(rf"\mathrm{{{state}}}", index), real=True)
+        for states, index in zip(own.states, indices(own.names), strict=True)
+        for state in states
+    )
+
+
+def _of_controllers(mechanics: _Parts) -> list[str]:
+    """Rates of what controllers hold, and what a sample makes of it; of one that samples, what is held has no rate."""
+    z, t, q, u = _held(mechanics), symbol("t", real=True), mechanics.x, mechanics.v
+    rates = zip(z, mechanics.control_rates(t, q, u, z), strict=True)
+    lines = [rf"\dot {text_of(state)} &= {text_of(rate)}" for state, rate in rates if bare(rate) != 0]
+    if mechanics.controllers.sample is None:
+        return lines
+    when = rf"t = k \, {text_of(mechanics.controllers.sample)}"
+    after = zip(z, mechanics.control_sampled(t, q, u, z), strict=True)
+    return [*lines, *(rf"{text_of(state)}^+ &= {text_of(new)}, && {when}" for state, new in after if new is not state)]
 
 
 def _of_coordinates(mechanics: Any, values: tuple[Tex, ...]) -> tuple[Tex, ...]:

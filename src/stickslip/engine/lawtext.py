@@ -38,7 +38,7 @@ def looks(eq: System) -> str:
     bind = {name: f"row[{i}]" for i, name in enumerate(eq.names)} | {"t": "t"} | {s.name: f"y[{i}]" for i, s in enumerate(eq.y)}
     bind |= {f"clk{k}": f"clock[{k}]" for k in range(len(eq.clocks))} | {s.name: f"mode[{i}]" for i, s in enumerate(eq.modes)}
     sides = {f"b{k}": f"b{k}" for k in range(eq.signs)}
-    writers = [Writer(prefix=letter) for letter in "pqrsuw"]
+    writers = [Writer(prefix=letter) for letter in "pqrsuwm"]
     for k, clock in enumerate(eq.clocks):
         writers[0].line(f"out[{k}]", f"-1.0 if {writers[0].value(clock, bind)} < 0.0 else 1.0")
     for k in _flags_in(eq.first_modes):
@@ -61,7 +61,10 @@ def looks(eq: System) -> str:
     for i, rate in enumerate(eq.carried):
         writers[4].line(f"out[{i}]", f"1.0 * {writers[4].value(rate, bind | sides)}")
     resting = [f"y[{i}] = {writers[5].value(new, bind)}" for i, new in eq.settled.items()]
-    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting), strict=True)
+    for k in _flags_in(eq.sampled.values()):
+        writers[6].line(f"b{k}", f"-1.0 if {writers[6].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+    sampled = [f"out[{i}] = 1.0 * {writers[6].value(new, bind | sides)}" for i, new in eq.sampled.items()]
+    bodies = zip(driver.LOOKS, (w.lines for w in writers), ([], news, [], passed, [], resting, sampled), strict=True)
     takes, parts = "row, t, y, clock, mode, out", []
     calls = [f'@njit("{driver.FUNCTIONS["look"]}", **OPTIONS)', f"def look(what, {takes}):"]
     for what, (name, before, after) in enumerate(bodies):

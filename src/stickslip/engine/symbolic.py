@@ -32,6 +32,7 @@ class Symbolic:
 
     def __init__(self, model: Any, cyclic: bool):
         self.graph = graph = Graph()
+        graph.begins_anew = model.period is not None
         self.cyclic = cyclic
         self.pressed: list[Any] = []  # stops that may stay closed
         names = numbers_of(model)
@@ -42,6 +43,7 @@ class Symbolic:
         self.laws, self.directions = self.equations.laws, self.equations.directions
         self.t, n = graph.variable("t"), self.equations.coordinates
         self.y = tuple(graph.variable(f"v{j}" if n > 1 else "v") for j in range(n))
+        self.held = tuple(graph.variable(f"c{k}") for k in range(self.equations.controllers.count))  # states of the controllers
         self.places = self._places()
         if self.single:
             graph.sign(self.y[0])  # of one body, flag 0 is always the side of v
@@ -78,11 +80,28 @@ class Symbolic:
         """
         v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
         forces = [R.get(i, 0.0) for i in range(len(self.laws))]
-        found = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces))
+        found = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces, self.held))
         if closed is not AS_IT_IS:
             return found if closed is None else closed.closing(self, found)
         for p in self.pressed:
             found = tuple(self.graph.select(p.closed, shut, a) for shut, a in zip(p.closing(self, found), found, strict=True))
+        return found
+
+    @property
+    def held_scales(self) -> tuple[Sym, ...]:
+        """Typical sizes of the controllers' states."""
+        return tuple(map(self.lift, self.equations.controllers.scales))
+
+    def held_rates(self) -> tuple[Sym, ...]:
+        """Rates of the controllers' states between samples."""
+        return tuple(map(self.lift, self.equations.control_rates(self.t, self.places, self.v, self.held)))
+
+    def held_after_sample(self) -> tuple[Sym, ...]:
+        """The controllers' states after a sample; its conditions are those of the instant."""
+        graph, before = self.graph, self.graph.at_once
+        graph.at_once = True
+        found = tuple(map(self.lift, self.equations.control_sampled(self.t, self.places, self.v, self.held)))
+        graph.at_once = before
         return found
 
     def feet(self, i: int) -> list[int]:

@@ -115,7 +115,7 @@ class Sym:
 
     def __ss_within__(self, period: Any) -> Sym:
         if not self.graph.begins_anew and self.graph.varies(self):
-            raise TraceError("the time of a flow goes on from period to period, so within(t, period) is not known; write sin and cos of t")
+            raise TraceError("time goes on here and never begins anew with a period, so within(t, period) is not known; write sin and cos")
         if self.op == "variable" or self.level < STATE:
             return self  # the engine's time begins anew with each period
         return self._with(maths.wrapped(self, period))  # what is ahead of it, or behind

@@ -104,6 +104,9 @@ class System:
     forgetting: dict[int, Sym] = field(default_factory=dict)  # changes where an impulse takes v through zero, by number of the state
     settled: dict[int, Sym] = field(default_factory=dict)  # changes with which a run begins, by number of the state: of what rests there
     labels: int = 0  # without contacts, the first so many modes are kept with each piece; the very first one is given with a start
+    controllers: tuple[tuple[str, tuple[str, ...], tuple[int, ...]], ...] = ()  # name, names of its states, their numbers
+    sampling: tuple[Sym, ...] = ()  # time between samples, which are at its multiples; of a tangent the change of that too
+    sampled: dict[int, Sym] = field(default_factory=dict)  # new states at a sample, by number of the state
     sizes: tuple[Sym, ...] = ()  # of the states where a step begins, if no machine says how large they are; a step is as exact as these
 
     @property

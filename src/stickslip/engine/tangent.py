@@ -67,9 +67,13 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
     given = [along.of(instant) - pace * instant for instant in instants]
     found = _with_passive(system, [*changes, late], [*slopes, zero])
     switches = {k: _saltation(system, k, rows, rates, changes, late, along) for k in _switching(system)}
+    flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
+    held = {system.states + i: along.of(new) + (flow.of(new) - rates[i]) * late for i, new in system.sampled.items()}
     return replace(
         found,
         names=(*system.names, *map(part_in, names)),
+        sampling=(*system.sampling, *(along.of(between) - pace * between for between in system.sampling)),
+        sampled=system.sampled | held,
         switches=found.switches | switches,
         carried=tuple(rates),
         delays=tuple(given),
@@ -91,6 +95,12 @@ def with_volume(system: System) -> System:
     It knows what no change itself can show: a stiff bristle forgets by e^-1000 in a period. At a switch the volume grows by the determinant
     of D = R_x + u g_x^T / (g_x f- + g_t), u = f+ - R_x f- - R_t.
     """
+    if system.sampled:
+        raise InputError(
+            "exponents",
+            ["the machine has a controller that takes samples: it forgets what it held at each, and how a volume of starts grows is then "
+             "minus infinity; allowed are controllers that act continuously; type sample=None, or ss.periodic_orbit for its multipliers"],
+        )  # fmt: skip
     graph, (rows, rates), count = system.graph, _rows(system), system.states - system.passive
     found, volume = tangent(system, ()), graph.variable("volume")
     trace = graph.constant(0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from stickslip.engine.observed import Observed, with_signals
 from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
 from stickslip.engine.symbolic import SPAN, Symbolic, numbers_of
-from stickslip.engine.symbols import Graph, Sym, TraceError
+from stickslip.engine.symbols import STATE, Graph, Sym, TraceError
 from stickslip.engine.system import Switch, System
 from stickslip.engine.values import values_of
 from stickslip.errors import InputError
@@ -69,7 +70,7 @@ def _only_differences(eq: System) -> bool:
     """Whether the positions appear as differences only: what a common shift changes is zero, at any numbers."""
     graph, places = eq.graph, [eq.y[i] for i in eq.positions]
     changes = []
-    for node in (*eq.f[: eq.positions.start], *eq.guards):
+    for node in (*eq.f[: eq.positions.start], *eq.guards, *eq.sampled.values()):
         total = graph.constant(0.0)
         for place in places:
             total = total + graph.derivative(node, place)
@@ -102,7 +103,8 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
     places = tuple(place for place in m.places if place is not zero)
     rates = m.v if not cyclic else tuple(v - m.v[0] for v in m.v[1:])
     n = len(m.y)
-    y, f = (*m.y, *parts.inner, *places), (*f, *parts.rates, *rates)
+    held = range(n + len(parts.inner), n + len(parts.inner) + len(m.held))
+    y, f = (*m.y, *parts.inner, *m.held, *places), (*f, *parts.rates, *m.held_rates(), *rates)
     distance = None if m.single or model.period is None else scale * m.period(model) / (2 * pi)
     for i in range(len(m.laws)):
         if graph.varies(m.loads[i]):
@@ -124,11 +126,22 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
         impulses=tuple((m.lift(instant), tuple(map(m.lift, jumps))) for instant, jumps in m.equations.jumps),
         period=m.period(model), velocity_scale=scale,
         free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
-        scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *(distance for _ in places)),
+        scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *m.held_scales, *(distance for _ in places)),
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
-        free=m.accelerations({})[0], inertia=_inertia(m),
+        free=m.accelerations({})[0], inertia=_inertia(m), **_of_controllers(m, held),
     )  # fmt: skip
     return eq if m.single and not observe else with_signals(eq, parts, observe)
+
+
+def _of_controllers(m: Symbolic, held: range) -> dict[str, Any]:
+    """The states that controllers hold, and what a sample makes of them."""
+    parts = m.equations.controllers
+    if not held:
+        return {}
+    ends = list(accumulate(parts.counts, initial=held.start))
+    named = tuple((name, states, tuple(range(*of))) for name, states, of in zip(parts.names, parts.states, pairwise(ends), strict=True))
+    new = {i: value for i, old, value in zip(held, m.held, m.held_after_sample(), strict=True) if value is not old}
+    return {"controllers": named, "sampling": () if parts.sample is None else (m.lift(parts.sample),), "sampled": new}
 
 
 def _shares(m: Symbolic) -> tuple[Sym, ...]:
@@ -168,8 +181,10 @@ def _at_zero(graph: Graph, node: Sym, t: Sym) -> list[Sym]:
     """What an expression may be at t = 0: a choice on time has two values."""
     if node is t:
         return [graph.constant(0.0)]
-    if not graph.varies(node):
+    if node.level < STATE:
         return [node]
+    if node.op == "select":
+        return [value for arg in node.args[1:] for value in _at_zero(graph, arg, t)]
     a = [_at_zero(graph, arg, t) for arg in node.args]
     match node.op:
         case "add":
@@ -178,8 +193,6 @@ def _at_zero(graph: Graph, node: Sym, t: Sym) -> list[Sym]:
             return [x - y for x in a[0] for y in a[1]]
         case "multiply":
             return [x * y for x in a[0] for y in a[1]]
-        case "select":
-            return a[1] + a[2]
     raise TraceError(f"a condition on time has {node.op} in it; write it as where(within(t, period) < instant, ...)")
 
 

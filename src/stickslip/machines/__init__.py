@@ -3,7 +3,9 @@
 from stickslip.machines.bodies import Bodies
 from stickslip.machines.chain import Chain
 from stickslip.machines.forced import Forced
+from stickslip.machines.joint import Joint
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact, Gait, Rigid, Spring, Stop
+from stickslip.machines.pid import PID
 
-__all__ = ["Bodies", "Body", "Chain", "Contact", "Forced", "Gait", "Machine", "Rigid", "Spring", "Stop"]
+__all__ = ["PID", "Bodies", "Body", "Chain", "Contact", "Forced", "Gait", "Joint", "Machine", "Rigid", "Spring", "Stop"]

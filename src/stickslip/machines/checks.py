@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.controllers import NEEDS
 from stickslip.errors import Problems, did_you_mean
-from stickslip.fields import checked_number, positive
+from stickslip.fields import checked_number, describe, everywhere, positive
 from stickslip.forces import check_law
 from stickslip.machines.parts import Body, Contact, Stop
 
@@ -16,6 +17,7 @@ _EXAMPLES = {
     "contacts": '{"head": ss.Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21))}',
     "links": '{("head", "tail"): ss.Spring(stiffness=1200.0)}',
     "stops": '{("head", None): ss.Stop(gap=0.01, restitution=0.5)}',
+    "controllers": '{"hold": Hold(gain=30.0)}',
 }
 
 
@@ -44,8 +46,11 @@ def check_parts(machine: Any, problems: Problems) -> None:
         problems.add(
             f"principal = {machine.principal!r}; allowed is None or the name of a body; {did_you_mean(str(machine.principal), bodies)}"
         )
+    for name, part in listed["controllers"].items():
+        _check_controller(name, part, bodies, problems)
     if not problems.found:
         _check_groups(machine, problems)
+        _check_controllers(machine, problems)
 
 
 def _check_body(name: Any, body: Any, problems: Problems) -> None:
@@ -106,6 +111,43 @@ def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
         problems.add(
             f"{where} prescribes where a body is; allowed are links between two bodies; leave the body out, or join it by a spring"
         )
+
+
+def _check_controller(name: Any, part: Any, bodies: dict[str, Any], problems: Problems) -> None:
+    """Note what is no controller, or starts with other states than it has, or acts on bodies that are not there."""
+    where = f"controllers()[{name!r}]"
+    if missing := [each for each in NEEDS if isinstance(part, type) or not hasattr(part, each)]:
+        problems.add(f"{where} = {part!r} has no {', no '.join(missing)}; allowed is an object with {', '.join(NEEDS)}")
+        return
+    x, v = {each: body.position for each, body in bodies.items()}, dict.fromkeys(bodies, 0.0)
+    z = part.start(0.0, x, v)
+    told = {"start": z, "rates": part.rates(0.0, x, v, z), "scales": part.scales}
+    for what, numbers in told.items():
+        if len(numbers) != len(part.states):
+            problems.add(f"{where}.{what} gives {len(numbers)} numbers; allowed is one for each of the states {', '.join(part.states)}")
+    for body in part.forces(0.0, x, v, z):
+        if body not in bodies:
+            problems.add(f"{where} acts on {body!r}, which is no body; {did_you_mean(str(body), bodies)}")
+
+
+def _check_controllers(machine: Any, problems: Problems) -> None:
+    """Note controllers whose samples do not come together, or do not come back with the machine's period."""
+    parts = machine.mechanics.controllers.parts
+    samples = {name: part.sample for name, part in parts.items() if part.sample is not None}
+    for name, own in samples.items():
+        first, other = next(iter(samples.items()))
+        if not everywhere(abs(own - other) <= 1e-12 * other):
+            problems.add(f"controllers()[{name!r}] samples every {own!r} s and {first!r} every {other!r} s; allowed is one time for all")
+        if machine.period is not None and not everywhere(abs(_off_whole(machine.period / own)) <= 1e-9):
+            told = f"the period of {describe(machine.period)} s is no whole number of them"
+            problems.add(f"controllers()[{name!r}] samples every {describe(own)} s, and {told}; allowed is a period that is")
+
+
+def _off_whole(ratio: Any) -> Any:
+    """How far a number is from the nearest whole one, as a part of it."""
+    import numpy as np
+
+    return (ratio - np.rint(ratio)) / ratio
 
 
 def _check_groups(machine: Any, problems: Problems) -> None:

@@ -154,6 +154,10 @@ class BodyAndMass:
         """That of the body, which bears both masses."""
         return {"contact": Contact("body", self.robot.friction, load=self.robot.load)}
 
+    def controllers(self) -> dict[str, Any]:
+        """None."""
+        return {}
+
     def links(self) -> Mapping[Any, Any]:
         """Spring and damper."""
         return {("inner", "body"): Spring(self.drive.stiffness, self.drive.damping)}

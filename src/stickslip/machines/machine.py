@@ -95,6 +95,10 @@ class Machine(Frozen):
         """Further applied forces [N] by body, from the positions [m] and velocities [m/s] of all bodies by name."""
         return {}
 
+    def controllers(self) -> Mapping[str, Any]:
+        """What controls it, by name: parts that hold states of their own and act on bodies, such as those of a `stickslip.Joint`."""
+        return {}
+
     def _check(self, problems: Problems) -> None:
         check_shape(self, problems)
         if not problems.found:

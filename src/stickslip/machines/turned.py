@@ -72,10 +72,55 @@ class Turned(Machine):
         """The stops likewise."""
         return {_ends(ends): _stops(ends, stop) for ends, stop in self.machine.stops().items()}
 
+    def controllers(self) -> Mapping[str, Any]:
+        """The controllers, which see the machine as it is and act the other way round here; what they hold stays."""
+        return {name: _TurnedController(part) for name, part in self.machine.controllers().items()}
+
     def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
         """The forces, turned round."""
-        there = self.machine.forces(t, {name: -of for name, of in x.items()}, {name: -of for name, of in v.items()})
-        return {name: -force for name, force in there.items()}
+        return _negative(self.machine.forces(t, _negative(x), _negative(v)))
+
+
+@dataclass(frozen=True, eq=False)
+class _TurnedController:
+    """A controller in the mirror."""
+
+    part: Any
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of its states."""
+        return self.part.states
+
+    @property
+    def sample(self) -> Any:
+        """Time between its samples [s]."""
+        return self.part.sample
+
+    @property
+    def scales(self) -> tuple[Any, ...]:
+        """Sizes of its states."""
+        return self.part.scales
+
+    def start(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> tuple[Any, ...]:
+        """Its states when it is switched on."""
+        return self.part.start(t, _negative(x), _negative(v))
+
+    def rates(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+        """Rates of its states."""
+        return self.part.rates(t, _negative(x), _negative(v), z)
+
+    def sampled(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> tuple[Any, ...]:
+        """Its states after a sample."""
+        return self.part.sampled(t, _negative(x), _negative(v), z)
+
+    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any], z: Any) -> Mapping[str, Any]:
+        """Its forces, turned round [N]."""
+        return _negative(self.part.forces(t, _negative(x), _negative(v), z))
+
+
+def _negative(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: -value for name, value in values.items()}
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.contracts import Machine
 from stickslip.machines.chain import Chain
+from stickslip.machines.joint import Joint
 from stickslip.mechanisms.block_on_belt import BlockOnBelt
 from stickslip.mechanisms.forced_oscillator import ForcedOscillator
 from stickslip.mechanisms.pulled_mass import PulledMass
@@ -15,4 +16,4 @@ __all__ = ["MECHANISMS", "BlockOnBelt", "ForcedOscillator", "PulledMass"]
 
 _ALL = (BlockOnBelt, ForcedOscillator, PulledMass)
 _KEEPING_THE_CONTRACT: tuple[type[Machine], ...] = _ALL  # mypy compares their methods
-MECHANISMS: dict[str, Any] = {cls.kind: cls for cls in (*_ALL, Chain)}
+MECHANISMS: dict[str, Any] = {cls.kind: cls for cls in (*_ALL, Chain, Joint)}

@@ -20,6 +20,7 @@ from stickslip.mechanics import normal_load
 from stickslip.plot.flows import flow_phase
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
+from stickslip.variables import unit_of
 
 __all__ = ["forces", "limits", "only_run", "phase", "rests", "sampled", "span", "time_axis", "velocity"]
 
@@ -190,7 +191,7 @@ def velocity(
             since = t - spans[number][0]
             ax.plot(since * time, v * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
         time_axis(ax, runs[0], spans[0], time, seconds)
-        ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
+        ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
         return _finish(ax, curves, shaded)
 
 
@@ -253,8 +254,8 @@ def phase(
             ax.plot(s * across, v * up, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
             marker = {"markersize": 4, "color": "white", "markeredgecolor": COLOURS[i % 7], "markeredgewidth": 1.1}
             ax.plot(strobe_s * across, strobe_v * up, "o", zorder=9, **marker)
-        ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}m)")
-        ax.set_ylabel(f"velocity $v$ ({unit}m/s)")
+        ax.set_xlabel(f"{_displacement(runs[0].model)} ({metres}{unit_of('x', runs[0].model)})")
+        ax.set_ylabel(f"velocity $v$ ({unit}{unit_of('v', runs[0].model)})")
         ax.margins(0.06)
         return _finish(ax, orbits, [_strobe_word()] if runs[0].model.period is not None else [])
 
@@ -374,7 +375,8 @@ def _forces_of_contacts(run: Any, periods: float | None, ax: Any, duration: floa
         for i, (name, _, t, R) in enumerate(curves):
             ax.plot((t - start) * time, R * factor, color=COLOURS[i % 7], linestyle=DASHES[i % 7], label=name, zorder=2 + i)
         time_axis(ax, run, (start, end), time, seconds)
-        ax.set_ylabel(f"friction force $R$ ({unit}N)")
+        newtons = unit_of("load", run.model)
+        ax.set_ylabel(f"friction {'torque' if newtons == 'N m' else 'force'} $R$ ({unit}{newtons})")
         return _finish(ax, curves)
 
 

@@ -2,6 +2,7 @@
 
 from stickslip.presets.capsules import capsubot, capsule
 from stickslip.presets.chains import two_modules, worm
+from stickslip.presets.joints import servo
 from stickslip.presets.robots import coulomb_robot, piezo_beam_rig, piezo_rig
 
 __all__ = [
@@ -12,11 +13,12 @@ __all__ = [
     "coulomb_robot",
     "piezo_beam_rig",
     "piezo_rig",
+    "servo",
     "two_modules",
     "worm",
 ]
 
-_ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule)
+_ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo)
 #: Every preset by its name.
 PRESETS = {preset.__name__: preset for preset in _ALL}
 #: Presets whose units are all 1: what they give is no number of meters or seconds.

@@ -7,6 +7,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.machine import machine_of
+from stickslip.variables import unit_of
 
 __all__ = ["facts", "mean_of", "tables"]
 
@@ -20,9 +21,9 @@ def facts(run: Any) -> list[tuple[str, str]]:
     return _of_robot(run) if run.model.period is not None else _of_bench(run)
 
 
-def millimetres(*velocities: float) -> str:
-    """Velocities [m/s] in mm/s, as a range if there are two."""
-    return " to ".join(f"{1e3 * v:.6g}" for v in velocities).replace("-", "−") + " mm/s"
+def millimetres(*velocities: float, model: Any = None) -> str:
+    """Velocities [m/s] in mm/s, of a machine about an axis in mrad/s, as a range if there are two."""
+    return " to ".join(f"{1e3 * v:.6g}" for v in velocities).replace("-", "−") + f" m{unit_of('v', model)}"
 
 
 def joules(work: float) -> str:
@@ -104,7 +105,7 @@ def _of_machine(run: Any) -> list[tuple[str, str]]:
     law = machine_of(run.model).law_names
     found = [
         ("machine", f"{type(run.model).__name__} with {run.pieces.layout.says}" + (f", {law} friction" if law else "")),
-        (f"mean velocity of {_whose(run.model)}", millimetres(mean_of(run))),
+        (f"mean velocity of {_whose(run.model)}", millimetres(mean_of(run), model=run.model)),
     ]
     if run.model.period is not None:
         m: Any = motion(run)
@@ -157,12 +158,12 @@ def _bodies(run: Any) -> tuple[str, Row, list[Row]]:
         rows.append(
             (
                 name,
-                f"{float(parts[name].mass):.6g} kg",
-                millimetres(mean_of(run, name)),
-                millimetres(*(_told(run, float(end)) for end in (v.min(), v.max()))),
+                f"{float(parts[name].mass):.6g} {'kg m²' if unit_of('x', run.model) == 'rad' else 'kg'}",
+                millimetres(mean_of(run, name), model=run.model),
+                millimetres(*(_told(run, float(end)) for end in (v.min(), v.max())), model=run.model),
             )
         )
-    return "The bodies.", ("body", "mass", "mean velocity", "velocity"), rows
+    return "The bodies.", ("body", "inertia" if unit_of("x", run.model) == "rad" else "mass", "mean velocity", "velocity"), rows
 
 
 def _contacts(run: Any) -> list[tuple[str, Row, list[Row]]]:
@@ -212,7 +213,7 @@ def _links(run: Any) -> list[tuple[str, Row, list[Row]]]:
     losses = _losses(run, "damping_of")
     for name in dict.fromkeys([*losses, *struck]):
         fastest = max((-rate for _, rate in struck.get(name, [])), default=None)
-        told = (str(len(struck.get(name, []))), "–" if fastest is None else millimetres(fastest)) if struck else ()
+        told = (str(len(struck.get(name, []))), "–" if fastest is None else millimetres(fastest, model=run.model)) if struck else ()
         rows.append((name, losses.get(name, "–"), *told))
     head = ("between", "takes", *(("hits", "fastest hit") if struck else ()))
     return [("Links and stops, by the bodies that they join.", head, rows)] if rows else []

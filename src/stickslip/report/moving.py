@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.machine import machine_of
+from stickslip.variables import unit_of
 
 __all__ = ["moments", "shown_span", "stage"]
 
@@ -29,7 +30,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
         t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
         track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass; rows with the
         name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies
-        with whether they give way.
+        with whether they give way; lengths and speeds, the units of x and v, which about an axis are mrad and mrad/s.
     """
     import numpy as np
 
@@ -39,6 +40,8 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     return {
         "t": _plain(factor * (at["t"] - start)),
         "unit": unit,
+        "lengths": f"m{unit_of('x', run.model)}",
+        "speeds": f"m{unit_of('v', run.model)}",
         "bodies": [_body(part, x, v, at) for part, x, v in _columns(run, at)],
         "rows": _rows(run, start, end, factor),
         "links": _links(run.model),

@@ -7,6 +7,7 @@ from typing import Any
 from stickslip.machine import machine_of
 from stickslip.plot.runs import limits, rests, sampled, span
 from stickslip.report.charts import chart, curve
+from stickslip.variables import unit_of
 
 __all__ = ["forces", "velocity"]
 
@@ -24,7 +25,8 @@ def velocity(run: Any) -> dict[str, Any]:
     t, (v,), shade, across = _columns(run, 3, ("v",))
     shown = "over three drive periods" if run.model.period is not None else "over the run"
     curves = _by_part(run.bodies, 1e3 * v) or [curve("velocity", 1e3 * v)]
-    return chart(f"velocity of {'the body' if v.ndim == 1 else 'each body'} {shown}", t, across, ("velocity v", "mm/s"), curves, shade)
+    up = ("velocity v", f"m{unit_of('v', run.model)}")
+    return chart(f"velocity of {'the body' if v.ndim == 1 else 'each body'} {shown}", t, across, up, curves, shade)
 
 
 def _by_part(names: Any, columns: Any) -> list[Any]:
@@ -39,7 +41,7 @@ def forces(run: Any) -> dict[str, Any]:
     shown = "over two drive periods" if run.model.period is not None else "over the run"
     parts = _by_part(run.contacts, 1e3 * found[0])
     if parts:
-        return chart(f"friction force of each contact {shown}", t, across, ("force", "mN"), parts)
+        return chart(f"friction force of each contact {shown}", t, across, ("force", f"m{unit_of('load', run.model)}"), parts)
     words = ("friction force R", "drive force −m d²ξ/dt²")
     curves = [curve(word, 1e3 * y, number=i) for i, (word, y) in enumerate(zip(words, found, strict=False))]
     borders = limits(run, _shown(run, 2)[0] + t / _clock(run)[0])

@@ -14,6 +14,7 @@ __all__ = ["check_period"]
 
 _INSTANTS = (0.5 * (3 - 5**0.5), 0.7236067977499789)  # of a period, at which no drive is likely to jump
 _SAME = 1e-9  # of the largest value
+_WHOLE = 1e-9  # of a number of samples
 
 
 def check_period(model: Any) -> None:
@@ -27,6 +28,7 @@ def check_period(model: Any) -> None:
     if model.period is None:
         return
     mechanics = machine_of(model).mechanics
+    _check_samples(model, mechanics)
     try:
         found = {name: _missed(mechanics, f) for name, f in (("load", _loads), ("acceleration", _free))}
     except Exception:  # what is not written for these numbers is told where it is traced
@@ -40,6 +42,21 @@ def check_period(model: Any) -> None:
                  f"the equations come back; write the property period of {kind} so, or, if there is none, take a method whose time goes "
                  'on: method="dop853" or method="radau"'],
             )  # fmt: skip
+
+
+def _check_samples(model: Any, mechanics: Mechanics) -> None:
+    """Note a period that is no whole number of the time between samples."""
+    between = mechanics.controllers.sample
+    if between is None:
+        return
+    ratio = np.asarray(model.period / between, float)
+    if np.any(abs(ratio - np.rint(ratio)) > _WHOLE * ratio):
+        kind = type(model).__name__
+        raise InputError(
+            kind,
+            [f"its controller samples every {between!r} s, of which its period of {model.period!r} s is no whole number; allowed is a "
+             f"period that is; make {kind} anew with these numbers, so that it finds its period"],
+        )  # fmt: skip
 
 
 def _free(mechanics: Mechanics, t: Any) -> Any:

@@ -15,11 +15,11 @@ __all__ = ["start_of_parts"]
 
 Array = Any
 _SAME = 1e-9  # of the largest position or velocity: how well bodies at a prescribed distance must keep it
-_EXAMPLE = {"x": "x={name: 0.0}", "v": "v={name: 0.1}", "z": "z={name: 0.0}", "memory": "memory={name: 0}"}
+_EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("v", 0.1), ("z", 0.0), ("memory", 0), ("control", 0.0))}
 
 
 def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -> Array:
-    """A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what the laws hold, by contact."""
+    """A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold."""
     flat = replace_leaf(model, numbers_by_name(model))
     mechanics, cases = machine_of(flat).mechanics, int(np.prod(labels.shape, dtype=np.int64))
     laws = mechanics.laws
@@ -44,7 +44,11 @@ def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -
     memory = _filled("memory", given.get("memory"), memories, np.zeros((cases, sum(memories.values()))), labels, problems)
     if np.any(memory != np.round(memory)):
         problems.add(f"start memory = {given['memory']!r}; allowed are whole numbers")
-    return np.hstack([q, u, z, memory])
+    controllers = mechanics.controllers
+    owned = dict(zip(controllers.names, controllers.counts, strict=True))
+    switched_on = mechanics.control_start(0.0, tuple(q.T), tuple(u.T))
+    held = _filled("control", given.get("control"), owned, _columns(switched_on, cases), labels, problems)
+    return np.hstack([q, u, z, held, memory])
 
 
 def _columns(rows: Any, cases: int) -> Array:

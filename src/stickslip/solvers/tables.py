@@ -58,7 +58,7 @@ class CaseTable:
         self.cyclic = bool(kernel.layout.ways)
         steps = self.cyclic and not machine_of(model).has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
-        inner = sum(law.states for law in machine_of(model).laws)
+        inner = sum(machine_of(model).mechanics.inner)
         q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + inner], axis=1)
         places = q[:, 1:] - q[:, :1] if self.cyclic else q
         self.start = np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))

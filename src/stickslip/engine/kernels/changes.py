@@ -32,15 +32,15 @@ def settle_changes(lane, S, row, D):
         S[D[F_Y] + i * D[LANES] + lane] = y[i]
 
 
-@njit(void(int64, boolean, boolean, f1, f1, f1, i1), **OPTIONS)
-def shift_changes(lane, within, first, before, S, row, D):
-    """What a known instant does to the changes of the states: they get its own change times what the rates jump by, and the kick's.
+@njit(boolean(int64, f1, f1, i1), **OPTIONS)
+def note_late(lane, kicks, S, D):
+    """Note by how much later the present instant comes along the direction, and what kicks change by; whether it is one that may move.
 
-    Instants that fall together and part along the direction have no one change: then there is none of the states either.
+    Instants that fall together and part along the direction have no one change.
     """
     L, J = D[LANES], D[COORDINATES]
     t, period, n = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * L + lane], D[STATES] - D[PASSIVE]
-    late, met, kicks = 0.0, False, np.zeros(J)
+    late, met = 0.0, False
     for k in range(D[BREAKS]):
         away = abs(t - S[D[F_C] + (D[BREAK_AT] + k) * L + lane])
         if min(away, abs(period - away)) > 1e-12 * period:
@@ -51,9 +51,20 @@ def shift_changes(lane, within, first, before, S, row, D):
         i = k - D[BREAKS] + D[IMPULSES]
         for j in range(J if i >= 0 else 0):
             kicks[j] += S[D[F_C] + (D[DELAY_AT] + D[BREAKS] + i * J + j) * L + lane]
+    if is_sample(lane, S, D):
+        between = S[D[F_C] + D[SAMPLE_AT] * L + lane]
+        own = math.floor(t / between + 0.5) * S[D[F_C] + (D[SAMPLE_AT] + 1) * L + lane] if t < period * (1.0 - 1e-12) else 0.0
+        late = own if not met or abs(own - late) <= 1e-9 * (abs(own) + abs(late)) else math.nan
+        met = True
     S[D[F_Y] + (n + D[CARRIED]) * L + lane] = late
-    if not met:  # the end of a period, which no direction moves
-        return
+    return met
+
+
+@njit(void(int64, boolean, boolean, f1, f1, f1, f1, i1), **OPTIONS)
+def shift_changes(lane, within, first, before, kicks, S, row, D):
+    """What a known instant does to the changes of the states: they get its own change times what the rates jump by, and the kick's."""
+    L, J, n = D[LANES], D[COORDINATES], D[STATES] - D[PASSIVE]
+    late = S[D[F_Y] + (n + D[CARRIED]) * L + lane]
     if D[MODES] > 0 and D[SET_VALUED] == 0 and (late != 0.0 or np.any(kicks != 0.0)):
         late = math.nan  # what a law forgets at an impulse that is moved itself is not followed
     after, held = np.empty(D[CARRIED]), S[D[F_T] + lane]

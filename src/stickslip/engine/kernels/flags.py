@@ -30,7 +30,22 @@ def set_flags(lane, S, row, first, D):
         instant = S[D[F_C] + (D[BREAK_AT] + k) * L + lane]
         if instant > t + 1e-12 * period and instant < end and instant < period * (1.0 - 1e-12):
             end = instant
+    if D[SAMPLE_AT] >= 0:
+        between = S[D[F_C] + D[SAMPLE_AT] * L + lane]
+        instant = (math.floor(t / between + 1e-9) + 1.0) * between
+        if instant < end and instant < period - 1e-6 * between:
+            end = instant
     S[D[F_TEND] + lane] = end
+
+
+@njit(boolean(int64, f1, i1), **OPTIONS)
+def is_sample(lane, S, D):
+    """Whether controllers take a sample at the present instant; the end of a period is one if it is nearly a multiple."""
+    if D[SAMPLE_AT] < 0:
+        return False
+    t, period = S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+    count = t / S[D[F_C] + D[SAMPLE_AT] * D[LANES] + lane]
+    return abs(count - math.floor(count + 0.5)) <= (1e-9 if t < period * (1.0 - 1e-12) else 1e-6)
 
 
 @njit(boolean(int64, int64, f1, i1), **OPTIONS)
@@ -55,16 +70,32 @@ def jump_of(lane, j, S, D):
 
 @njit(boolean(int64, f1, i1), **OPTIONS)
 def is_thrown(lane, S, D):
-    """Whether a velocity jumps at the present instant: that of a coordinate, or of what a contact rubs on."""
-    thrown = False
+    """Whether a velocity jumps at the present instant, that of a coordinate or of what a contact rubs on, or a force that is held."""
+    thrown = is_sample(lane, S, D)
     for k in range(D[IMPULSES]):
         thrown = thrown or is_now(lane, k, S, D)
     return thrown
 
 
 @njit(void(int64, f1, f1, i1), **OPTIONS)
+def take_sample(lane, S, row, D):
+    """What controllers hold after a sample; where something jumps at that instant they see what comes after it."""
+    L, t, period = D[LANES], S[D[F_T] + lane], S[D[F_C] + D[PERIOD] * D[LANES] + lane]
+    begun = t if t < period * (1.0 - 1e-12) else 0.0
+    y, clock, mode, new = np.empty(D[STATES]), np.empty(D[CLOCKS]), np.empty(D[MODES]), np.empty(D[STATES])
+    for i in range(D[STATES]):
+        y[i] = new[i] = S[D[F_Y] + i * L + lane]
+    for k in range(D[MODES]):
+        mode[k] = S[D[F_MODE] + k * L + lane]
+    call_look(D[AT_LOOK], CLOCK_SIGNS, row, begun + 1e-13 * period, y, clock, mode, clock)
+    call_look(D[AT_LOOK], SAMPLE, row, begun + 1e-13 * period, y, clock, mode, new)
+    for i in range(D[STATES]):
+        S[D[F_Y] + i * L + lane] = new[i]
+
+
+@njit(void(int64, f1, f1, i1), **OPTIONS)
 def apply_jump(lane, S, row, D):
-    """An impulse: velocities jump; the law of a single contact that remembers until v passes zero forgets."""
+    """An impulse: velocities jump; the law of a single contact that remembers until v passes zero forgets. Then samples are taken."""
     L = D[LANES]
     before = S[D[F_Y] + lane]
     for j in range(D[COORDINATES]):
@@ -81,6 +112,8 @@ def apply_jump(lane, S, row, D):
             S[D[F_Y] + i * L + lane] = y[i]
         for k in range(D[MODES]):
             S[D[F_MODE] + k * L + lane] = mode[k]
+    if is_sample(lane, S, D):
+        take_sample(lane, S, row, D)
 
 
 @njit(float64(int64, f1, i1), **OPTIONS)

@@ -63,10 +63,12 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
 @njit(void(int64, float64, boolean, boolean, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
 def carry_through(lane, slip_ratio, within, first, S, N, K, PARAM, SEGT, SEGC, D):
     """The same with passive states that are changes of others: their part depends on the rates before and after."""
-    before, row = np.empty(D[CARRIED]), PARAM[N[lane, CASE]]
+    before, kicks, row = np.empty(D[CARRIED]), np.zeros(D[COORDINATES]), PARAM[N[lane, CASE]]
     call_rates_now(D[AT_RATES_NOW], lane, S[D[F_T] + lane], before, S, row, D)
+    moves = call_note_late(D[AT_NOTE_LATE], lane, kicks, S, D)
     pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D)
-    call_shift_changes(D[AT_SHIFT_CHANGES], lane, within, first, before, S, row, D)
+    if moves:  # no direction moves the end of a period
+        call_shift_changes(D[AT_SHIFT_CHANGES], lane, within, first, before, kicks, S, row, D)
 
 
 @njit(void(int64, f1, i2, f2, f3, f3, f2, i2, f3, i1), **OPTIONS)
@@ -246,7 +248,8 @@ def watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
 def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HELD, FOUND, PARAM, OUT, SEGT, SEGC, D):
     """At a known instant, the end of the period or one within it: impulse, strobe state, flags for the steps that follow."""
     jumped, within, done = False, False, 0
-    if D[BREAKS] > 0:
+    known = D[BREAKS] > 0 or D[SAMPLE_AT] >= 0
+    if known:
         jumped = is_thrown(lane, S, D)
         within = S[D[F_T] + lane] < S[D[F_C] + D[PERIOD] * D[LANES] + lane]
         if D[CARRIED] > 0:
@@ -256,7 +259,7 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HEL
     if not within:
         done = end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D)
         S[D[F_T] + lane] = 0.0
-    if D[BREAKS] > 0:
+    if known:
         set_flags(lane, S, PARAM[N[lane, CASE]], D[SET_VALUED] == 1 and jumped, D)
         if N[lane, FRESH] == 2:
             K[lane, VP], K[lane, BP] = S[D[F_Y] + lane], S[D[F_SIGN] + lane]

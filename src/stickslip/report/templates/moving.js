@@ -51,7 +51,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       mark.style[b.v ? "stroke" : "fill"] = colour(i);
       item.append(swatch, b.name);
       return item;
-    }), el("li", "soft", `the bar is ${told(one)} mm of motion; areas go with masses, distances between bodies are not to scale`));
+    }), el("li", "soft", `the bar is ${told(one)} ${m.lengths} of motion; areas go with masses, distances between bodies are not to scale`));
   }
 
   // ---- velocities and contacts over time ----
@@ -67,8 +67,8 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), size = TALL - 16;
     const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => (Math.abs(v) < 1e-9 * (ends[1] - ends[0]) ? 0 : v)); // rounding is 0
     up = (v) => 8 + (size * (high - v)) / (high - low || 1);
-    const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${told(high, 3)} mm/s`), bottom = el("small", "", told(low, 3));
-    svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${told(low, 3)} to ${told(high, 3)} mm/s`);
+    const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${told(high, 3)} ${m.speeds}`), bottom = el("small", "", told(low, 3));
+    svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${told(low, 3)} to ${told(high, 3)} ${m.speeds}`);
     svg.previousSibling.append(top, bottom);
     make("line", { x1: 0, x2: W, y1: up(0), y2: up(0), class: "faint" }, svg);
     for (const [i, b] of m.bodies.entries()) {
@@ -125,7 +125,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     for (const s of shapes) s.shape.setAttribute("transform", `translate(${s.at(k)} 0)`);
     shapes.springs.forEach(spring);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
-    out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(b.v[k])).join(", ")} mm/s`;
+    out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(b.v[k])).join(", ")} ${m.speeds}`;
     when.setAttribute("aria-valuetext", out.textContent);
   }
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.layout import BodyStates, ContactStates, StateLayout
+from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
 from stickslip.pieces import PolynomialPieces
 from stickslip.solvers.plain.equations import Equations, Mode
 
@@ -73,7 +73,8 @@ def _layout(e: Equations) -> StateLayout:
     if e.single:
         return StateLayout.of_one(e.laws[0].states, e.laws[0].modes, not e.cyclic)
     mechanics = e.mechanics  # bodies at prescribed distances have the states of their common coordinate
-    inner = itertools.pairwise(itertools.accumulate((law.states for law in e.laws), initial=e.n))
+    ends = list(itertools.pairwise(itertools.accumulate(mechanics.inner, initial=e.n)))
+    inner, own, parts = ends[: e.k], ends[e.k :], mechanics.controllers
     memory = itertools.pairwise(itertools.accumulate((law.modes for law in e.laws), initial=0))
     first = e.size - e.n
     places = [(name, mechanics.coordinate_of(name)) for name in mechanics.bodies]
@@ -84,4 +85,7 @@ def _layout(e: Equations) -> StateLayout:
             for name, row, own, held in zip(mechanics.contacts, mechanics.slips_of, inner, memory, strict=True)
         ),
         principal=e.principal,
+        controllers=tuple(
+            ControllerStates(name, states, tuple(range(*of))) for name, states, of in zip(parts.names, parts.states, own, strict=True)
+        ),
     )

@@ -77,7 +77,7 @@ class Equations:
         self.scale_of_time, self.scale_of_velocity = float(machine.time_scale or 1.0), float(machine.velocity_scale)
         self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]
         self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
-        self.forces, self.pressing = Watching(mechanics.accelerations), Watching(mechanics.loads)
+        self.forces, self.pressing = Watching(self._moved), Watching(mechanics.loads)
         self.largest: tuple[dict[int, float], dict[int, float]] = ({}, {})  # difference that each condition has seen
         self.groups = lru_cache(maxsize=256)(self._groups)
 
@@ -87,9 +87,10 @@ class Equations:
         if any(self.G[i][j] != 0 for i in self.applied for j in range(self.k) if j != i):
             names = ", ".join(self.laws[i].name for i in self.applied)
             raise SolveError(f"{names} asks for the force that holds its contact, and another contact of the same body decides on it too")
-        ends = list(itertools.accumulate((law.states for law in self.laws), initial=2 * self.n))
+        ends = list(itertools.accumulate(self.mechanics.inner, initial=2 * self.n))
         self.inner = list(itertools.pairwise(ends))
         self.size = ends[-1]
+        self.held = slice(self.size - self.mechanics.controllers.count, self.size)
 
     # ---- time and state ----
     def between(self, first: float, last: float) -> None:
@@ -111,6 +112,16 @@ class Equations:
         first, last = self.inner[i]
         return tuple(map(float, y[first:last]))
 
+    def controlled(self, y: Any) -> Floats:
+        """States of the controllers."""
+        return list(map(float, y[self.held]))
+
+    def sampled(self, t: float, y: Any) -> Any:
+        """The state after a sample of the controllers."""
+        y, (q, u) = np.array(y, float), self.state(y)
+        y[self.held] = list(map(float, self.mechanics.control_sampled(self.time(t), q, u, self.controlled(y))))
+        return y
+
     def sizes(self, t: float, y: Any) -> Any:
         """A typical size of each state, against which errors are measured."""
         T, speed = self.scale_of_time, self.scale_of_velocity or 1.0
@@ -118,6 +129,7 @@ class Equations:
         for law, load in zip(self.laws, self.loads(t, y), strict=True):
             typical = law.scale(load)
             inner += [speed * T] * law.states if typical is None else [float(v) if v > 0 else speed * T for v in typical]
+        inner += map(float, self.mechanics.controllers.scales)
         return np.array([*[speed * T] * self.n, *[speed] * self.n, *inner])
 
     # ---- kinematics ----
@@ -151,6 +163,11 @@ class Equations:
         """Normal forces [N]."""
         return self.pressing(mode.kinks[1] if mode else (), self.time(t), self.state(y)[0])
 
+    def _moved(self, t: float, q: Any, u: Any, R: Any, z: Any) -> list[Any]:
+        """Accelerations of the coordinates, and rates of what controllers hold."""
+        m = self.mechanics
+        return [*m.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
+
     def pressed(self, t: float, q: Floats, mode: Mode) -> Floats:
         """Normal forces, positive also a moment after a contact is lost: a step looks beyond its end."""
         found = self.pressing(mode.kinks[1], t, q)
@@ -172,7 +189,8 @@ class Equations:
         u = self.settled(t, u, mode)
         w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, q, mode)
         R, inner = self._friction(t, q, u, y, w, loads, mode)
-        a = self.forces(mode.kinks[0], t, q, u, R)
+        found = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
+        a, inner = found[: self.n], [*inner, *found[self.n :]]
         R, rates = [*R, *(0.0 for _ in self.stops)], self.offset_rates(t)
         push = [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
         for group in self.groups(mode.sides):
@@ -189,7 +207,7 @@ class Equations:
     def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: Mode) -> tuple[Floats, Floats]:
         """Friction forces, 0 of what rests, and the rates of all inner states."""
         R, inner = [0.0] * self.k, list[float]()
-        applied = self._applied(t, q, u, mode)
+        applied = self._applied(t, q, u, y, mode)
         for i, law in enumerate(self.laws):
             side = mode.sides[i]
             if not law.dynamic:
@@ -200,11 +218,11 @@ class Equations:
                 inner += map(float, rate)
         return R, inner
 
-    def _applied(self, t: float, q: Floats, u: Floats, mode: Mode) -> dict[int, float]:
+    def _applied(self, t: float, q: Floats, u: Floats, y: Any, mode: Mode) -> dict[int, float]:
         """What would keep the slip constant, for laws that ask [N]."""
         if not self.applied:
             return {}
-        a, rates = self.forces(mode.kinks[0], t, q, u, [0.0] * self.k), self.mechanics.offset_rates(t)
+        a, rates = self.forces(mode.kinks[0], t, q, u, [0.0] * self.k, self.controlled(y))[: self.n], self.mechanics.offset_rates(t)
         return {i: self.effective[i] * (_dot(self.rows[i], a) + float(rates[i])) for i in self.applied}
 
     def right(self, mode: Mode) -> Callable[[float, Any], Floats]:
@@ -269,7 +287,7 @@ class Equations:
     def differences(self, t: float, y: Any, kinks: tuple[Sides | None, Sides | None]) -> tuple[Floats, Floats]:
         """What the conditions of forces and of loads compare."""
         t, (q, u) = self.time(t), self.state(y)
-        return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k), self.pressing.differences(kinks[1], t, q)
+        return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y)), self.pressing.differences(kinks[1], t, q)
 
     def output(self, t: float, y: Any, mode: Mode) -> Floats:
         """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""

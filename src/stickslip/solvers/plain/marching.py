@@ -24,6 +24,7 @@ from stickslip.status import Status
 __all__ = ["Hit", "Run", "march", "marched"]
 
 _EVENTS = 20_000  # events in one period that are taken for chatter
+_MET = 1e-6  # of the time between samples: instants that fall together
 _BEFORE = 1e-9  # of the velocity scale: a slip that a contact at rest gets from asking beside a break, and not from a jump
 
 Jumps = tuple[float, ...]
@@ -55,15 +56,27 @@ def marched(todo: Request, model: Any, case: int) -> Run:
         if len(known) > 2:
             equations.between(first[0], last[0])
         if i:
-            run.throw(first[1])
+            run.throw(first[1], first[2])
         run.go(last[0])
         if run.lost:
             break
     return run
 
 
-def _known(model: Any, end: float) -> list[tuple[float, Jumps]]:
-    """The instants that are known beforehand, with the jumps at each: start, breaks, impulses, borders of their periods, end."""
+def _known(model: Any, end: float) -> list[tuple[float, Jumps, bool]]:
+    """The instants that are known beforehand, with the jumps at each, and whether controllers take a sample there."""
+    found, between = _without_samples(model, end), machine_of(model).mechanics.controllers.sample
+    if between is None:
+        return [(t, jumps, False) for t, jumps in found]
+    dt, still = float(between), (0.0,) * len(found[0][1])
+    told = [(t, jumps, abs(t / dt - round(t / dt)) <= _MET) for t, jumps in found]
+    times = np.array([t for t, _ in found])
+    more = [k * dt for k in range(math.ceil(end / dt * (1 - 1e-12))) if np.min(abs(times - k * dt)) > _MET * dt]
+    return sorted([*told, *((t, still, True) for t in more)], key=lambda known: known[0])
+
+
+def _without_samples(model: Any, end: float) -> list[tuple[float, Jumps]]:
+    """Start, breaks, impulses, borders of their periods, end."""
     machine = machine_of(model)
     nothing = (0.0,) * len(machine.mechanics.masses)
     jumps: dict[float, Jumps] = {}
@@ -73,7 +86,7 @@ def _known(model: Any, end: float) -> list[tuple[float, Jumps]]:
     if not breaks and not jumps and (machine.is_single or model.period is None):
         return [(0.0, nothing), (end, nothing)]
     T = float(model.period)
-    inside = sorted({0.0, *breaks, *jumps})
+    inside = sorted(s for s in {0.0, *breaks, *jumps} if s < T)
     known = [(k * T + s, jumps.get(s, nothing)) for k in range(math.ceil(end / T)) for s in inside]
     return [*((t, jump) for t, jump in known if t < end - 1e-12 * T), (end, nothing)]
 
@@ -98,10 +111,12 @@ class Run:
         return tuple(tuple(itertools.islice(whole, law.modes)) for law in self.equations.laws)
 
     # ---- instants that are known ----
-    def throw(self, jump: Jumps) -> None:
-        """An impulse, or an instant at which something that is prescribed changes: slips may jump, positions stay."""
+    def throw(self, jump: Jumps, sample: bool = False) -> None:
+        """An impulse, a sample, or an instant at which something that is prescribed changes: slips may jump, positions stay."""
         e, before = self.equations, self.mode
         self.y[e.n : 2 * e.n] += jump
+        if sample:
+            self.y = e.sampled(self.t, self.y)
         w = e.slips(self.t, e.state(self.y)[1])
         sides = {i: 1 if w[i] > 0 else -1 for i, side in enumerate(before.sides[: e.k]) if self._jumped(i, side, w[i], any(jump))}
         for i in sides:

@@ -1,0 +1,95 @@
+"""What a machine's controllers hold beside its bodies: states that grow with time, and numbers that are set at known instants."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import accumulate, pairwise
+from typing import Any, Protocol
+
+__all__ = ["NEEDS", "NO_CONTROLLERS", "Controller", "Controllers"]
+
+Named = Mapping[str, Any]
+#: What a controller has to say.
+NEEDS = ("states", "sample", "scales", "start", "rates", "sampled", "forces")
+
+
+class Controller(Protocol):
+    """What a controller of a machine says. Positions x and velocities v come by the names of the bodies, z are its own states.
+
+    Numbers may be floats, arrays of cases, or symbols while equations are traced. Between samples a state changes by its rate; one that is
+    held has the rate 0.
+    """
+
+    states: tuple[str, ...]  # names of its states
+
+    @property
+    def sample(self) -> Any:
+        """Time between its samples, which are at 0, dt, 2 dt, … [s]; None where it acts continuously."""
+
+    @property
+    def scales(self) -> tuple[Any, ...]:
+        """A typical size of each state, positive."""
+
+    def start(self, t: Any, x: Named, v: Named) -> tuple[Any, ...]:
+        """Its states when it is switched on, a sample at that instant included."""
+
+    def rates(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
+        """Rates of its states between samples."""
+
+    def sampled(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
+        """Its states after a sample at t, from those before it."""
+
+    def forces(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> Named:
+        """Forces on bodies by their names [N], or torques [N m]."""
+
+
+class Controllers:
+    """The controllers of a machine, asked together; z are the states of all of them in turn.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> servo = ss.Joint.example().mechanics.controllers
+    >>> servo.names, servo.counts, servo.count
+    (('control',), (1,), 1)
+    """
+
+    def __init__(self, parts: Mapping[str, Any]):
+        self.parts = dict(parts)
+        self.names = tuple(self.parts)
+        self.states = tuple(tuple(part.states) for part in self.parts.values())
+        self.counts = tuple(map(len, self.states))
+        self.count = sum(self.counts)
+        self._borders = tuple(pairwise(accumulate(self.counts, initial=0)))
+
+    @property
+    def sample(self) -> Any:
+        """The time between samples, that of the first controller that has one [s]; None where all act continuously."""
+        return next((part.sample for part in self.parts.values() if part.sample is not None), None)
+
+    @property
+    def scales(self) -> tuple[Any, ...]:
+        """A typical size of each state."""
+        return tuple(size for part in self.parts.values() for size in part.scales)
+
+    def start(self, t: Any, x: Named, v: Named) -> tuple[Any, ...]:
+        """Their states when they are switched on."""
+        return tuple(value for part in self.parts.values() for value in part.start(t, x, v))
+
+    def rates(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
+        """Rates of their states between samples."""
+        return tuple(rate for part, own in self._owned(z) for rate in part.rates(t, x, v, own))
+
+    def sampled(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> tuple[Any, ...]:
+        """Their states after a sample; of one that acts continuously they stay as they are."""
+        return tuple(value for part, own in self._owned(z) for value in (own if part.sample is None else part.sampled(t, x, v, own)))
+
+    def forces(self, t: Any, x: Named, v: Named, z: Sequence[Any]) -> list[tuple[str, Any]]:
+        """Each force with the body that it acts on."""
+        return [pair for part, own in self._owned(z) for pair in part.forces(t, x, v, own).items()]
+
+    def _owned(self, z: Sequence[Any]) -> list[tuple[Any, tuple[Any, ...]]]:
+        return [(part, tuple(z[first:last])) for part, (first, last) in zip(self.parts.values(), self._borders, strict=True)]
+
+
+NO_CONTROLLERS = Controllers({})

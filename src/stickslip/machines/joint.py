@@ -1,0 +1,281 @@
+"""A joint of a robot: an inertia about an axis with friction, gravity, a gear with backlash, and a controller."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives import FORCES
+from stickslip.errors import Problems
+from stickslip.fields import at_least, everywhere, is_record, positive
+from stickslip.forces import check_law
+from stickslip.friction.adapter import adapted
+from stickslip.machines.machine import Machine
+from stickslip.machines.parts import Body, Contact, Stop
+from stickslip.machines.periodic_inputs import (
+    breaks_of,
+    check_input,
+    common_count,
+    given_input,
+    in_period,
+    most_times,
+    period_of,
+    torque_at,
+)
+from stickslip.machines.periodic_record import PeriodicRecord
+from stickslip.machines.pid import PID, Loop
+from stickslip.maths import maximum, pi, sin, sqrt
+
+__all__ = ["Joint"]
+
+STIFFNESS = 1e4  # of a gear that does not say its own: a small strain-wave gear [N m/rad]
+_TORQUE = "a torque [N m], a force function of time with at(t) and period, or a record (times, torques) of one period"
+
+
+@dataclass(frozen=True, eq=False)
+class Joint(Machine):
+    r"""A joint of a robot: an inertia about an axis under a torque, or under a controller, with friction.
+
+    .. math:: J\ddot q = n\,\tau - G\sin q - R(\dot q, N), \qquad N = N_0 + \lambda\,|G\sin q|
+
+    q [rad] is measured from hanging: gravity pulls back to q = 0 where `gravity_torque` is positive. The torque :math:`\tau` is the
+    motor's: what is applied, and what the controller adds. With a motor inertia :math:`J_m` and a rigid gear J is
+    :math:`J + n^2 J_m`. With an elastic gear motor and joint are two bodies,
+
+    .. math:: n^2 J_m\ddot\vartheta = n\,\tau - T(\vartheta - q), \qquad J\ddot q = T(\vartheta - q) - G\sin q - R,
+
+    where :math:`\vartheta` is the angle of the motor over the gear ratio, and T is zero in the backlash and
+    :math:`k(|\vartheta - q| - b/2)`, with damping that never pulls, outside of it.
+
+    Parameters
+    ----------
+    inertia : float
+        Moment of inertia J on the side of the joint [kg m^2].
+    friction : Coulomb or LuGre or any law
+        How the joint rubs. At the load 1, which is the default, coefficients of friction are torques [N m].
+    torque : float, force or record, optional
+        Applied torque at the motor [N m]: a number; what has `at(t)` and a period, such as a force; or one period of a record, a pair of
+        arrays (times, torques), which is kept as a sum of harmonics. It adds to that of the controller.
+    gravity_torque : float, optional
+        G = m g l [N m].
+    gear_ratio : float, optional
+        n, turns of the motor for each of the joint.
+    backlash : float, optional
+        Play b of the gear from end to end, at the joint [rad].
+    control : PID, optional
+        The controller. Without it a torque must be given.
+    load : float, optional
+        N_0, what friction coefficients are multiplied with.
+    load_gain : float, optional
+        How much the load grows with the torque of gravity, lambda [1/(N m)].
+    motor_inertia : float, optional
+        J_m, at the motor [kg m^2]. Without it none where the gear is rigid; where it is elastic that of the joint as the motor sees it,
+        J/n^2.
+    gear_stiffness : float, optional
+        k, at the joint [N m/rad]. Without it the gear is rigid where it has no backlash, and else 1e4 N m/rad, a small strain-wave gear.
+    gear_damping : float, optional
+        [N m s/rad].
+    angle : float, optional
+        Where a run begins that says nothing else [rad].
+    cycles : tuple of int, optional
+        How many periods of torque and target make one period of the joint, in which samples come back too; the joint finds them itself.
+        Zeros: they have no common period, and a run has a duration.
+
+    References
+    ----------
+    B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, A survey of models, analysis tools and compensation methods for the control of
+    machines with friction, Automatica 30 (1994) 1083-1138.
+    M. Nordin and P.-O. Gutman, Controlling mechanical systems with backlash - a survey, Automatica 38 (2002) 1633-1649.
+    A. C. Bittencourt and S. Gunnarsson, Static friction in a robot joint, J. Dyn. Syst. Meas. Control 134 (2012) 051013: the load.
+
+    Examples
+    --------
+    A PD controller leaves an error up to the static friction over its gain.
+
+    >>> import stickslip as ss
+    >>> law = ss.Coulomb(0.02, 0.02, f_plus=0.03, f_minus=0.03)
+    >>> joint = ss.Joint(inertia=0.01, friction=law, control=ss.PID(kp=2.0, ki=0.0, kd=0.1, target=0.5))
+    >>> run = ss.solve(joint, duration=5.0)
+    >>> bool(0.0 < abs(0.5 - run.bodies["joint"].x[-1]) <= 0.03 / 2.0), float(run.bodies["joint"].v[-1])
+    (True, 0.0)
+    """
+
+    inertia: float = field(metadata={"example": "0.01"})
+    friction: Any
+    torque: float | Any = None
+    gravity_torque: float = 0.0
+    gear_ratio: float = 1.0
+    backlash: float = 0.0
+    control: Any = None
+    load: float = 1.0
+    load_gain: float | None = None
+    motor_inertia: float | None = None
+    gear_stiffness: float | None = None
+    gear_damping: float = 0.0
+    angle: float = 0.0
+    cycles: tuple[int, ...] | None = field(default=None, repr=False, metadata={"found": True})
+
+    kind: ClassVar[str] = "joint"
+    principal: ClassVar[str | None] = "joint"
+    rotary: ClassVar[bool] = True  # angles and torques, not ways and forces
+    _table: ClassVar[str] = "mechanism"
+    holds: ClassVar[dict[str, Any]] = {"pid": PID, "record": PeriodicRecord, **FORCES}
+    _rules: ClassVar[dict[str, Any]] = {
+        "inertia": (positive, "a positive moment of inertia [kg m^2]"),
+        "gear_ratio": (positive, "a positive ratio, turns of the motor for each of the joint"),
+        "backlash": (at_least(0.0), "zero or more [rad]"),
+        "load": (positive, "a positive load"),
+        "load_gain": (at_least(0.0), "zero or more [1/(N m)]"),
+        "motor_inertia": (positive, "a positive moment of inertia [kg m^2]"),
+        "gear_stiffness": (positive, "a positive stiffness [N m/rad]"),
+        "gear_damping": (at_least(0.0), "zero or more [N m s/rad]"),
+    }
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "torque", given_input(self.torque))
+        super().__post_init__()
+
+    def _complete(self) -> None:
+        """Fill in what follows from the rest: the gear of a joint with backlash, and the common period."""
+        if self.gear_stiffness is None and not everywhere(self.backlash == 0.0):
+            object.__setattr__(self, "gear_stiffness", STIFFNESS)
+        if self.gear_stiffness is not None and self.motor_inertia is None:
+            object.__setattr__(self, "motor_inertia", self.inertia / self.gear_ratio**2)
+        object.__setattr__(self, "cycles", self._common())
+
+    def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
+        """A torque that is no number is checked for what a force has."""
+        if field.name == "torque" and self.torque is None:
+            return
+        if field.name == "torque" and (is_record(self.torque) or hasattr(self.torque, "at")):
+            check_input("torque", self.torque, ("at",), _TORQUE, problems)
+        else:
+            super()._take(field, problems)
+
+    def _check(self, problems: Problems) -> None:
+        check_law(self.friction, problems)
+        if self.control is None and self.torque is None:
+            problems.add(
+                "torque and control are both missing; allowed is one of them, or both; type torque=0.1 [N m], or "
+                "control=ss.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)"
+            )
+        if self.control is not None and not isinstance(self.control, PID):
+            problems.add(f"control = {self.control!r}; allowed is a PID; type control=ss.PID(kp=2.0, ki=1.0, kd=0.1, target=0.5)")
+        if self.gear_stiffness is None and not everywhere(self.gear_damping == 0.0) and everywhere(self.backlash == 0.0):
+            problems.add("gear_damping is that of an elastic gear; type gear_stiffness=1e4 [N m/rad] too, or leave it out")
+        if not problems.found:
+            self._complete()
+            super()._check(problems)
+
+    # ---- time ----
+    @property
+    def _inputs(self) -> list[Any]:
+        """Torque and target, where they are functions of time with a period."""
+        found = [self.torque, self.control.target if self.control is not None else None]
+        return [each for each in found if is_record(each) and period_of(each) is not None]
+
+    def _common(self) -> tuple[int, ...]:
+        """Periods of each input in one of the joint."""
+        periods, sample = [each.period for each in self._inputs], None if self.control is None else self.control.sample
+        if not periods:
+            return ()
+        count = common_count(periods[0], [*periods[1:], *([] if sample is None else [sample])])
+        return tuple(most_times(count * periods[0], each) for each in periods)
+
+    @property
+    def period(self) -> Any:
+        """Time after which torque, target and samples come back together [s]; None where nothing does, or not within 64 periods."""
+        return self.cycles[0] * self._inputs[0].period if self.cycles and any(self.cycles) else None
+
+    @property
+    def time_scale(self) -> Any:
+        """A time in which something happens [s]: the period, or that of a swing about the target or about hanging."""
+        if self.period is not None:
+            return self.period
+        gain = 0.0 if self.control is None else self.gear_ratio * self.control.kp
+        held = maximum(gain + abs(self.gravity_torque), 1e-6 * self.inertia)
+        return 2 * pi * sqrt(self.whole_inertia / held)
+
+    @property
+    def breaks(self) -> tuple[Any, ...]:
+        """Instants in (0, period) at which torque or target are not smooth [s]."""
+        return tuple(s for each, count in zip(self._inputs, self.cycles or (), strict=True) for s in breaks_of(each, count))
+
+    def _count(self, value: Any) -> int:
+        """Periods of an input in one of the joint."""
+        return next((count for each, count in zip(self._inputs, self.cycles or (), strict=True) if each is value), 1)
+
+    # ---- parts ----
+    @property
+    def whole_inertia(self) -> Any:
+        """All that turns with the joint, seen there [kg m^2]."""
+        return self.inertia + self._of_motor
+
+    @property
+    def _of_motor(self) -> Any:
+        """What the motor adds to that [kg m^2]."""
+        return 0.0 if self.motor_inertia is None else self.gear_ratio**2 * self.motor_inertia
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether motor and joint are two bodies."""
+        return self.gear_stiffness is not None
+
+    @property
+    def _driven(self) -> str:
+        return "motor" if self.is_elastic else "joint"
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The joint, and the motor where the gear is elastic; its angle is that over the gear ratio."""
+        gravity = {"force": lambda t, x, v: -self.gravity_torque * sin(x)}
+        if not self.is_elastic:
+            return {"joint": Body(self.whole_inertia, position=self.angle, **gravity)}
+        motor = Body(self._of_motor, position=self.angle)
+        return {"joint": Body(self.inertia, position=self.angle, **gravity), "motor": motor}
+
+    def contacts(self) -> Mapping[str, Any]:
+        """The bearing."""
+        gain: Any = self.load_gain
+        load = self.load if gain is None else lambda t, x: self.load + gain * abs(self.gravity_torque * sin(x))
+        return {"joint": Contact("joint", self.friction, load=load)}
+
+    def stops(self) -> Mapping[tuple[str, str | None], Any]:
+        """The two flanks of the teeth."""
+        if not self.is_elastic:
+            return {}
+        flank: dict[str, Any] = {"gap": 0.5 * self.backlash, "stiffness": self.gear_stiffness, "damping": self.gear_damping}
+        return {("motor", "joint"): (Stop(**flank), Stop(**flank, side=-1))}
+
+    def forces(self, t: Any, x: Mapping[str, Any], v: Mapping[str, Any]) -> Mapping[str, Any]:
+        """The applied torque, seen at the joint [N m]."""
+        if self.torque is None:
+            return {}
+        return {self._driven: self.gear_ratio * torque_at(self.torque, in_period(t, self.torque, self._count(self.torque)))}
+
+    def controllers(self) -> Mapping[str, Any]:
+        """The PID controller."""
+        if self.control is None:
+            return {}
+        low, high = adapted(self.friction).limits(self.load) or (-self.load, self.load)
+        torque = maximum(high, -low) / self.gear_ratio
+        gain = maximum(self.control.kp, 1e-6 * torque)
+        measured = self.control.feedback if self.is_elastic else "joint"
+        loop = Loop(self.control, measured, self._driven, self.gear_ratio, self._count(self.control.target), torque, torque / gain)
+        return {"control": loop}
+
+    @property
+    def notes(self) -> list[str]:
+        """Inputs and samples that have no common period."""
+        if not self.cycles or any(self.cycles):
+            return []
+        return ["torque, target and samples do not come back together within 64 periods, so the joint has no period; give runs a duration"]
+
+    @classmethod
+    def example(cls) -> Joint:
+        """A joint that hunts: integral action and more static than kinetic friction."""
+        from stickslip.friction import Coulomb
+
+        friction = Coulomb(mu_plus=0.02, mu_minus=0.02, f_plus=0.03, f_minus=0.03)
+        return cls(inertia=0.01, friction=friction, control=PID(kp=2.0, ki=4.0, kd=0.1, target=0.5))

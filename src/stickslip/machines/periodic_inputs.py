@@ -1,0 +1,94 @@
+"""Inputs of a joint, an applied torque or a target: numbers, periodic functions of time, and the period that they have together."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import lcm
+from typing import Any
+
+from stickslip.errors import Problems
+from stickslip.fields import is_record
+from stickslip.machines.periodic_record import PeriodicRecord
+from stickslip.maths import where
+
+__all__ = ["breaks_of", "check_input", "common_count", "given_input", "in_period", "most_times", "period_of", "torque_at"]
+
+MOST = 64  # periods of an input that one period of the machine may be
+_SAME = 1e-12  # of a period: how exactly a time must divide it
+
+
+def given_input(value: Any) -> Any:
+    """An input as it is kept: a record (times, values) becomes a sum of harmonics."""
+    is_pair = isinstance(value, (tuple, list)) and len(value) == 2 and all(hasattr(each, "__len__") for each in value)
+    return PeriodicRecord.from_samples(*value) if is_pair else value
+
+
+def check_input(name: str, value: Any, needs: tuple[str, ...], allowed: str, problems: Problems) -> None:
+    """Note an input that is neither a number nor what it must be."""
+    if isinstance(value, type) or not is_record(value):
+        problems.add(f"{name} = {value!r}; allowed is {allowed}")
+    elif lacking := [each for each in ("period", *needs) if not hasattr(value, each)]:
+        problems.add(f"{name} = {value!r} has no {' and no '.join(lacking)}; allowed is {allowed}")
+
+
+def torque_at(torque: Any, t: Any) -> Any:
+    """An applied torque [N m]: a number, or what has `at(t)`; none is 0."""
+    return 0.0 if torque is None else torque.at(t) if is_record(torque) else torque
+
+
+def period_of(value: Any) -> Any:
+    """Period of an input [s]; None of a number, and of what has none."""
+    return getattr(value, "period", None)
+
+
+def in_period(t: Any, value: Any, count: int) -> Any:
+    """A time in `count` periods of an input, put into the first of them [s]."""
+    period = period_of(value)
+    if period is None:
+        return t
+    for begun in [where(t < k * period, 0.0, period) for k in range(1, count)]:
+        t = t - begun
+    return t
+
+
+def breaks_of(value: Any, count: int) -> list[Any]:
+    """Instants of `count` periods of an input at which it is not smooth [s], the borders of the periods among them."""
+    period = period_of(value)
+    if period is None:
+        return []
+    jumps = [instant for instant, _ in getattr(value, "jumps", None) or () if not (isinstance(instant, float) and instant == 0.0)]
+    own = [*(getattr(value, "breaks", None) or ()), *jumps]
+    return [*(k * period for k in range(1, count)), *(k * period + s for k in range(count) for s in own)]
+
+
+def most_times(whole: Any, period: Any) -> int:
+    """How often a period is in a time that is a whole number of it; of several cases the most.
+
+    Examples
+    --------
+    >>> most_times(3.0, 0.5)
+    6
+    """
+    import numpy as np
+
+    return int(np.max(np.rint(np.asarray(whole, float) / np.asarray(period, float))))
+
+
+def common_count(period: Any, others: list[Any]) -> int:
+    """How many periods are also a whole number of each of some other times, for all cases; 0 if none up to `MOST`.
+
+    Examples
+    --------
+    >>> common_count(1.0, [0.5, 0.001]), common_count(1.0, [0.75]), common_count(1.0, [0.7071067811865476])
+    (1, 3, 0)
+    """
+    import numpy as np
+
+    count = 1
+    for other in others:
+        for ratio in np.unique(np.asarray(period, float) / np.asarray(other, float)):
+            part = Fraction(float(ratio)).limit_denominator(MOST)
+            if abs(float(part) - ratio) > _SAME * ratio:
+                return 0
+            count = lcm(count, part.denominator)
+    return count if count <= MOST else 0

@@ -1,0 +1,96 @@
+"""A periodic record of a torque or an angle, its mean included, as a sum of harmonics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from stickslip.drives.fourier import FourierDrive
+from stickslip.drives.samples import checked, fitted
+from stickslip.errors import Problems
+from stickslip.fields import positive
+from stickslip.maths import pi
+
+__all__ = ["PeriodicRecord"]
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicRecord(FourierDrive):
+    r"""One period of a record as a sum of harmonics about its mean; `from_samples` makes it.
+
+    .. math:: x(t) = \bar x + \sum_k a_k\cos k\omega t+b_k\sin k\omega t
+
+    Parameters
+    ----------
+    period : float
+        Period T [s].
+    mean : float
+        Mean value [rad or N m].
+    cosines, sines : tuple of float
+        Coefficients a_k and b_k, from k = 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.linspace(0.0, 2.0, 201)
+    >>> record = PeriodicRecord.from_samples(t, 0.3 + 0.1 * np.sin(pi * t))
+    >>> record.order, record.period, round(record.mean, 12), round(record.at(0.5), 12)
+    (1, 2.0, 0.3, 0.4)
+    """
+
+    period: float = field(metadata={"example": "2.0"})
+    mean: float = field(metadata={"example": "0.0"})
+    cosines: tuple[float, ...] = field(metadata={"example": "(0.0, 0.01)"})
+    sines: tuple[float, ...] = field(metadata={"example": "(0.1, 0.0)"})
+
+    _rules: ClassVar[dict[str, Any]] = {"period": (positive, "a positive period [s]")}
+
+    def _check(self, problems: Problems) -> None:
+        if len(self.cosines) != len(self.sines) or not self.sines:
+            problems.add(f"{len(self.cosines)} cosines and {len(self.sines)} sines; allowed is the same number of each, at least one")
+
+    @property
+    def omega(self) -> Any:
+        """Angular frequency 2 pi / T [rad/s]."""
+        return 2 * pi / self.period
+
+    @property
+    def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Coefficients of cos(k omega t) and of sin(k omega t)."""
+        return self.cosines, self.sines
+
+    def position(self, t: Any) -> Any:
+        """Value at a time, its mean included [rad or N m]."""
+        return self.mean + super().position(t)
+
+    at = position
+
+    @classmethod
+    def from_samples(cls, t: Any, values: Any, tolerance: float = 1e-3, order: int | None = None) -> PeriodicRecord:
+        """One period of samples: the last instant is the first of the next period.
+
+        Parameters
+        ----------
+        t : array (n,)
+            Ascending instants [s].
+        values : array (n,)
+            The record there [rad or N m]; its last value is its first again.
+        tolerance : float
+            Harmonics are kept until what is left out is below this part of the r.m.s. of the record about its mean.
+        order : int, optional
+            How many harmonics to keep, instead of `tolerance`.
+
+        Raises
+        ------
+        InputError
+            Records with gaps, that do not close, or of what is no number.
+        """
+        period = float(t[-1]) - float(t[0]) if len(t) > 1 else None
+        record = checked(t, {"record": values}, period, tolerance, order, "record", "type (times, values), two arrays over one period")
+        cosines, sines, mean, _ = fitted(record, tolerance, order)
+        return cls(record.period, mean, tuple(map(float, cosines)), tuple(map(float, sines)))
+
+    @classmethod
+    def example(cls) -> PeriodicRecord:
+        """A slow swing about a mean."""
+        return cls(period=2.0, mean=0.1, cosines=(0.0,), sines=(0.3,))

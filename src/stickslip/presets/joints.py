@@ -1,0 +1,72 @@
+"""Joints of robots."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stickslip.arguments import explains_arguments
+from stickslip.errors import Problems
+from stickslip.fields import at_least, checked_number
+from stickslip.friction import Coulomb
+from stickslip.machines import PID, Joint
+
+__all__ = ["servo"]
+
+
+@explains_arguments
+def servo(
+    target: Any = 0.5,
+    kp: Any = 1.0,
+    ki: Any = 2.0,
+    kd: Any = 0.04,
+    sample: Any = None,
+    static: Any = 2.0,
+    compensation: Any = 0.0,
+    backlash: Any = 0.0,
+) -> Joint:
+    """A small servo: a geared motor that turns an arm under a PID controller. Its numbers are ours, of the size of a hobby servo.
+
+    The kinetic friction torque of the joint is 0.05 N m. With more static friction and integral action it hunts about its target.
+
+    Parameters
+    ----------
+    target : float, motion or record
+        The angle that is wanted [rad].
+    kp, ki, kd : float or array
+        Gains at the motor, times the gear ratio of 50: those at the joint [N m/rad, N m/(rad s), N m s/rad].
+    sample : float, optional
+        Time between the samples of the controller [s]; without it it acts continuously.
+    static : float or array
+        Static friction over kinetic friction, 1 or more.
+    compensation : float or array
+        Part of the kinetic friction that the controller gives in the direction of its moving target.
+    backlash : float or array
+        Play of the gear at the joint [rad].
+
+    Returns
+    -------
+    Joint
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(servo(), duration=20.0)
+    >>> round(float(max(abs(0.5 - run.x[run.t > 10.0]))), 3)  # it hunts about its target [rad]
+    0.038
+    """
+    problems, ratio, kinetic = Problems("servo"), 50.0, 0.05
+    rules: dict[str, Any] = {name: (at_least(0.0), "zero or more") for name in ("kp", "ki", "kd")}
+    rules |= {"static": (at_least(1.0), "1 or more"), "compensation": (None, "a finite number")}
+    given = {"kp": kp, "ki": ki, "kd": kd, "static": static, "compensation": compensation}
+    n = {}
+    for name, value in given.items():
+        rule, allowed = rules[name]
+        n[name] = checked_number(name, value, problems, rule, allowed, f"{name}={_SERVO[name]}")
+    problems.check()
+    gains = {name: n[name] / ratio for name in ("kp", "ki", "kd")}
+    pid = PID(**gains, target=target, sample=sample, feedforward=n["compensation"] * kinetic / ratio)
+    friction = Coulomb(mu_plus=kinetic, mu_minus=kinetic, f_plus=n["static"] * kinetic, f_minus=n["static"] * kinetic)
+    return Joint(inertia=2e-3, friction=friction, gear_ratio=ratio, motor_inertia=4e-7, backlash=backlash, control=pid)
+
+
+_SERVO = {"kp": 1.0, "ki": 2.0, "kd": 0.04, "static": 2.0, "compensation": 1.0}
