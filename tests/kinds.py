@@ -26,6 +26,7 @@ def softened(law):
 
 LAWS = {name: softened(kind.example()) for name, kind in ss.LAWS.items()} | {
     "bristle": ss.LAWS["bristle"].example().replace(sigma0=2e3),
+    "ratestate": ss.RateState.example().replace(a=0.06, b=0.08, Dc=2e-5),  # friction proportional to v up to 0.1 mm/s
     "sum": ss.Sum.example(),
     "lugre + viscous": softened(ss.LuGre.example()) + ss.Viscous.example(),
 }

@@ -141,6 +141,7 @@ COVERING = [
     ("bdf", "lugre + viscous", "verticalvibration", "uphill"),
     ("lsoda", "elastoplastic", "reversed", "varying"),
     ("radau", "resetintegrator", "threephase", "level"),
+    ("rodas5p", "ratestate", "harmonic", "level"),
     ("rk4", "lugre", "verticalvibration", "level"),
     ("rk4", "lugre", "harmonic", "varying"),
     ("rk4", "dahl", "harmonic", "varying"),

@@ -16,6 +16,13 @@ EVERY = {
     "uphill": ss.Incline(tilt=-0.05),
     "varying": ss.VaryingFriction(ss.Level(), depth=0.3, harmonic=2, phase=0.4),
     "varying incline": ss.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3),
+    "patches": ss.FrictionPatches(ss.Incline(tilt=0.05), edges=(-1e-3, 2e-3), factors=(1.0, 0.5, 1.5)),
+    "tiles": ss.FrictionPatches(
+        ss.VaryingFriction(ss.Level(), depth=0.3), edges=(0.0, 1e-3, 2e-3), factors=(1.0, 0.5, 1.5), wavelength=3e-3
+    ),
+    "wave": ss.FrictionWave(ss.Level(), wavelength=2e-3, cosines=(0.1, 0.0), sines=(0.2, -0.1)),
+    "profile": ss.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)),
+    "varying profile": ss.VaryingFriction(ss.FrictionProfile(ss.Level(), place=(0.0, 1e-3, 3e-3), factors=(1.0, 1.4, 0.8)), depth=0.2),
     "varying twice": ss.VaryingFriction(ss.VaryingFriction(ss.Incline(tilt=0.05), depth=0.3), depth=0.2, harmonic=3),
 }
 every_track = pytest.mark.parametrize("track", EVERY.values(), ids=EVERY)

@@ -94,6 +94,12 @@ NUMBERS: dict[str, Callable[[Draw], Any]] = {
     "attraction": lambda d: d.mu * d.load * d.omega * d.wide(1.0, 100.0),
     "z_ba": lambda d: d.bend * d.least * d.uniform(0.1, 0.8),  # or the contact were elastic where it should slide
     "z_ba_minus": lambda d: d.some(lambda: d.bend * d.least * d.uniform(0.1, 0.8)),
+    "mu0": lambda d: d.mu,
+    "a": lambda d: d.mu * d.wide(0.02, 0.1),
+    "b": lambda d: d.mu * d.wide(0.02, 0.2),
+    "Dc": lambda d: d.bend,
+    "v0": lambda d: d.velocity * d.wide(3e-3, 1.0),
+    "evolution": lambda d: str(d.choice.choice(["aging", "slip"])),
     "bristles": lambda d: int(d.choice.integers(3, 9)),
     "seed": lambda d: int(d.choice.integers(100)),
     **dict.fromkeys(("viscous", "viscous_plus", "viscous_minus"), lambda d: d.force / d.velocity * d.sometimes(d.wide(1e-3, 0.5))),

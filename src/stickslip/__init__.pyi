@@ -117,6 +117,7 @@ from .friction import (
     ElastoPlastic as ElastoPlastic,
     Karnopp as Karnopp,
     LuGre as LuGre,
+    RateState as RateState,
     ResetIntegrator as ResetIntegrator,
     Stribeck as Stribeck,
     Sum as Sum,
@@ -186,6 +187,11 @@ from .sweeps import (
     merge as merge,
     open_study as open_study,
     sweep as sweep,
+)
+from .track_profiles import (
+    FrictionPatches as FrictionPatches,
+    FrictionProfile as FrictionProfile,
+    FrictionWave as FrictionWave,
 )
 from .tracks import (
     Incline as Incline,

@@ -136,7 +136,13 @@ def impulses_until(model: Any, end: float) -> list[tuple[float, Any]]:
     T = float(model.period)
     slack = 1e-9 * T
     found = [(k * T + float(s), jump) for k in range(math.floor(end / T + 1e-9) + 1) for s, jump in jumps]
-    return sorted(((t, jump) for t, jump in found if 0.0 < t <= end + slack), key=lambda impulse: impulse[0])
+    together: list[tuple[float, Any]] = []
+    for t, jump in sorted(((t, jump) for t, jump in found if 0.0 < t <= end + slack), key=lambda impulse: impulse[0]):
+        if together and t - together[-1][0] <= slack:  # jumps at one instant are one impulse
+            together[-1] = (t, together[-1][1] + jump)
+        else:
+            together.append((t, jump))
+    return together
 
 
 def held_velocity(v: Any, mode: Any, least: Any = TINY) -> Any:
@@ -175,13 +181,16 @@ def columns(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: Any, me
 
 
 def _of_the_drive(model: Any, t: Any, acceleration: Any, ones: Any) -> dict[str, Any]:
-    xi_acceleration, xi_rate = model.drive.acceleration(t) * ones, model.drive.velocity(t) * ones
+    machine = machine_of(model)
+    drive: Any = machine.drive
+    xi_acceleration, xi_rate = drive.acceleration(t) * ones, drive.velocity(t) * ones
     F = model.actuator_force(t, acceleration) * ones
+    several = len(machine.inner_masses) > 1
     return {
-        "drive_force": -model.inner_mass * xi_acceleration,
-        "xi": model.drive.position(t) * ones,
+        "drive_force": -machine.whole_inner_mass * xi_acceleration,
+        "xi": drive.position(t) * ones,
         "xi_rate": xi_rate,
         "xi_acceleration": xi_acceleration,
         "actuator_force": F,
-        "actuator_power": -F * xi_rate,
+        "actuator_power": model.actuator_power(t, acceleration) * ones if several else -F * xi_rate,
     }

@@ -94,13 +94,37 @@ class MachineAdapter:
 
     @property
     def drive(self) -> Drive | None:
-        """What shakes its inner mass; None where it has none."""
-        return getattr(self.model, "drive", None) if self.is_single else None
+        """What shakes its inner mass, or the common centre of mass of several; None where it has none."""
+        return getattr(self.model, "whole_drive", getattr(self.model, "drive", None)) if self.is_single else None
+
+    @property
+    def inner_masses(self) -> tuple[tuple[Any, Any], ...]:
+        """Each inner mass [kg] with its drive; none where nothing is shaken."""
+        if self.drive is None:
+            return ()
+        own = getattr(self.model, "inner_masses", None)
+        return ((self.model.inner_mass, self.drive),) if own is None else own
+
+    @property
+    def whole_inner_mass(self) -> Any:
+        """All its inner masses together [kg]."""
+        masses = [mass for mass, _ in self.inner_masses]
+        return sum(masses[1:], masses[0])
+
+    @property
+    def drive_name(self) -> str:
+        """The class of its drive, or of those of its inner masses: "Harmonic + Harmonic"."""
+        return " + ".join(type(drive).__name__ for _, drive in self.inner_masses)
 
     @property
     def track(self) -> Track | None:
         """What it moves on; None where gravity plays no part."""
         return getattr(self.model, "track", None) if self.is_single else None
+
+    @property
+    def wavelength(self) -> Any:
+        """Distance after which its track repeats [m]; None where it does not, or is the same everywhere."""
+        return getattr(self.track, "wavelength", None)
 
     @property
     def breaks(self) -> tuple[float, ...]:

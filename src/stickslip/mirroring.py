@@ -11,10 +11,12 @@ from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of, mirrored as mirrored_law
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
+from stickslip.track_profiles import mirrored_track
 
 __all__ = ["mirrored"]
 
-_MOMENTS = ((0.13, 0.02, 0.004), (0.57, 3e-4, -0.3), (0.81, -7e-3, 0.02))  # parts of the period, velocities [m/s], positions [m]
+# parts of the period, velocities [m/s], positions [m]; on no round number, where a patch may end
+_MOMENTS = ((0.13, 0.02, 0.00403718), (0.57, 3e-4, -0.30117933), (0.81, -7e-3, 0.02023491))
 
 
 @explains_arguments
@@ -67,9 +69,14 @@ def _image(model: Any) -> Any:
     if not all(hasattr(model, name) for name in ("drive", "friction", "track")):
         why = f"{type(model).__name__} has no drive on a track that could be turned round, and no method mirrored()"
         raise InputError("mirrored", [f"{why}; write one that returns its mirror image"])
-    own = getattr(model.drive, "mirrored", None)
-    drive = own() if callable(own) else model.drive.drive if isinstance(model.drive, Reversed) else Reversed(model.drive)
-    return dataclasses.replace(model, drive=drive, friction=mirrored_law(model.friction), track=_uphill(model.track))
+    drive = tuple(map(_turned, model.drive)) if isinstance(model.drive, tuple) else _turned(model.drive)
+    return dataclasses.replace(model, drive=drive, friction=mirrored_law(model.friction), track=mirrored_track(model.track))
+
+
+def _turned(drive: Any) -> Any:
+    """A drive the other way round."""
+    own = getattr(drive, "mirrored", None)
+    return own() if callable(own) else drive.drive if isinstance(drive, Reversed) else Reversed(drive)
 
 
 def _unmirrored(model: Any, found: Any) -> str:
@@ -93,10 +100,3 @@ def _unmirrored(model: Any, found: Any) -> str:
 def _opposite(a: Any, b: Any, size: Any = 0.0) -> bool:
     apart = abs(a + b) > 1e-9 * (abs(a) + size)
     return not (apart.any() if hasattr(apart, "any") else apart)
-
-
-def _uphill(track: Any) -> Any:
-    """A track with downhill and uphill exchanged."""
-    if hasattr(track, "track"):
-        return dataclasses.replace(track, track=_uphill(track.track))
-    return dataclasses.replace(track, tilt=-track.tilt) if hasattr(track, "tilt") else track

@@ -8,13 +8,15 @@ from typing import Any, ClassVar
 
 from stickslip.arguments import explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.adapter import drive_of, lacking, needs_of
+from stickslip.drives.adapter import NEEDS, drive_of, lacking, needs_of
 from stickslip.drives.force import FORCE_NEEDS
+from stickslip.drives.together import Together, common_cycles
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, leaves, positive
 from stickslip.forces import check_law
 from stickslip.friction.adapter import law_of
 from stickslip.tables import from_toml, record_html, to_toml
+from stickslip.track_profiles import place_grip_of
 from stickslip.tracks import Level, grip_of
 
 __all__ = ["Robot"]
@@ -36,23 +38,28 @@ class Robot(Frozen):
 
     .. math:: \ddot x = -\mu\,\ddot\xi(t) + g\sin\theta - \frac{R}{M+m}, \qquad \mu = \frac{m}{M+m}
 
+    Several inner masses are a tuple of masses and a tuple of drives, and then :math:`m=\sum m_j`, :math:`m\,\xi=\sum m_j\xi_j`.
+
     Any number of the robot or of its parts may be an array; arrays broadcast and the result has their shape.
 
     Parameters
     ----------
     body_mass : float
         Mass M of the body [kg].
-    inner_mass : float
-        Mass m of the vibrating inner mass [kg].
-    drive : Harmonic or any drive
-        How the inner mass moves relative to the body. With a `Forced` one it moves by itself, and the robot has two bodies, "body" and
-        "inner": results are those of the body, and ``run.bodies["inner"].x`` is where the inner mass is.
+    inner_mass : float or tuple of float
+        Mass m of the vibrating inner mass [kg]; a tuple has one for each of several inner masses (an array means cases).
+    drive : Harmonic or any drive, or a tuple of them
+        How the inner mass moves relative to the body; a tuple has a drive for each inner mass. Their periods must have a common one.
+        With a `Forced` one it moves by itself, and the robot has two bodies, "body" and "inner": results are those of the body, and
+        ``run.bodies["inner"].x`` is where the inner mass is.
     friction : Coulomb or LuGre or any law
         How the body rubs on the track.
     gravity : float
         Acceleration of gravity [m/s^2].
-    track : Level, Incline or VaryingFriction
-        What gravity does along and across the track, and whether friction varies in time.
+    track : Level, Incline, VaryingFriction, FrictionPatches or any track
+        What gravity does along and across the track, and whether friction varies in time or along it.
+    cycles : tuple of int, optional
+        Of several inner masses, how many periods of each drive there are in the common one: found from the periods, never given.
 
     Examples
     --------
@@ -64,11 +71,12 @@ class Robot(Frozen):
     """
 
     body_mass: float = field(metadata={"example": "0.06259"})
-    inner_mass: float = field(metadata={"example": "0.00948"})
+    inner_mass: float | tuple[float, ...] = field(metadata={"example": "0.00948"})
     drive: Any
     friction: Any
     gravity: float = field(default=9.81, metadata={"example": "9.81"})
     track: Any = dataclasses.field(default_factory=Level)
+    cycles: tuple[int, ...] | None = dataclasses.field(default=None, repr=False, metadata={"found": "from the periods of the drives"})
 
     part_kinds = _PartKinds()
     _rules: ClassVar[dict[str, Any]] = {
@@ -78,13 +86,21 @@ class Robot(Frozen):
     }
 
     def _check(self, problems: Problems) -> None:
-        for name, needs in (("drive", needs_of(self.drive)), ("track", ("across", "along"))):
-            part = getattr(self, name)
+        several = isinstance(self.drive, tuple)
+        drives = {f"drive[{i}]": part for i, part in enumerate(self.drive)} if several else {"drive": self.drive}
+        for name, part in {**drives, "track": self.track}.items():
+            kind = name.partition("[")[0]
+            needs = (NEEDS if several else needs_of(part)) if kind == "drive" else ("across", "along")
             if lacking(part, needs):
-                typed = f"drive=ss.Forced({type(part).__name__}(...))" if not lacking(part, FORCE_NEEDS) else _PARTS[name]
-                problems.add(f"{name} = {part!r}; allowed is an object with {', '.join(needs)}; type for example {typed}")
+                typed = f"drive=ss.Forced({type(part).__name__}(...))" if not lacking(part, FORCE_NEEDS) else _PARTS[kind]
+                listed = "a list is no tuple, and a tuple means several inner masses; " if isinstance(part, list) else ""
+                problems.add(f"{name} = {part!r}; {listed}allowed is an object with {', '.join(needs)}; type for example {typed}")
             elif not dataclasses.is_dataclass(part):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
+        if several or isinstance(self.inner_mass, tuple):
+            _check_masses(self.drive, self.inner_mass, problems)
+        found = common_cycles([drive.period for drive in self.drive], problems) if several and not problems.found else None
+        object.__setattr__(self, "cycles", found)
         check_law(self.friction, problems)
         check_shape(self, problems)
 
@@ -96,22 +112,39 @@ class Robot(Frozen):
     @property
     def total_mass(self) -> float:
         """M + m [kg]."""
-        return self.body_mass + self.inner_mass
+        return self.body_mass + self.whole_inner_mass
+
+    @property
+    def inner_masses(self) -> tuple[tuple[Any, Any], ...]:
+        """Each inner mass [kg] with its drive."""
+        masses: Any = self.inner_mass
+        return tuple(zip(masses, self.drive, strict=True)) if isinstance(self.drive, tuple) else ((masses, self.drive),)
+
+    @property
+    def whole_inner_mass(self) -> Any:
+        """m, all inner masses together [kg]."""
+        return self.whole_drive.mass if isinstance(self.drive, tuple) else self.inner_mass
+
+    @property
+    def whole_drive(self) -> Any:
+        """How the common centre of mass of the inner masses moves relative to the body: the drive itself, where there is one mass."""
+        masses: Any = self.inner_mass
+        return Together(self.drive, masses, self.cycles or ()) if isinstance(self.drive, tuple) else self.drive
 
     @property
     def mass_ratio(self) -> float:
         """mu = m / (M + m), not a friction coefficient [-]."""
-        return self.inner_mass / self.total_mass
+        return self.whole_inner_mass / self.total_mass
 
     @property
     def period(self) -> float:
-        """Period of the drive [s]."""
-        return self.drive.period
+        """Period of the drive, or the smallest common one of several [s]."""
+        return self.whole_drive.period
 
     @property
     def velocity_scale(self) -> float:
         """Velocity of the drive that errors are measured against, A omega for a harmonic one [m/s]."""
-        return drive_of(self.drive).velocity_scale
+        return drive_of(self.whole_drive).velocity_scale
 
     @property
     def free_velocity(self) -> float:
@@ -121,12 +154,12 @@ class Robot(Frozen):
     @property
     def breaks(self) -> Any:
         """Instants in (0, period) at which the drive is not smooth [s]."""
-        return drive_of(self.drive).breaks
+        return drive_of(self.whole_drive).breaks
 
     @property
     def impulses(self) -> tuple[tuple[Any, Any], ...]:
         """Jumps of the body's velocity: (instant in [0, period) [s], jump [m/s])."""
-        return tuple((instant, -self.mass_ratio * jump) for instant, jump in drive_of(self.drive).jumps)
+        return tuple((instant, -self.mass_ratio * jump) for instant, jump in drive_of(self.whole_drive).jumps)
 
     def contact_velocity(self, v: Any) -> Any:
         """Velocity at the contact [m/s]."""
@@ -136,25 +169,31 @@ class Robot(Frozen):
         """Normal force N on the track [N], as the law sees it.
 
         The weight (M + m) g, on an incline times cos(tilt); plus what a vertical vibration adds; times the factor of a track whose
-        friction varies in time.
+        friction varies in time, or along it.
         """
         weight = self.total_mass * self.track.across(self.gravity)
-        lift, grip = drive_of(self.drive).vertical_acceleration, grip_of(self.track)
-        force = weight if lift is None else weight + self.inner_mass * lift(t)
-        return force if grip is None else force * grip(t, self.period)
+        lift, grip, place = drive_of(self.whole_drive).vertical_acceleration, grip_of(self.track), place_grip_of(self.track)
+        force = weight if lift is None else weight + self.whole_inner_mass * lift(t)
+        force = force if grip is None else force * grip(t, self.period)
+        return force if place is None else force * place(x)
 
     def acceleration(self, t: Any, x: Any, v: Any, R: Any) -> Any:
         """Acceleration of the body [m/s^2] (Eq. 2.3)."""
-        return -self.mass_ratio * self.drive.acceleration(t) + self.track.along(self.gravity) - R / self.total_mass
+        return -self.mass_ratio * self.whole_drive.acceleration(t) + self.track.along(self.gravity) - R / self.total_mass
 
     def actuator_force(self, t: Any, acceleration: Any) -> Any:
         """Force F of the actuator on the body [N] (second line of Eq. 2.1, with gravity along the track)."""
-        return -self.inner_mass * (acceleration + self.drive.acceleration(t) - self.track.along(self.gravity))
+        return -self.whole_inner_mass * (acceleration + self.whole_drive.acceleration(t) - self.track.along(self.gravity))
+
+    def actuator_power(self, t: Any, acceleration: Any) -> Any:
+        """Power of the actuators between the body and each inner mass [W]."""
+        free = acceleration - self.track.along(self.gravity)
+        return sum(m * (free + drive.acceleration(t)) * drive.velocity(t) for m, drive in self.inner_masses)
 
     @property
     def notes(self) -> list[str]:
         """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
-        found = [*drive_of(self.drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
+        found = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
         return found + _unfolded(self) + _slides(self) + _lifted(self)
 
     def to_toml(self) -> str:
@@ -176,6 +215,16 @@ _PARTS = {
     "drive": "drive=ss.Harmonic(amplitude=5e-4, omega=205.46)",
     "track": "track=ss.Level()",
 }
+
+
+def _check_masses(drive: Any, mass: Any, problems: Problems) -> None:
+    """Note inner masses that are not as many as their drives; a list was told already."""
+    counts = [len(part) if isinstance(part, tuple) else None for part in (mass, drive)]
+    if isinstance(mass, list) or isinstance(drive, list) or (counts[0] == counts[1] and counts[0]):
+        return
+    masses, drives = ("one" if count is None else f"a tuple of {count}" for count in counts)
+    allowed = f"allowed is one of each, or as many masses as drives; type inner_mass={(0.005,) * (counts[1] or counts[0] or 2)}"
+    problems.add(f"inner_mass is {masses} and drive is {drives}; {allowed}")
 
 
 def _unfolded(robot: Robot) -> list[str]:
@@ -225,7 +274,7 @@ def _any(condition: Any) -> bool:
 
 def _lifted(robot: Robot) -> list[str]:
     """A remark if a vertical vibration takes the body off the track."""
-    if drive_of(robot.drive).vertical_acceleration is None:
+    if drive_of(robot.whole_drive).vertical_acceleration is None:
         return []
     import numpy as np
 

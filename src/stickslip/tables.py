@@ -139,6 +139,8 @@ def from_table(cls: type, table: dict[str, Any], name: str = "robot") -> Any:
             problems.add(_missing(part, name, kinds))
             arguments.pop(part, None)
     for field in dataclasses.fields(cls):
+        if is_tuple_field(field) and isinstance(arguments.get(field.name), list):  # a file has lists only
+            arguments[field.name] = tuple(arguments[field.name])
         if isinstance(arguments.get(field.name), dict):
             arguments[field.name] = _part(field.name, dict(arguments[field.name]), problems, f"{name}.{field.name}", _every(cls))
     made = _build(cls, arguments, name, problems)

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.maths import cos, pi, sin
+from stickslip.track_profiles import FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
 
 __all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "fold"]
 
@@ -122,6 +123,16 @@ class VaryingFriction(Frozen):
         """Gravity that pulls the body forwards [m/s^2]."""
         return self.track.along(gravity)
 
+    @property
+    def grip_at(self) -> Any:
+        """Factor on the friction by place, of the track inside; None where there is none."""
+        return place_grip_of(self.track)
+
+    @property
+    def wavelength(self) -> Any:
+        """Distance after which the track inside repeats [m]; None where it does not."""
+        return getattr(self.track, "wavelength", None)
+
     def grip(self, t: Any, period: Any) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""
         own = 1 + self.depth * sin(self.harmonic * (2 * pi / period) * t + self.phase)
@@ -134,7 +145,10 @@ def grip_of(track: Any) -> Callable[[Any, Any], Any] | None:
     return getattr(track, "grip", None)
 
 
-TRACKS = {"level": Level, "incline": Incline, "varyingfriction": VaryingFriction}
+TRACKS = {
+    "level": Level, "incline": Incline, "varyingfriction": VaryingFriction, "frictionpatches": FrictionPatches,
+    "frictionwave": FrictionWave, "frictionprofile": FrictionProfile,
+}  # fmt: skip
 
 
 def fold(coefficient: Any, tilt: Any) -> tuple[Any, Any]:

@@ -224,8 +224,9 @@ def _add_impulse(run: Any, works: dict[str, Array], t: float, jump: Any, row: in
         return
     works["drive"][row] += float(model.total_mass * jump * 0.5 * (v + later))
     moment = 1e-12 * run.period_time
-    xi_rate = 0.5 * (model.drive.velocity(t - moment) + model.drive.velocity(t + moment))
-    works["actuator"][row] -= model.body_mass * jump * xi_rate
+    for mass, drive in machine_of(model).inner_masses:  # each is thrown by its own jump and by the body's
+        xi_rate, thrown = drive.velocity(t - moment), drive.velocity(t + moment)
+        works["actuator"][row] += mass * (jump + thrown - xi_rate) * 0.5 * (xi_rate + thrown)
 
 
 def _kinetic(run: Any, v: Array) -> Array:

@@ -83,7 +83,10 @@ class Setup:
 
     @cached_property
     def length(self) -> float:
-        """Typical pre-sliding deflection [m]."""
+        """Typical pre-sliding deflection, or what the law says is the slip in which its states change [m]."""
+        own = self.probe.law.slip_length(self.load)
+        if own is not None:
+            return float(own)
         return math.fsum(self.probe.scale) / self.probe.law.states if self.remembers else LENGTH
 
     @cached_property

@@ -41,6 +41,11 @@ class DriveAdapter:
         return getattr(self.drive, "jumps", ())
 
     @property
+    def smooth(self) -> bool:
+        """Whether its equations are one formula for all times, and not for one period only; of a drive that does not say, False."""
+        return bool(getattr(self.drive, "smooth", False))
+
+    @property
     def vertical_acceleration(self) -> Callable[[Any], Any] | None:
         """Relative acceleration of the inner mass across the track [m/s^2], as a function of time; None where it moves along only."""
         return getattr(self.drive, "vertical_acceleration", None)

@@ -40,6 +40,11 @@ class Around(Drive):
         return drive_of(self.drive).breaks
 
     @property
+    def smooth(self) -> bool:
+        """Whether its equations are one formula for all times."""
+        return drive_of(self.drive).smooth
+
+    @property
     def jumps(self) -> Any:
         """Jumps of the relative velocity: (instant [s], jump [m/s])."""
         return drive_of(self.drive).jumps

@@ -17,6 +17,7 @@ class Drive(Frozen):
 
     breaks: ClassVar[Any] = ()  # instants in (0, period) at which the acceleration is not smooth [s]
     jumps: ClassVar[Any] = ()  # (instant in [0, period), jump of the relative velocity [m/s])
+    smooth: ClassVar[Any] = False  # whether its equations are one formula for all times, and not for one period only
 
     if TYPE_CHECKING:
 

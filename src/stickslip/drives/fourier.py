@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.drives.drive import Drive
 from stickslip.maths import cos, maximum, sin, sqrt
@@ -44,6 +44,8 @@ def _derivative(cosines: Coefficients, sines: Coefficients) -> tuple[list[Any], 
 
 class FourierDrive(Drive):
     """Base of the drives that are a sum of harmonics of `omega`."""
+
+    smooth: ClassVar[bool] = True
 
     if TYPE_CHECKING:
         omega: Any

@@ -14,7 +14,7 @@ __all__ = ["Harmonic"]
 
 @dataclass(frozen=True, eq=False, init=False)
 class Harmonic(Drive):
-    r"""Relative motion of the inner mass, Eq. 2.2: :math:`\xi(t) = A \sin(\omega t)`.
+    r"""Relative motion of the inner mass, Eq. 2.2: :math:`\xi(t) = A \sin(\omega t + \varphi)`.
 
     Parameters
     ----------
@@ -24,6 +24,8 @@ class Harmonic(Drive):
         Angular frequency [rad/s]. Give exactly one of `omega` and `frequency`.
     frequency : float
         Frequency [Hz].
+    phase : float, optional
+        Phase :math:`\varphi` where a run begins [rad]; none if it is left out. What several inner masses have between them.
     notes : tuple of str, optional
         Remarks on where these numbers come from; `Robot.notes` repeats them. A copy with other numbers has none.
 
@@ -37,16 +39,21 @@ class Harmonic(Drive):
     amplitude: float = field(metadata={"example": "5e-4"})
     omega: float = field(metadata={"example": "205.46"})
     notes: tuple[str, ...] | None = None
+    phase: float | None = field(default=None, metadata={"example": "1.57"})
+
+    smooth: ClassVar[bool] = True
 
     _rules: ClassVar[dict[str, Any]] = {
         "amplitude": (at_least(0.0), "zero or more [m]"),
         "omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)"),
+        "phase": (lambda p: p == p, "an angle [rad]"),
     }
 
-    def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None, notes: Any = None):
+    def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None, notes: Any = None, phase: Any = None):
         object.__setattr__(self, "amplitude", amplitude)
         object.__setattr__(self, "omega", angular_frequency("Harmonic", omega, frequency, "type for example omega=205.46"))
         object.__setattr__(self, "notes", None if notes is None else tuple(notes))
+        object.__setattr__(self, "phase", phase)
         self.__post_init__()
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
@@ -75,15 +82,24 @@ class Harmonic(Drive):
 
     def position(self, t: Any) -> Any:
         """Relative position xi(t) [m] (Eq. 2.2)."""
-        return self.amplitude * sin(self.omega * t)
+        return self.amplitude * self._sine(t)
 
     def velocity(self, t: Any) -> Any:
         """Relative velocity of the inner mass [m/s]."""
-        return self.amplitude * self.omega * cos(self.omega * t)
+        return self.amplitude * self.omega * self._cosine(t)
 
     def acceleration(self, t: Any) -> Any:
         """Relative acceleration of the inner mass [m/s^2]."""
-        return -self.amplitude * self.omega**2 * sin(self.omega * t)
+        return -self.amplitude * self.omega**2 * self._sine(t)
+
+    def _sine(self, t: Any) -> Any:
+        """sin(omega t + phase), as a sum of which the second term vanishes with the phase."""
+        wave = sin(self.omega * t)
+        return wave if self.phase is None else wave * cos(self.phase) + cos(self.omega * t) * sin(self.phase)
+
+    def _cosine(self, t: Any) -> Any:
+        wave = cos(self.omega * t)
+        return wave if self.phase is None else wave * cos(self.phase) - sin(self.omega * t) * sin(self.phase)
 
     @classmethod
     def example(cls) -> Harmonic:

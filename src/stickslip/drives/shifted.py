@@ -9,9 +9,9 @@ from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
 from stickslip.fields import between
-from stickslip.maths import wrapped
+from stickslip.maths import where, wrapped
 
-__all__ = ["Shifted"]
+__all__ = ["Shifted", "begun_at", "within_one"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,3 +78,24 @@ class Shifted(Around):
     def example(cls) -> Shifted:
         """A sine that is a quarter of a period ahead."""
         return cls(Harmonic.example(), phase=0.25)
+
+
+def begun_at(drive: Any, phase: Any, cycles: tuple[int, ...] | None = None) -> Any:
+    """A drive that is ahead by a part of its period, or the drives of several inner masses by that part of their common period.
+
+    Examples
+    --------
+    >>> slow, fast = Harmonic(amplitude=1e-3, omega=200.0), Harmonic(amplitude=1e-3, omega=400.0)
+    >>> [ahead.phase for ahead in begun_at((slow, fast), 0.75, cycles=(1, 2))]
+    [0.75, 0.5]
+    """
+    if not isinstance(drive, tuple):
+        return Shifted(drive, phase)
+    return tuple(Shifted(each, within_one(phase * count, count)) for each, count in zip(drive, cycles or (1,) * len(drive), strict=True))
+
+
+def within_one(ahead: Any, most: int) -> Any:
+    """A number of periods, at most so many, less whole ones until it is from -1 to 1."""
+    for _ in range(most - 1):
+        ahead = where(ahead > 1.0, ahead - 1.0, where(ahead < -1.0, ahead + 1.0, ahead))
+    return ahead

@@ -30,6 +30,8 @@ __all__ = [
 ]  # fmt: skip
 
 Array = Any
+_PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
+_SAME_PLACE = 1e-9
 _RESTS = 1e-13  # of the velocity scale: a slip that is rounding
 
 
@@ -47,6 +49,7 @@ class Coordinates:
     order: Order
     memories: int = 0  # the last so many coordinates are whole numbers that laws remember
     mechanics: Any = None  # of a machine of several bodies: it knows their names
+    wavelength: float | None = None  # of one body: its position counts modulo this, as the track repeats [m]
 
     @property
     def smooth(self) -> int:
@@ -95,9 +98,16 @@ class Coordinates:
             found |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
         return found
 
+    def difference(self, a: Any, b: Any) -> Any:
+        """One state less another; of positions on a track that repeats, modulo its wavelength."""
+        found = np.asarray(a, float) - np.asarray(b, float)
+        if self.wavelength is not None:
+            found[..., self.order.places] -= self.wavelength * np.round(found[..., self.order.places] / self.wavelength)
+        return found
+
     def distance(self, a: Any, b: Any) -> Any:
         """The largest difference of two states in their scales."""
-        return np.max(abs(np.asarray(a, float) - np.asarray(b, float)) / self.scales, axis=-1)
+        return np.max(abs(self.difference(a, b)) / self.scales, axis=-1)
 
 
 @sealed
@@ -140,7 +150,23 @@ def coordinates(model: Any) -> Coordinates:
     scales = order.joined([0.0, *places[1:]] if order.cyclic else places, [speed] * mechanics.coordinates, sizes)
     memories = sum(law.modes for law in laws)
     names = (*order.names, *_memory_names(machine))
-    return Coordinates(names, np.array(scales + [1.0] * memories), order, memories, None if machine.is_single else mechanics)
+    sized = np.array(scales + [1.0] * memories)
+    return Coordinates(names, sized, order, memories, None if machine.is_single else mechanics, _wavelength(machine, order))
+
+
+def _wavelength(machine: Any, order: Order) -> float | None:
+    """The distance after which a track repeats [m], if the equations say so too; None where they do not, or of a batch of several."""
+    length = machine.wavelength
+    if length is None or np.size(length) != 1 or not order.kept:
+        return None
+    length, m, T = float(np.ravel(length)[0]), machine.mechanics, largest(machine.time_scale)
+    for part in _PARTS_OF_A_WAVE:
+        here, there = (
+            (*m.loads(part * T, (q,)), *m.accelerations(part * T, (q,), (0.0,), (0.0,))) for q in (part * length, (1 + part) * length)
+        )
+        if any(np.any(abs(a - b) > _SAME_PLACE * (abs(a) + abs(b))) for a, b in zip(here, there, strict=True)):
+            return None
+    return length
 
 
 def at_rest(model: Any) -> Array:

@@ -61,6 +61,8 @@ _SAME = 1e-7  # strobe states closer than this are one
 class PeriodicOrbit(ClosedMotion):
     """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.
 
+    On a track that repeats the position is periodic modulo its wavelength: the motion advances by a whole number of wavelengths.
+
     Parameters
     ----------
     model : Robot
@@ -287,13 +289,16 @@ def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float)
         held = np.broadcast_to(memory, (*u.shape[:-1], len(memory)))
         return strobe_map(model, np.concatenate([u * scales, held], axis=-1), period, rtol).state
 
+    def missed(end: Array, u: Array) -> Array:
+        return end / scales - u if at.wavelength is None else at.difference(end, u * scales) / scales
+
     def problem(memory: Array) -> Any:
-        return lambda u: ends(u, memory)[:, :d] / scales - u
+        return lambda u: missed(ends(u, memory)[:, :d], u)
 
     def slopes(memory: Array) -> Any:
         def at_point(u: Array) -> tuple[Array, Array]:
             found = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), None, period, rtol)
-            return found.state[0] / scales - u, (found.change / scales).T - np.eye(d)
+            return missed(found.state[0][:d], u), (found.change / scales).T - np.eye(d)
 
         return at_point
 

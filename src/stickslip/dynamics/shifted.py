@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.drives.shifted import Shifted
+from stickslip.drives.shifted import begun_at
 from stickslip.errors import InputError
 from stickslip.fields import Frozen
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
+from stickslip.track_profiles import place_grip_of
 from stickslip.tracks import grip_of
 
 __all__ = ["ShiftedTrack", "shifted"]
@@ -48,6 +49,16 @@ class ShiftedTrack(Frozen):
         """Gravity that pulls the body forwards [m/s^2]."""
         return self.track.along(gravity)
 
+    @property
+    def grip_at(self) -> Any:
+        """Factor on the friction by place, of the track; None where there is none."""
+        return place_grip_of(self.track)
+
+    @property
+    def wavelength(self) -> Any:
+        """Distance after which the track repeats [m]; None where it does not."""
+        return getattr(self.track, "wavelength", None)
+
     def grip(self, t: Any, period: Any) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""
         return self.track.grip(t + self.phase * period, period)
@@ -67,7 +78,7 @@ def shifted(what: str, model: Any, phase: Any) -> Any:
     track = machine_of(model).track
     if machine_of(model).drive is None:
         raise InputError(what, [f"phase is that of a drive, and {type(model).__name__} has none; leave phase out"])
-    found = model.replace(drive=Shifted(model.drive, phase))
+    found = model.replace(drive=begun_at(model.drive, phase, getattr(model, "cycles", None)))
     found = found.replace(track=ShiftedTrack(track, phase)) if grip_of(track) is not None else found
     if not _is_later(found, model, phase):
         kind = type(model).__name__

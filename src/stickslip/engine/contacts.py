@@ -36,11 +36,13 @@ def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     parts.rates += zdot
     state = m.owner.index(i) if i in m.owner else None
     inner = tuple(range(first, first + law.states))
+    creep = law.creep_velocity(z, load)
     parts.contacts.append(
         Contact(
-            m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied
+            m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied,
+            None if creep is None else m.lift(creep),
         )
-    )
+    )  # fmt: skip
 
 
 def _applied(m: Symbolic, i: int) -> Sym:

@@ -68,7 +68,8 @@ class _StepWriter(EventWriter):
         self.dt = "_hh"
         self.extended = set[int]()
         news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
-        roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates, *news]
+        creeps = [c.creep_velocity for c in eq.contacts if c.creep_velocity is not None]
+        roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates, *news, *creeps]
         self.w.count_uses(roots)
 
     def write(self) -> Step:
@@ -267,7 +268,7 @@ class _StepWriter(EventWriter):
         w, k = self.w, self.k
         for i in range(self.active):
             if i < self.eq.coordinates:
-                floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
+                floor = self._least_velocity(i)
             elif self.eq.scales[i] is not None:
                 floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i], self.start)}"
             else:
@@ -282,6 +283,16 @@ class _StepWriter(EventWriter):
         else:
             self._mean(parts)
         w.line("_ln", "_ln if _ln < 30.0 else 30.0")
+
+    def _least_velocity(self, i: int) -> str:
+        """Velocity below which errors of a coordinate's velocity are no longer relative to it."""
+        w, usual = self.w, f"{literal(self.k.velocity_floor)} * {self.scale_v}"
+        creeps = [c.creep_velocity for c in self.eq.contacts if c.state == i and c.creep_velocity is not None]
+        if not creeps:
+            return usual
+        usual = w.line(w.fresh(), usual)
+        creep = w.value(creeps[0], self.start)
+        return w.line(w.fresh(), f"{creep} if {creep} < {usual} else {usual}")
 
     def _largest(self) -> None:
         """The error of one body: the largest of its states' errors."""

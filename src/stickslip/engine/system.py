@@ -54,6 +54,7 @@ class Contact:
     branches: Branches | None  # of a set-valued law
     stribeck_velocity: Sym | None
     balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
+    creep_velocity: Sym | None = None  # up to which friction is proportional to the velocity, where the law says it
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ def label(model: Any) -> str:
     if not machine_of(model).is_single:
         laws = [law.name for law in machine_of(model).mechanics.laws]
         return " × ".join([*dict.fromkeys(laws), type(model if lists_parts(model) else model.drive).__name__, str(len(laws))])
-    parts = [type(model.friction).__name__, type(model if drive is None else drive).__name__]
+    parts = [type(model.friction).__name__, type(model).__name__ if drive is None else machine_of(model).drive_name]
     if track is not None and type(track).__name__ != "Level":
         parts.append(type(track).__name__)
     return " × ".join(parts)
@@ -167,8 +167,8 @@ def _check_contact(model: Any) -> None:
 
 def _inertia(m: Symbolic) -> Sym | None:
     """The drive force, -m d²xi/dt²."""
-    drive = machine_of(m.model).drive
-    return None if drive is None else -(m.model.inner_mass * m.lift(drive.acceleration(m.t)))
+    drive = m.machine.drive
+    return None if drive is None else -(m.machine.whole_inner_mass * m.lift(drive.acceleration(m.t)))
 
 
 def instants_of(graph: Graph, clock: Sym, t: Sym) -> list[Sym]:

@@ -10,6 +10,7 @@ from stickslip.friction.elasto_plastic import ElastoPlastic
 from stickslip.friction.gms import GMS
 from stickslip.friction.karnopp import Karnopp
 from stickslip.friction.lugre import LuGre
+from stickslip.friction.rate_state import RateState
 from stickslip.friction.reset_integrator import ResetIntegrator
 from stickslip.friction.stribeck import Stribeck
 from stickslip.friction.sum import Sum
@@ -18,8 +19,8 @@ from stickslip.friction.tanh_coulomb import TanhCoulomb
 from stickslip.friction.viscous import Viscous
 
 _ALL = (
-    Coulomb, Viscous, CoulombViscous, Stribeck, Tabulated, Dahl, LuGre, ElastoPlastic, GMS, Bristle, ResetIntegrator, TanhCoulomb,
-    DeadBand, Karnopp,
+    Coulomb, Viscous, CoulombViscous, Stribeck, Tabulated, Dahl, LuGre, ElastoPlastic, GMS, Bristle, ResetIntegrator, RateState,
+    TanhCoulomb, DeadBand, Karnopp,
 )  # fmt: skip
 _KEEPING_THE_CONTRACT: tuple[type[Law], ...] = _ALL  # mypy compares their methods
 #: Every law by its name in lower case.
@@ -36,6 +37,7 @@ __all__ = [
     "ElastoPlastic",
     "Karnopp",
     "LuGre",
+    "RateState",
     "ResetIntegrator",
     "Stribeck",
     "Sum",

@@ -112,6 +112,11 @@ class LawAdapter:
         own = getattr(self.law, "scale", None)
         return None if own is None else self._shaped(own(load), "scale")
 
+    def slip_length(self, load: Any) -> Any:
+        """Slip over which its inner states change [m]: what the law says; None where it does not, and its states are deflections."""
+        own = getattr(self.law, "slip_length", None)
+        return None if own is None else own(load)
+
     def start(self, load: Any) -> States:
         """Inner states of a contact that nobody has moved: what the law says, else zeros."""
         return self._shaped(self.law.start(load), "start") if self.says_start else (0.0,) * self.states
@@ -120,6 +125,11 @@ class LawAdapter:
         """A velocity over which friction changes [m/s]; None where the law has none."""
         own = getattr(self.law, "velocity_scale", None)
         return None if own is None else own()
+
+    def creep_velocity(self, z: States, load: Any) -> Any:
+        """Velocity up to which friction is proportional to it, in these inner states [m/s]; None where the law does not say."""
+        own = getattr(self.law, "creep_velocity", None)
+        return None if own is None else own(self._own(z), load)
 
     def notes(self, load: Any) -> list[str]:
         """What the law says of its own numbers."""

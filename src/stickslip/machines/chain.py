@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from stickslip.drives.adapter import drive_of
-from stickslip.drives.shifted import Shifted
+from stickslip.drives.shifted import begun_at
 from stickslip.errors import Problems
 from stickslip.fields import everywhere, replace_leaf
 from stickslip.machine import machine_of
@@ -93,7 +93,7 @@ class Chain(Machine):
     @property
     def _driven(self) -> dict[str, Any]:
         """What has a drive, by its name in messages."""
-        robots = {f"modules[{i}]": each.drive for i, each in enumerate(self._robots)}
+        robots = {f"modules[{i}]": machine_of(each).drive for i, each in enumerate(self._robots)}
         links = self.link if isinstance(self.link, tuple) else (self.link,)
         named = ["link"] if not isinstance(self.link, tuple) else [f"link[{i}]" for i in range(len(links))]
         return robots | {name: link.drive for name, link in zip(named, links, strict=True) if isinstance(link, Gait)}
@@ -122,7 +122,7 @@ class Chain(Machine):
     def module(self, i: int) -> Any:
         """One module, its drive ahead by its phase."""
         own = self.modules[i]
-        return own if self.phases is None else replace_leaf(own, {"drive": Shifted(own.drive, self.phases[i] / (2 * pi))})
+        return own if self.phases is None else replace_leaf(own, {"drive": begun_at(own.drive, self.phases[i] / (2 * pi), own.cycles)})
 
     def bodies(self) -> Mapping[str, Any]:
         """The modules, or the plain bodies."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.drives.adapter import lacking
-from stickslip.drives.shifted import Shifted
+from stickslip.drives.shifted import Shifted, within_one
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, at_least, between, positive
-from stickslip.maths import maximum, pi, where
+from stickslip.maths import maximum, minimum, pi, where
 
 __all__ = ["LINKS", "Body", "Contact", "Gait", "Rigid", "Spring", "Stop"]
 
@@ -99,25 +99,47 @@ class Spring(Frozen):
         [N s/m].
     length : float, optional
         Distance at which it is relaxed, from the second body to the first [m].
+    cubic : float, optional
+        What it has of the third power of its extension [N/m^3]: positive hardens, negative softens. None where it is left out.
+    clearance : float, optional
+        Play [m]: the spring takes hold where the distance is more than half of it from `length`, on either side. None where there is none.
 
     Examples
     --------
     >>> Spring(stiffness=1200.0, damping=0.4).force(distance=1e-3, rate=0.5)
     1.4
+    >>> round(Spring(stiffness=1200.0, cubic=1e8).force(distance=2e-3, rate=0.0), 9)
+    3.2
+    >>> play = Spring(stiffness=1000.0, clearance=2e-3)
+    >>> [round(play.force(distance=d, rate=0.0), 9) for d in (0.5e-3, 3e-3, -3e-3)]
+    [0.0, 2.0, -2.0]
     """
 
     stiffness: float = field(metadata={"example": "1200.0"})
     damping: float = 0.0
     length: float = 0.0
+    cubic: float | None = field(default=None, metadata={"example": "1e8"})
+    clearance: float | None = field(default=None, metadata={"example": "1e-3"})
 
     _rules: ClassVar[dict[str, Any]] = {
         "stiffness": (at_least(0.0), "zero or more [N/m]"),
         "damping": (at_least(0.0), "zero or more [N s/m]"),
+        "clearance": (at_least(0.0), "zero or more [m]"),
     }
 
     def force(self, distance: Any, rate: Any) -> Any:
-        """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]."""
-        return self.stiffness * (distance - self.length) + self.damping * rate
+        """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]. The damper has no play."""
+        extension = self._extension(distance)
+        force = self.stiffness * extension + self.damping * rate
+        return force if self.cubic is None else force + self.cubic * (extension * extension * extension)
+
+    def _extension(self, distance: Any) -> Any:
+        """How much longer it is than relaxed, beyond its play [m]."""
+        longer = distance - self.length
+        if self.clearance is None:
+            return longer
+        play = 0.5 * self.clearance
+        return maximum(longer - play, 0.0) + minimum(longer + play, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,10 +204,7 @@ class Gait(Frozen):
         """The motion of one distance, counted from 0 at the head."""
         if j == 0:
             return self.drive
-        ahead = -j * self.lag / (2 * pi)
-        for _ in range(j - 1):  # whole periods are none
-            ahead = where(ahead > 1.0, ahead - 1.0, where(ahead < -1.0, ahead + 1.0, ahead))
-        return Shifted(self.drive, ahead)
+        return Shifted(self.drive, within_one(-j * self.lag / (2 * pi), j))
 
 
 @dataclass(frozen=True, eq=False)

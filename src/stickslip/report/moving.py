@@ -79,9 +79,12 @@ def stage(model: Any) -> list[dict[str, Any]]:
     machine = machine_of(model)
     mechanics: Any = machine.mechanics
     if machine.is_single:
-        inner = float(model.inner_mass) if machine.drive is not None else None
-        bodies = [{"name": "body", "mass": float(mechanics.masses[0]) - (inner or 0.0), "place": [0, 0]}]
-        return bodies + ([{"name": "inner mass", "mass": inner, "place": [0, 1]}] if inner is not None else [])
+        masses = [float(mass) for mass, _ in machine.inner_masses]
+        bodies = [{"name": "body", "mass": float(mechanics.masses[0]) - sum(masses), "place": [0, 0]}]
+        names = ["inner mass"] if len(masses) == 1 else [f"inner mass {j + 1}" for j in range(len(masses))]
+        return bodies + [
+            {"name": name, "mass": mass, "place": [0, j + 1]} for j, (name, mass) in enumerate(zip(names, masses, strict=True))
+        ]
     under = _standing_on(mechanics)
     order = sorted((name for name in mechanics.bodies if under[name] is None), key=lambda n: _start(mechanics, n))
     storeys: dict[str, int] = {}
@@ -114,17 +117,17 @@ def _standing_on(mechanics: Any) -> dict[str, str | None]:
 
 
 def _columns(run: Any, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any, Any]]:
-    """Each body with its position and velocity; of a robot its inner mass too, whose velocity is not drawn."""
+    """Each body with its position and velocity; of a robot its inner masses too, whose velocities are not drawn."""
     parts = stage(run.model)
     single = machine_of(run.model).is_single
     for i, part in enumerate(parts[: len(run.bodies)]):
         yield part, at["x"] if single else at["x"][:, i], at["v"] if single else at["v"][:, i]
-    for part in parts[len(run.bodies) :]:
-        yield part, at["x"] + at["xi"], None
+    for part, (_, drive) in zip(parts[len(run.bodies) :], machine_of(run.model).inner_masses, strict=True):
+        yield part, at["x"] + drive.position(at["t"]), None
 
 
 def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str, Any]:
-    first = at["x"][0] if part["name"] == "inner mass" and v is None else x[0]
+    first = at["x"][0] if v is None else x[0]
     return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
 
 

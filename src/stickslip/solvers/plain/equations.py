@@ -126,11 +126,15 @@ class Equations:
         """A typical size of each state, against which errors are measured."""
         T, speed = self.scale_of_time, self.scale_of_velocity or 1.0
         inner: Floats = []
-        for law, load in zip(self.laws, self.loads(t, y), strict=True):
+        speeds = [speed] * self.n
+        for i, (law, load) in enumerate(zip(self.laws, self.loads(t, y), strict=True)):
+            creep, c = law.creep_velocity(self.z(y, i), load), self.alone[i]
+            if creep is not None and c is not None:
+                speeds[c] = min(speeds[c], float(creep))
             typical = law.scale(load)
             inner += [speed * T] * law.states if typical is None else [float(v) if v > 0 else speed * T for v in typical]
         inner += map(float, self.mechanics.controllers.scales)
-        return np.array([*[speed * T] * self.n, *[speed] * self.n, *inner])
+        return np.array([*[speed * T] * self.n, *speeds, *inner])
 
     # ---- kinematics ----
     def slips(self, t: float, u: Sequence[float]) -> Floats:
