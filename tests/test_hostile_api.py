@@ -122,6 +122,12 @@ def examples():
         "Pulses": (ss.Pulses, {"amplitude": 1.25, "period": 0.06, "duty": 0.35}),
         "RecordedForce": (ss.RecordedForce, {"period": 0.06, "mean": 0.1, "cosines": (0.0, 0.75), "sines": (1.5, 0.0)}),
         "ForceSum": (ss.ForceSum, {"parts": (ss.HarmonicForce(1.5, 104.7), ss.HarmonicForce(0.7, 209.4))}),
+        "MovingTrack": (ss.MovingTrack, {"mass": 0.02, "along": ss.Harmonic(1e-4, omega=300.0), "across": None, "tilt": 0.1,
+             "friction": ss.Coulomb(0.1, 0.1), "load": 2.0, "force": 0.1, "restitution": 0.3}),
+        "step_per_cycle": (ss.step_per_cycle, {"run": run}), "throw_index": (ss.throw_index, {"machine": robot}),
+        "hops": (ss.hops, {"run": ss.solve(ss.presets.conveyor(throw_index=1.5), periods=2), "contact": None}),
+        "stick_slip_stage": (ss.presets.stick_slip_stage, {"stroke": 5e-6, "load": 20.0, "mu": 0.1, "force": 0.1, "law": "lugre"}),
+        "conveyor": (ss.presets.conveyor, {"throw_index": 1.5, "angle_deg": 30.0, "tilt_deg": 1.0, "restitution": 0.2, "law": "coulomb"}),
         "cantilever_eigenvalues": (ss.cantilever_eigenvalues, {"tip_mass_ratio": 0.5, "n": 3}),
         "check_law": (ss.testing.check_law, {"law": ss.Coulomb(0.15, 0.2), "load": 1.0, "raise_": True}),
         "piezo_rig": (ss.presets.piezo_rig, {**RIG, "omega": 200.0, "mu0": 0.18, "f0": 0.2, "incline": "folded", "body_mass": 0.06}),
@@ -215,10 +221,10 @@ def examples():
 
 #: Public names that are no door: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
-    "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "InputError", "LAWS", "Level", "Lyapunov",
-    "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError", "StickslipError",
+    "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
+    "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",
+    "StickslipError", "Sum", "Trajectory", "Verdict",
     "Gradient", "Optimum", "Propagated", "Waveform",
-    "Sum", "Trajectory", "Verdict",
     *(name for name in ss.__all__ if inspect.ismodule(getattr(ss, name))),
 }  # fmt: skip
 

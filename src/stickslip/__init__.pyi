@@ -24,6 +24,12 @@ from .analysis.steady import (
     mean_velocity as mean_velocity,
     periodic_mean_velocity as periodic_mean_velocity,
 )
+from .analysis.tracks import (
+    Hops as Hops,
+    hops as hops,
+    step_per_cycle as step_per_cycle,
+    throw_index as throw_index,
+)
 from .benching import (
     Bench as Bench,
     Benches as Benches,
@@ -145,6 +151,7 @@ from .machines import (
     Gait as Gait,
     Joint as Joint,
     Machine as Machine,
+    MovingTrack as MovingTrack,
     Rigid as Rigid,
     Spring as Spring,
     Stop as Stop,

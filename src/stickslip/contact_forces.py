@@ -53,6 +53,9 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
             sum(g * m * a for g, m, a in zip(mechanics.directions[i], mechanics.masses, free, strict=True)) if law.needs_applied else 0.0
         )
         R[:, i] = law.force(slip, inner, rates, loads[:, i], own, applied)
+        if law.flies:  # its states are the gap and the gap's rate
+            aloft = (inner[0] != 0.0) | (inner[1] != 0.0) | (rates[1] != 0.0)
+            R[aloft, i], loads[aloft, i] = 0.0, 0.0
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
     closed = _closed(mechanics, t, q, u)
     pressed = np.zeros(closed.shape)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Event", "events_of", "hits_of", "nodes_at"]
+__all__ = ["Event", "aloft_of", "events_of", "flights_of", "hits_of", "nodes_at"]
 
 Array = Any  # numpy.ndarray
 
@@ -20,15 +20,15 @@ class Event:
     ----------
     t : float
         When [s].
-    kind : {"stick", "slip", "reversal", "impulse", "switch", "hit", "contact lost"}
+    kind : {"stick", "slip", "reversal", "impulse", "switch", "hit", "take-off", "landing", "contact lost"}
         It came to rest, it broke away, or its velocity changed sign without rest; a jump of the drive's velocity threw it;
-        a memory of its law changed; a stop was hit; its load fell to zero.
+        a memory of its law changed; a stop was hit; its load fell to zero and it flew, or it came down; its load fell to zero for good.
     before, after : int
-        The modes: +1 forwards, 0 stuck, -1 backwards. Of a hit both are 0.
+        The modes: +1 forwards, 0 stuck, -1 backwards; in flight the sign of the slip. Of a hit both are 0.
     part : str
         Name of the contact, "contact" where there is only one, as under a `Robot`; of a hit the bodies that meet, "mass-capsule".
     velocity : float, optional
-        Of a hit: rate of the gap before it, negative [m/s].
+        Of a hit or a landing: rate of the gap before it, negative [m/s].
     """
 
     t: float
@@ -39,7 +39,7 @@ class Event:
     velocity: float | None = field(default=None, repr=False)
 
 
-def events_of(pieces: Any, impulses: Any = (), lost: Any = ()) -> list[Event]:
+def events_of(pieces: Any, impulses: Any = (), lost: Any = (), aloft: Any = None) -> list[Event]:
     """Every event, in order; at one instant one of each contact that changed, in the order of the contacts.
 
     Parameters
@@ -49,19 +49,22 @@ def events_of(pieces: Any, impulses: Any = (), lost: Any = ()) -> list[Event]:
         Times [s] and jumps of the velocity [m/s]: one number for all bodies, or one for each. A contact is thrown where its slip jumps.
     lost : sequence of str
         Names of the contacts that were lost at the end.
+    aloft : array (pieces, contacts) of bool, optional
+        Where contacts fly: what they do then are take-offs and landings (see `flights_of`).
     """
     contacts, mode = pieces.layout.contacts, np.asarray(pieces.mode).astype(int)
-    found = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses)]
+    aloft = np.zeros(mode.shape, bool) if aloft is None else aloft
+    found = [event for i in range(len(contacts)) for event in _events_of_one(pieces, i, mode[:, i], impulses, aloft[:, i])]
     found.sort(key=lambda event: event.t)  # keeps the order of the contacts at one instant
     end = [(c.name, int(mode[-1, i])) for i, c in enumerate(contacts) if c.name in lost]
     return [*found, *(Event(float(pieces.t[-1]), "contact lost", last, last, name) for name, last in end)]
 
 
-def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any) -> list[Event]:
-    """The events of one contact, given its number and its modes."""
+def _events_of_one(pieces: Any, contact: int, mode: Array, impulses: Any, aloft: Array) -> list[Event]:
+    """The events of one contact, given its number, its modes and where it flies."""
     of = pieces.layout.contacts[contact]
     thrown = set(nodes_at(pieces, [t for t, jump in impulses if np.ndim(jump) == 0 or np.dot(of.direction, jump) != 0.0]).tolist())
-    changed = np.diff(mode) != 0
+    changed = (np.diff(mode) != 0) & ~aloft[1:] & ~aloft[:-1]
     if of.memory:
         changed |= np.any(np.diff(pieces.memory[:, list(of.memory)], axis=0) != 0, axis=1)
     where = sorted({*(np.flatnonzero(changed) + 1).tolist(), *thrown})
@@ -89,6 +92,31 @@ def hits_of(pieces: Any, mechanics: Any, speed: float, time: float) -> list[tupl
         gap, rate, left = (np.broadcast_to(of, t.shape) for of in (stop.gap(t, q), stop.rate(t, u), stop.rate(t, new)))
         hit = (rate < 0.0) & (left - rate > 1e-9 * speed) & (abs(gap) <= 1e-6 * speed * time)
         found += [(int(inner[i]), Event(float(t[i]), "hit", 0, 0, stop.name, float(rate[i]))) for i in np.flatnonzero(hit)]
+    return found
+
+
+def aloft_of(pieces: Any, laws: Any) -> Array:
+    """On which pieces contacts fly (pieces, contacts): there the gap varies, and elsewhere it is zero to the last bit; laws by contact."""
+    found = np.zeros(np.shape(pieces.mode), bool)
+    for i, (contact, law) in enumerate(zip(pieces.layout.contacts, laws, strict=False)):
+        if law.flies:
+            found[:, i] = np.any(pieces.coefficients[:, list(contact.inner)] != 0.0, axis=(1, 2))
+    return found
+
+
+def flights_of(pieces: Any, aloft: Array) -> list[tuple[int, Event]]:
+    """Take-offs and landings, each with the number of its node; a landing that throws the body up again is one too."""
+    found = []
+    for i in np.flatnonzero(aloft.any(axis=0)):
+        contact, up, mode = pieces.layout.contacts[i], aloft[:, i], pieces.mode[:, i]
+        rate = pieces.coefficients[:, contact.inner[1]]
+        before, after = rate[:-1].sum(axis=1), rate[1:, 0]
+        thrown = (before < 0.0) & (after >= 0.0) & up[:-1]
+        kinds = np.select([~up[:-1] & up[1:], thrown | (up[:-1] & ~up[1:])], ["take-off", "landing"], "")
+        for n in np.flatnonzero(kinds != ""):
+            speed = float(before[n]) if kinds[n] == "landing" else None
+            event = Event(float(pieces.t[n + 1]), str(kinds[n]), int(mode[n]), int(mode[n + 1]), contact.name, speed)
+            found.append((int(n) + 1, event))
     return found
 
 

@@ -80,7 +80,7 @@ class SeveralBodies(Mechanics):
     @cached_property
     def laws(self) -> tuple[LawAdapter, ...]:
         """The law of each contact."""
-        return tuple(adapted(contact.friction) for contact in self.joints.values())
+        return tuple(adapted(contact.friction, contact.restitution) for contact in self.joints.values())
 
     @cached_property
     def masses(self) -> tuple[Any, ...]:

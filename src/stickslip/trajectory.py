@@ -13,7 +13,7 @@ import numpy as np
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError
-from stickslip.events import Event, events_of, hits_of, nodes_at
+from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
@@ -164,12 +164,13 @@ class Trajectory:
 
     @cached_property
     def events(self) -> list[Event]:
-        """Every change of mode, impulse, switch of a memory and hit on a stop, in order; under a dynamic law modes change where v reverses.
+        """Every change of mode, impulse, switch of a memory, hit on a stop, take-off and landing, in order.
 
-        At one instant there is one for each contact that changed, in the order of `contacts`, after the hits.
+        Under a dynamic law modes change where v reverses. At one instant there is one for each contact that changed, in the order of
+        `contacts`, after hits and landings.
         """
-        hits = [hit for _, hit in self._hits]
-        return sorted([*hits, *events_of(self.pieces, self._impulses, self._lost)], key=lambda event: event.t)
+        hits = [hit for _, hit in (*self._hits, *self._flights)]
+        return sorted([*hits, *events_of(self.pieces, self._impulses, self._lost, self._aloft)], key=lambda event: event.t)
 
     @cached_property
     def _hits(self) -> list[tuple[int, Event]]:
@@ -178,6 +179,17 @@ class Trajectory:
         if machine.is_single or not machine.mechanics.stops:
             return []
         return hits_of(self.pieces, machine.mechanics, float(machine.velocity_scale), float(machine.time_scale or 1.0))
+
+    @cached_property
+    def _aloft(self) -> Any:
+        """On which pieces contacts fly: array (pieces, contacts)."""
+        machine = machine_of(self.model)
+        return aloft_of(self.pieces, () if machine.is_single else machine.laws)
+
+    @cached_property
+    def _flights(self) -> list[tuple[int, Event]]:
+        """Take-offs and landings, each with the number of its node."""
+        return flights_of(self.pieces, self._aloft)
 
     @property
     def _lost(self) -> list[str]:
@@ -199,7 +211,8 @@ class Trajectory:
         grid = np.arange(max(int(np.ceil((nodes[-1] - nodes[0]) / step - 1e-6)), 1) + 1) * step + nodes[0]
         grid[-1] = nodes[-1]
         changes = np.flatnonzero(np.any(np.diff(self.pieces.mode, axis=0) != 0, axis=1)) + 1
-        if others := [*nodes_at(self.pieces, [t for t, _ in self._impulses]), *(node for node, _ in self._hits)]:
+        thrown = nodes_at(self.pieces, [t for t, _ in self._impulses])
+        if others := [*thrown, *(node for node, _ in (*self._hits, *self._flights))]:
             changes = np.union1d(changes, others)
         events = nodes[changes]
         if len(events):

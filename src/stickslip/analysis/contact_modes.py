@@ -11,17 +11,17 @@ from stickslip.analysis.motion import DWELL, SLIP_RATIO
 from stickslip.analysis.segments import Watched, WatchedOf, clipped, elastic_segments
 from stickslip.machine import machine_of
 
-__all__ = ["PRESSED", "Stretch", "contact_modes", "hits", "pressed_stops", "stop_rows", "watched_contacts"]
+__all__ = ["FLIGHT", "PRESSED", "Stretch", "contact_modes", "hits", "landings", "pressed_stops", "stop_rows", "watched_contacts"]
 
 Array = Any
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
-PRESSED = 2  # what stands for the sign while a stop is pressed
+PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies
 _GRID, _HALVINGS = 4096, 50
 _ROUNDING = 1e-12  # of a span: what is shorter is no stretch
 
 
 def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]]:
-    """Each contact's stretches of sticking and sliding over a span of a run, in order, without gaps.
+    """Each contact's stretches of sticking, sliding and flying over a span of a run, in order, without gaps.
 
     Under a set-valued law they are the run's own. Under a law with inner states a contact sticks by the rule of `stickslip.motion`: while
     the elastic part of the friction is below a part of its steady sliding value, for at least a part of the drive's period, or of the
@@ -35,7 +35,7 @@ def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]
     >>> {name: [sign for _, _, sign in stretches] for name, stretches in found.items()}
     {'module 1': [-1, 1, -1], 'module 2': [1, 0, -1, 0, 1]}
     """
-    return {name: _stretches(watched, start, end) for name, watched in watched_contacts(run).items()}
+    return {name: _stretches(watched, start, end, run._aloft[:, i]) for i, (name, watched) in enumerate(watched_contacts(run).items())}
 
 
 def watched_contacts(run: Any) -> dict[str, Watched]:
@@ -45,12 +45,12 @@ def watched_contacts(run: Any) -> dict[str, Watched]:
     return {name: WatchedOf(run.parted, i) for i, name in enumerate(run.contacts)}
 
 
-def _stretches(watched: Watched, start: float, end: float) -> list[Stretch]:
+def _stretches(watched: Watched, start: float, end: float, aloft: Array) -> list[Stretch]:
     """The stretches of one contact."""
     run = watched.run
-    if not watched.law.states:
+    if not watched.law.has_slip_ratio:
         edges, index = clipped(run.pieces, start, end)
-        return _joined(edges, watched.modes[index].astype(int), start, end)
+        return _joined(edges, np.where(aloft[index], FLIGHT, watched.modes[index].astype(int)), start, end)
     dwell = DWELL * float(machine_of(run.model).time_scale or end - start)
     first, last = float(run.pieces.t[0]), float(run.pieces.t[-1])
     edges, code = elastic_segments(watched, max(start - dwell, first), min(end + dwell, last), SLIP_RATIO)
@@ -120,6 +120,15 @@ def hits(run: Any, start: float, end: float) -> dict[str, list[tuple[float, floa
     for event in run.events:
         if event.kind == "hit" and start <= event.t <= end:
             found[event.part].append((event.t, float(event.velocity)))
+    return found
+
+
+def landings(run: Any, start: float, end: float) -> dict[str, list[float]]:
+    """When each contact lands within a span [s], of those that fly."""
+    found: dict[str, list[float]] = {}
+    for _, event in run._flights:
+        if event.kind == "landing" and start <= event.t <= end:
+            found.setdefault(event.part, []).append(event.t)
     return found
 
 

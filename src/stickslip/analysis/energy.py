@@ -129,6 +129,10 @@ def energy(run: Run) -> Energy:
         for when, loss, stop in works_of_parts.lost_at_hits(run, machine_of(run.model).mechanics):
             row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
             of_parts["damping"].setdefault(stop, np.zeros(count))[row] += loss
+        for when, taken, given, contact in works_of_parts.at_landings(run, machine_of(run.model).mechanics):
+            row = np.clip(np.searchsorted(borders, when, side="right") - 1, 0, count - 1)
+            of_parts["friction"][contact][row] += taken
+            works["drive"][row] += given
         works |= {n: sum(of_parts[n].values(), np.zeros(count)) for n in of_parts}
     changes = {"kinetic": np.diff(_kinetic(run, v))}
     if not several:

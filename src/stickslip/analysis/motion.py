@@ -178,7 +178,7 @@ def _of_contacts(run: Any, slip_ratio: float, dwell: float) -> Motions:
 
 def _never_moves(run: Any, watched: Watched, found: Motion) -> bool:
     """Whether a contact rests all through the window of the mean; one with inner states, which never rests, whether it never slips."""
-    if watched.law.states:
+    if watched.law.has_slip_ratio:
         return found.type in ("rest", "presliding")
     return not np.any(watched.modes[clipped(run.pieces, *run.window)[1]])
 

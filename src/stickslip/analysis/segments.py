@@ -119,7 +119,7 @@ def raw_segments(run: Any, period: int, slip_ratio: float, watched: Watched | No
     watched = watched or Watched(run)
     end = float(run.pieces.t[-1])
     start = max(end - period * run.period_time, float(run.pieces.t[0]))
-    if watched.law.states:
+    if watched.law.has_slip_ratio:
         edges, code = elastic_segments(watched, start, end, slip_ratio)
         return Segments(np.diff(edges) / run.period_time, code, np.inf)
     edges, index = clipped(run.pieces, start, end)

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.contact_forces import held_by_controllers
 
-__all__ = ["kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
+__all__ = ["at_landings", "kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
 
 Array = Any
 _INSTANTS = 7  # of a period, at which a prescribed distance is asked whether it moves
@@ -91,9 +91,27 @@ def lost_at_hits(run: Any, mechanics: Any) -> list[tuple[float, float, str]]:
     nodes, later = run.pieces.t[1:-1], np.arange(1, len(run.pieces.mode))
     before, after = (run._states_at(nodes, index)[1] for index in (later - 1, later))
     thrown = np.any(before != after, axis=1) & ~np.isin(nodes, [t for t, _ in run._impulses])
+    thrown[[node - 1 for node, _ in run._flights]] = False
     lost = kinetic(mechanics, before) - kinetic(mechanics, after)
     struck: dict[int, list[str]] = {}
     for node, event in run._hits:
         struck.setdefault(node, []).append(label_of_stop(mechanics, event.part))
     other = [label_of_stop(mechanics, mechanics.stops[0].name)]  # a rate of the gap too small for an event
     return [(float(nodes[i]), float(lost[i]), " and ".join(struck.get(int(later[i]), other))) for i in np.flatnonzero(thrown)]
+
+
+def at_landings(run: Any, mechanics: Any) -> list[tuple[float, float, float, str]]:
+    """Instants at which contacts land, what friction takes there and what the ground gives [J], and the contacts' names.
+
+    An impulse along the track works with the mean of the velocities before and after it.
+    """
+    found = []
+    for node, event in run._flights:
+        i, t = list(run.contacts).index(event.part), run.pieces.t[[node]]
+        (_, before, _), (_, after, _) = (run._states_at(t, np.array([piece])) for piece in (node - 1, node))
+        slips = [np.array(mechanics.slips(t[0], mechanics.coordinates_of(tuple(v[0]))), float)[i] for v in (before, after)]
+        gained = float(kinetic(mechanics, after)[0] - kinetic(mechanics, before)[0])
+        j = mechanics.coordinate_of(mechanics.joints[event.part].body)
+        taken = -float(mechanics.masses[j]) * (slips[1] - slips[0]) * 0.5 * (slips[0] + slips[1])
+        found.append((float(t[0]), float(taken), gained + float(taken), event.part))
+    return found

@@ -6,6 +6,7 @@ from typing import Any
 
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet
+from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_in_flight
 from stickslip.engine.pressed import add_pressed, pressed_stops, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
@@ -13,6 +14,8 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 
 __all__ = ["add_contacts", "add_stop"]
+
+_NEAR = 1e-15  # of the velocity scale: what rounding makes of a slip that is a difference, and that begins without acceleration
 
 
 def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
@@ -85,18 +88,24 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     graph.assumed.clear()
 
     rest = graph.select(push, one, graph.select(pull, -one, zero))
+    stopped, first, flight = rest, rest, add_flight(parts, i) if law.flies else None
+    if flight is not None:
+        add_take_off_and_landing(parts, i, flight, rest, still, held)
+        stopped = graph.select(flight.aloft, -mode, rest)
+        first = graph.select(flight.first, side_in_flight(parts, i, held), rest)
+    near = zero if owned else _NEAR * m.lift(m.machine.velocity_scale)
     parts.events += [
-        (graph.by_side(mode, slip, -slip, one), {place: rest}, {j: still}, 0),
+        (graph.by_side(mode, slip + near, near - slip, one), {place: stopped}, {j: still}, 0),
         (graph.by_side(mode, one, one, -push), {place: one}, {}, 0),
         (graph.by_side(mode, one, one, -pull), {place: -one}, {}, 0),
     ]
-    parts.first_modes[place] = graph.by_side(slip, one, -one, rest)
-    parts.f[j] = graph.by_side(mode, sliding[0], sliding[1], held)
+    parts.first_modes[place] = graph.by_side(slip, one, -one, first)
+    moved = graph.by_side(mode, sliding[0], sliding[1], held)
+    parts.f[j] = moved if flight is None else graph.select(flight.aloft, m.accelerations({})[j], moved)
     branches = Branches(*sliding, push, pull)
-    guard = 0 if m.single else None
-    parts.contacts.append(
-        Contact(m.equations.contacts[i], slip, m.directions[i], j if owned else None, guard, (), (place,), branches, speed, False)
-    )
+    guard, inner = 0 if m.single else None, () if flight is None else flight.inner
+    name, state = m.equations.contacts[i], j if owned else None
+    parts.contacts.append(Contact(name, slip, m.directions[i], state, guard, inner, (place,), branches, speed, False, flight=flight))
 
 
 def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:

@@ -193,7 +193,19 @@ def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
             generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
             found.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
         blocks += [(alone if len(of) == 1 else generic.split("\n"), of) for generic, (alone, of) in found.items() if alone]
-    return _told_once(blocks)
+    return [*_told_once(blocks), *_flights(mechanics, own)]
+
+
+def _flights(mechanics: Any, own: list[str]) -> list[str]:
+    """What a contact does that flies and lands."""
+    lines = []
+    for i, (law, index) in enumerate(zip(mechanics.laws, own, strict=True)):
+        if law.flies:
+            j = next(k for k, g in enumerate(mechanics.directions[i]) if g)
+            h, N, R = (subscripted(letter, index) for letter in ("h", "N", "R"))
+            lines.append(rf"{text_of(mechanics.masses[j])} \ddot {h} &= - {N}, \quad {R} = 0, && {h} > 0")
+            lines.append(rf"\dot {h}^+ &= - {text_of(law.restitution)} \, \dot {h}^-, && {h} = 0")
+    return lines
 
 
 def _told_once(blocks: list[tuple[list[str], list[str]]]) -> list[str]:

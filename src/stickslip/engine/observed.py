@@ -12,6 +12,7 @@ from typing import Any
 
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import sliding_both_ways
+from stickslip.engine.flight import touching
 from stickslip.engine.observing import WAY, observed_node
 from stickslip.engine.steptext import straight
 from stickslip.engine.symbols import Sym
@@ -55,7 +56,7 @@ def _force(parts: Assembly, i: int) -> Sym:
     if m.laws[i].dynamic:
         return m.lift(parts.forces[i])
     forwards, backwards = sliding_both_ways(parts, i)
-    return m.graph.by_side(parts.modes[i], forwards, backwards, m.graph.constant(0.0))
+    return touching(parts, i, m.graph.by_side(parts.modes[i], forwards, backwards, m.graph.constant(0.0)))
 
 
 def _of_stops(parts: Assembly, first_event: int) -> list[Signal]:

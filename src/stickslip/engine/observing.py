@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import sliding_both_ways
+from stickslip.engine.flight import touching
 from stickslip.engine.symbols import Sym, TraceError
 from stickslip.engine.system import System
 from stickslip.errors import InputError
@@ -59,7 +60,7 @@ class _State:
     @cached_property
     def load(self) -> Any:
         """Normal forces on the contacts."""
-        return self._given(self._m.loads)
+        return self._given(touching(self._parts, i, load) for i, load in enumerate(self._m.loads))
 
     @cached_property
     def friction_force(self) -> Any:
@@ -120,7 +121,7 @@ def _friction(parts: Assembly, i: int) -> Sym:
     held = m.graph.derivative(m.slips[i] - m.y[j], m.t)
     free, braked = (m.accelerations({i: force})[j] for force in (0.0, 1.0))  # a closed stop makes the mass that a contact holds larger
     holding = (free + held) / (free - braked) if m.pressed else m.lift(m.equations.masses[j]) * (free + held)
-    return m.graph.by_side(parts.modes[i], forwards, backwards, holding)
+    return touching(parts, i, m.graph.by_side(parts.modes[i], forwards, backwards, holding))
 
 
 def observed_node(name: str, function: Any, parts: Assembly, eq: System) -> Sym:

@@ -8,7 +8,7 @@ from functools import cached_property
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
 
-__all__ = ["Branches", "Contact", "Signal", "Switch", "System"]
+__all__ = ["Branches", "Contact", "Flight", "Signal", "Switch", "System"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,16 @@ class Branches:
 
 
 @dataclass(frozen=True)
+class Flight:
+    """What the flight of a contact adds to it."""
+
+    mode: int  # number of the mode that is 1 in flight, else 0
+    aloft: Sym  # this mode
+    first: Sym  # what it begins with
+    inner: tuple[int, int]  # numbers of the states that are the gap and its rate
+
+
+@dataclass(frozen=True)
 class Contact:
     """One contact: where it stands in the states, guards and modes."""
 
@@ -55,6 +65,7 @@ class Contact:
     stribeck_velocity: Sym | None
     balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
     creep_velocity: Sym | None = None  # up to which friction is proportional to the velocity, where the law says it
+    flight: Flight | None = None  # of a contact that leaves where its load falls to zero, and lands again
 
 
 @dataclass(frozen=True)

@@ -275,6 +275,8 @@ def _settled(system: System, changes: list[Sym], along: Along) -> dict[int, Sym]
             slips = Substituted(graph, {changes[i - first].name: new for i, new in now.items()}).of(along.of(contact.slip))
             old = now.get(first + j, changes[j])
             now[first + j] = graph.by_side(system.modes[number], old, old, old - slips)
+    for flight in (contact.flight for contact in exact if contact.flight is not None):  # a gap that is closed stays closed
+        now |= {first + k: graph.select(flight.aloft, changes[k], graph.constant(0.0)) for k in flight.inner}
     return now
 
 

@@ -38,6 +38,9 @@ class LawAdapter:
         Number of inner states, and of whole-number memories.
     switching : bool
         Whether it has `switches`, and so takes its modes.
+    restitution : float, optional
+        Of a contact that flies where its load falls to zero, and lands again: velocity of parting over velocity of approach. Its states
+        are then the gap [m] and the gap's rate [m/s]. None: a run ends there.
 
     Examples
     --------
@@ -52,6 +55,17 @@ class LawAdapter:
     states: int
     modes: int
     switching: bool
+    restitution: Any = None
+
+    @property
+    def flies(self) -> bool:
+        """Whether its contact leaves where the load falls to zero, and lands again."""
+        return self.restitution is not None
+
+    @property
+    def has_slip_ratio(self) -> bool:
+        """Whether inner states say how far its friction is from that of sliding; a set-valued law slides or rests."""
+        return self.dynamic and self.states > 0
 
     def rate(self, v: Any, z: States, load: Any, mode: States = ()) -> States:
         """Rates of the inner states."""
@@ -198,16 +212,18 @@ def _is_dynamic(value: Any) -> bool:
     return hasattr(value, "rate") and hasattr(value, "force")
 
 
-def adapted(law: Law) -> LawAdapter:
-    """A law, to be asked in one way."""
+def adapted(law: Law, restitution: Any = None) -> LawAdapter:
+    """A law, to be asked in one way; with a restitution its contact may fly, unless it has inner states, which no hit throws."""
     dynamic = _is_dynamic(law)
     switching = dynamic and hasattr(law, "switches")
+    flies = not dynamic and restitution is not None
     return LawAdapter(
         law=law,
         dynamic=dynamic,
-        states=int(getattr(law, "states", 1)) if dynamic else 0,
+        states=int(getattr(law, "states", 1)) if dynamic else 2 * flies,
         modes=int(getattr(law, "modes", 0)) if switching else 0,
         switching=switching,
+        restitution=restitution if flies else None,
     )
 
 

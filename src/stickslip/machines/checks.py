@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from stickslip.controllers import NEEDS
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import checked_number, describe, everywhere, positive
 from stickslip.forces import check_law
+from stickslip.friction.adapter import adapted
 from stickslip.machines.parts import Body, Contact, Stop
 
 __all__ = ["check_parts"]
 
+_SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
 _EXAMPLES = {
     "bodies": '{"head": ss.Body(mass=0.07)}',
     "contacts": '{"head": ss.Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21))}',
@@ -85,6 +88,41 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
         problems.add(f"{where}.{sentence}" if sentence.startswith("friction") else f"{where}: {sentence}")
 
 
+def _check_flight(name: str, contact: Any, machine: Any, problems: Problems) -> None:
+    """Note a contact that is to fly and cannot: its body has others, or what it rubs on is a body."""
+    if contact.restitution is None:
+        return
+    where, mechanics = f"contacts()[{name!r}].restitution", machine.mechanics
+    checked_number(where, contact.restitution, problems, lambda e: (e >= 0) & (e < 1), "from 0 to below 1", "restitution=0.3")
+    law = adapted(contact.friction)
+    if not law.dynamic and not _is_affine(law):
+        problems.add(
+            f"{where}: the friction of {law.name} is not proportional to the load, so that an impact has no impulse along; allowed is a "
+            "law that is, such as ss.Coulomb; type restitution=None for a run that ends where the load falls to zero"
+        )
+    row = mechanics.row(contact.body, contact.on if isinstance(contact.on, str) else None)
+    others = [other for other, g in zip(mechanics.contacts, mechanics.directions, strict=True) if other != name and g[row.index(1.0)]]
+    joined = [other for other in mechanics.groups[mechanics.coordinate[contact.body]] if other != contact.body]
+    if others or joined or isinstance(contact.on, str):
+        why = f"rubs on {contact.on!r}" if isinstance(contact.on, str) else f"is joined to {', '.join(map(repr, [*others, *joined]))}"
+        problems.add(
+            f"{where}: a body that flies and lands has this contact alone, on the track or on a motion, and {contact.body!r} {why}; "
+            "type restitution=None: a run then ends where the load falls to zero"
+        )
+
+
+def _is_affine(law: Any) -> bool:
+    """Whether the sliding force of a law grows with the load at one rate: what it makes of an impulse is then known."""
+    import numpy as np
+
+    for v in _SLIPS:
+        forces = [np.asarray(law.sliding(v, load), float) for load in _LOADS]
+        rates = [(b - a) / (q - p) for (a, b), (p, q) in zip(itertools.pairwise(forces), itertools.pairwise(_LOADS), strict=True)]
+        if any(np.any(abs(rate - rates[0]) > 1e-9 * (abs(rate) + abs(rates[0]))) for rate in rates):
+            return False
+    return True
+
+
 def _check_ends(what: str, ends: Any, bodies: dict[str, Any], problems: Problems) -> None:
     if not isinstance(ends, tuple) or len(ends) != 2 or ends[0] is None or ends[0] == ends[1]:
         allowed = "two names of bodies, or a name and None for the ground"
@@ -153,6 +191,8 @@ def _off_whole(ratio: Any) -> Any:
 def _check_groups(machine: Any, problems: Problems) -> None:
     """Note prescribed distances that close a loop, and contacts between bodies that one of them joins."""
     mechanics = machine.mechanics
+    for name, contact in mechanics.joints.items():
+        _check_flight(name, contact, machine, problems)
     joined = sum(len(group) - 1 for group in mechanics.groups)
     if joined < len(mechanics.told):
         problems.add("links() prescribes distances in a closed loop; allowed is one way from body to body; leave one of them out")

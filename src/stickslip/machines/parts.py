@@ -68,6 +68,10 @@ class Contact(Frozen):
     load : float or callable, optional
         Normal force [N]: a number, or a function of time [s] and the position of the body [m]. Without it, the weight of the body
         where gravity is the machine's `gravity`, or 9.81 m/s^2.
+    restitution : float, optional
+        With it the body flies where the load falls to zero, and lands again: velocity of parting over velocity of approach, from 0 to
+        below 1. Its only contact must be this one, and what it rubs on no body. Without it, and under a law with inner states, a run
+        ends where the load falls to zero.
 
     Examples
     --------
@@ -81,6 +85,7 @@ class Contact(Frozen):
     friction: Any
     on: Any = None
     load: Any = None
+    restitution: Any = None
 
     def normal(self, t: Any, x: Any) -> Any:
         """Normal force [N]."""

@@ -173,7 +173,7 @@ def _body(body: Any) -> Body:
 
 def _contact(contact: Any) -> Contact:
     load = None if contact.load is None else lambda t, x: contact.normal(t, -x)
-    return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load)
+    return Contact(contact.body, mirrored_law(contact.friction), on=_on(contact.on), load=load, restitution=contact.restitution)
 
 
 def _on(on: Any) -> Any:

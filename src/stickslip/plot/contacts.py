@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.analysis.contact_modes import contact_modes, stop_rows
+from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.plot.runs import only_run, span, time_axis
 from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, prefix, publication
 
 __all__ = ["MODES", "contacts"]
 
-#: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, and a stop that is pressed.
+AIR = "#d6e6f5"  # pale: nothing rubs there
+#: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, a stop that is pressed, and flight.
 MODES: dict[int, tuple[str, str, str]] = {
     1: ("forwards", COLOURS[0], ""), -1: ("backwards", COLOURS[1], "////"), 0: ("sticks", SHADE, ""),
-    2: ("stop pressed", COLOURS[2], "...."),
+    2: ("stop pressed", COLOURS[2], "...."), 3: ("in flight", AIR, ""),
 }  # fmt: skip
 _ROW, _AROUND = 0.27, 0.75  # inches
 
 
 @explains_arguments
 def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: float | None = None) -> Any:
-    """What each contact does over the last drive periods: it sticks, slides forwards or backwards; and hits on stops.
+    """What each contact does over the last drive periods: it sticks, slides forwards or backwards, or flies; and hits on stops.
 
     Under a law with inner states, which never rests, a contact sticks by the rule of `stickslip.motion`.
 
@@ -38,8 +39,8 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
     Returns
     -------
     matplotlib Axes
-        A row for each contact by its name, the first at the top, then one for each stop. A triangle is a hit, a cross a contact that
-        was lost.
+        A row for each contact by its name, the first at the top, then one for each stop. A triangle is a hit or a landing, a cross a
+        contact that was lost.
 
     Examples
     --------
@@ -56,7 +57,8 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
     with publication():
         ax = _axes(ax, len(rows))
         shown = _bars(ax, rows, bars, start, time)
-        marks = _marks(ax, rows, {name: struck for name, (_, struck) in stops.items()}, _lost(run, start, end), start, time)
+        struck = {name: struck for name, (_, struck) in stops.items()}
+        marks = _marks(ax, rows, (struck, landings(run, start, end), _lost(run, start, end)), start, time)
         ax.set_yticks(range(len(rows)), rows)
         ax.set_ylim(len(rows) - 0.5, -0.5)
         ax.tick_params(axis="y", length=0)
@@ -97,10 +99,10 @@ def _bars(ax: Any, rows: list[str], bars: dict[str, list[Any]], start: float, ti
     ]
 
 
-def _marks(ax: Any, rows: list[str], struck: Any, lost: Any, start: float, time: float) -> list[Any]:
-    """Draw hits and lost contacts; what stands for them in the legend."""
+def _marks(ax: Any, rows: list[str], times: tuple[Any, Any, Any], start: float, time: float) -> list[Any]:
+    """Draw hits, landings and lost contacts; what stands for them in the legend."""
     found = []
-    for word, marker, of in (("hit", "v", struck), ("contact lost", "X", lost)):
+    for (word, marker), of in zip((("hit", "v"), ("landing", "v"), ("contact lost", "X")), times, strict=True):
         at = [((t - start) * time, rows.index(name)) for name, times in of.items() for t in times]
         if at:
             style = {"linestyle": "", "marker": marker, "color": INK, "markersize": 4.5, "clip_on": False}

@@ -4,21 +4,24 @@ from stickslip.presets.capsules import capsubot, capsule
 from stickslip.presets.chains import two_modules, worm
 from stickslip.presets.joints import servo
 from stickslip.presets.robots import coulomb_robot, piezo_beam_rig, piezo_rig
+from stickslip.presets.tracks import conveyor, stick_slip_stage
 
 __all__ = [
     "DIMENSIONLESS",
     "PRESETS",
     "capsubot",
     "capsule",
+    "conveyor",
     "coulomb_robot",
     "piezo_beam_rig",
     "piezo_rig",
     "servo",
+    "stick_slip_stage",
     "two_modules",
     "worm",
 ]
 
-_ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo)
+_ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo, stick_slip_stage, conveyor)
 #: Every preset by its name.
 PRESETS = {preset.__name__: preset for preset in _ALL}
 #: Presets whose units are all 1: what they give is no number of meters or seconds.

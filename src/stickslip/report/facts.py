@@ -168,16 +168,25 @@ def _bodies(run: Any) -> tuple[str, Row, list[Row]]:
 
 def _contacts(run: Any) -> list[tuple[str, Row, list[Row]]]:
     """Motion of each contact and what friction takes there."""
-    from stickslip.analysis.contact_modes import contact_modes
+    from stickslip.analysis.contact_modes import FLIGHT, contact_modes
     from stickslip.report.moving import shown_span
 
     start, end = shown_span(run)
     words, losses = _motions(run), _losses(run, "friction_of")
-    rows = []
+    rows, flies = [], any(law.flies for law in machine_of(run.model).laws)
     for name, stretches in contact_modes(run, start, end).items():
-        shares = (sum(b - a for a, b, sign in stretches if sign == wanted) / (end - start) for wanted in (1, -1, 0))
+        states = (1, -1, 0, FLIGHT)[: 3 + flies]
+        shares = (sum(b - a for a, b, sign in stretches if sign == wanted) / (end - start) for wanted in states)
         rows.append((name, *words.get(name, ()), *(f"{100 * share:.1f} %" for share in shares), losses.get(name, "–")))
-    head = ("contact", *(("motion", "pattern") if words else ()), "forwards", "backwards", "sticks", "friction takes")
+    head = (
+        "contact",
+        *(("motion", "pattern") if words else ()),
+        "forwards",
+        "backwards",
+        "sticks",
+        *(("in flight",) if flies else ()),
+        "friction takes",
+    )
     return [(f"The contacts, over the {'last motion period' if words else 'whole run'}.", head, rows)] if rows else []
 
 

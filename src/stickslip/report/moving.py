@@ -29,8 +29,8 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     dict
         t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
         track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass; rows with the
-        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed) and hits; links, pairs of bodies
-        with whether they give way; lengths and speeds, the units of x and v, which about an axis are mrad and mrad/s.
+        name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed, 3 flight) and hits, or landings; links,
+        pairs of bodies with whether they give way; lengths and speeds, the units of x and v, which about an axis are mrad and mrad/s.
     """
     import numpy as np
 
@@ -145,9 +145,10 @@ def _links(model: Any) -> list[list[int]]:
 # ---- contacts ----
 def _rows(run: Any, start: float, end: float, factor: float) -> list[dict[str, Any]]:
     """A row for each contact, and one for each stop."""
-    from stickslip.analysis.contact_modes import contact_modes, stop_rows
+    from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
 
-    found: dict[str, tuple[list[Any], list[float]]] = {name: (of, []) for name, of in contact_modes(run, start, end).items()}
+    modes, landed = contact_modes(run, start, end), landings(run, start, end)
+    found: dict[str, tuple[list[Any], list[float]]] = {name: (of, landed.get(name, [])) for name, of in modes.items()}
     found |= stop_rows(run, start, end)
     return [
         {

@@ -79,11 +79,11 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     cursors = [make("line", { y1: 0, y2: TALL, class: "cursor" }, svg)];
     for (const r of m.rows) {
       const bars = row(r.name, 20, "bars"), share = (sign) => r.stretches.filter((s) => s[2] === sign).reduce((sum, [a, b]) => sum + b - a, 0) / m.t[n - 1];
-      const words = [[1, "forwards"], [-1, "backwards"], [0, "sticks"], [2, "pressed"]].filter(([sign]) => share(sign) > 0).map(([sign, word]) => `${word} ${(100 * share(sign)).toFixed(0)} %`);
+      const words = [[1, "forwards"], [-1, "backwards"], [0, "sticks"], [2, "pressed"], [3, "in flight"]].filter(([sign]) => share(sign) > 0).map(([sign, word]) => `${word} ${(100 * share(sign)).toFixed(0)} %`);
       bars.setAttribute("aria-label", `${r.name}: ${[...words, ...(r.hits.length ? [`${r.hits.length} hits`] : [])].join(", ") || "never touched"}`);
       for (const [a, b, sign] of r.stretches) {
-        const [y, height] = { 1: [1, 9], "-1": [10, 9], 0: [8, 4], 2: [1, 18] }[sign];
-        make("rect", { x: across(a), width: Math.max(across(b) - across(a), 1), y, height, class: ["back", "stick", "fore", "press"][sign + 1] }, bars);
+        const [y, height] = { 1: [1, 9], "-1": [10, 9], 0: [8, 4], 2: [1, 18], 3: [9, 2] }[sign];
+        make("rect", { x: across(a), width: Math.max(across(b) - across(a), 1), y, height, class: ["back", "stick", "fore", "press", "flight"][sign + 1] }, bars);
       }
       for (const t of r.hits) make("polygon", { points: `${across(t) - 6},2 ${across(t) + 6},2 ${across(t)},18`, class: "hit" }, bars);
       cursors.push(make("line", { y1: 0, y2: 20, class: "cursor" }, bars));
@@ -93,11 +93,11 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     scale.append(el("span"), ticks);
     lines.append(scale);
     const key = el("ul", "names key"), seen = new Set(m.rows.flatMap((r) => r.stretches.map((s) => s[2])));
-    if (m.rows.some((r) => r.hits.length)) seen.add(3);
-    for (const [sign, kind, word, y, height] of [[1, "fore", "forwards", 0, 5], [-1, "back", "backwards", 5, 5], [0, "stick", "sticks", 4, 2], [2, "press", "stop pressed", 0, 10], [3, "hit", "hit", 0, 10]]) {
+    if (m.rows.some((r) => r.hits.length)) seen.add(4);
+    for (const [sign, kind, word, y, height] of [[1, "fore", "forwards", 0, 5], [-1, "back", "backwards", 5, 5], [0, "stick", "sticks", 4, 2], [2, "press", "stop pressed", 0, 10], [3, "flight", "in flight", 4, 2], [4, "hit", "hit", 0, 10]]) {
       if (!seen.has(sign)) continue;
       const item = el("li"), swatch = make("svg", { viewBox: "0 0 26 10", "aria-hidden": "true" });
-      if (sign === 3) make("polygon", { points: "8,0 18,0 13,10", class: kind }, swatch);
+      if (sign === 4) make("polygon", { points: "8,0 18,0 13,10", class: kind }, swatch);
       else make("rect", { x: 0, width: 26, y, height, class: kind }, swatch);
       item.append(swatch, word);
       key.append(item);

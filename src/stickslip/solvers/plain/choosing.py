@@ -16,6 +16,7 @@ import numpy as np
 from stickslip.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, is_common
 from stickslip.solvers.plain.equations import Equations, Mode
+from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
 
 __all__ = ["begun", "chosen"]
 
@@ -32,7 +33,9 @@ def begun(e: Equations, t: float, y: Any, memory: tuple[tuple[int, ...], ...]) -
     """State and mode at the start of a run."""
     u = e.state(y)[1]
     sides = [0 if w == 0.0 else _sign(w) for w in e.slips(t, u)]
-    mode = conditioned(e, t, y, Mode(tuple(sides), memory))
+    aloft = begun_aloft(e, t, y)
+    mode = conditioned(e, t, y, turned_aloft(e, t, y, Mode(tuple(sides), memory, aloft=aloft), [i for i in aloft if sides[i] == 0]))
+    sides = [*mode.sides]
     moving = mode.moved({i: 1 for i, side in enumerate(sides) if side == 0 and e.dynamic[i]} | _stops(e, t, y))
     y, mode = chosen(e, t, y, moving)
     rates = {}
@@ -105,7 +108,7 @@ def chosen(
     noise = e.noise_of_slips(t, u, w)
     zero = [
         i for i, side in enumerate(mode.sides)
-        if not e.dynamic[i] and (side == 0 or i in touched or (i < e.k and abs(w[i]) <= noise[i]))
+        if not e.dynamic[i] and i not in mode.aloft and (side == 0 or i in touched or (i < e.k and abs(w[i]) <= noise[i]))
     ]  # fmt: skip
     turned = [i for i in touched if e.dynamic[i]]
     y = _settled(e, t, y, mode, [*zero, *turned])

@@ -39,6 +39,7 @@ class Mode:
     sides: tuple[int, ...]  # of each contact, then of each stop: 0 closed, 1 open
     memory: tuple[Memory, ...]  # of each contact's law
     kinks: tuple[Sides, Sides] = ((), ())  # of forces, of loads
+    aloft: frozenset[int] = frozenset()  # contacts in flight; their sides are those of their slips
 
     def moved(self, sides: dict[int, int]) -> Mode:
         """With other sides."""
@@ -89,6 +90,7 @@ class Equations:
             raise SolveError(f"{names} asks for the force that holds its contact, and another contact of the same body decides on it too")
         ends = list(itertools.accumulate(self.mechanics.inner, initial=2 * self.n))
         self.inner = list(itertools.pairwise(ends))
+        self.flying = [i for i, law in enumerate(self.laws) if law.flies]
         self.size = ends[-1]
         self.held = slice(self.size - self.mechanics.controllers.count, self.size)
 
@@ -215,12 +217,20 @@ class Equations:
         for i, law in enumerate(self.laws):
             side = mode.sides[i]
             if not law.dynamic:
-                R[i] = self.sliding(i, side, w[i], loads[i]) if side else 0.0
+                R[i] = self.sliding(i, side, w[i], loads[i]) if side and i not in mode.aloft else 0.0
+                inner += self._flight(t, q, y, mode, i) if law.flies else ()
             else:
                 force, rate = law.response(held(w[i], side), self.z(y, i), loads[i], mode.memory[i], applied.get(i, 0.0))
                 R[i] = float(force)
                 inner += map(float, rate)
         return R, inner
+
+    def _flight(self, t: float, q: Floats, y: Any, mode: Mode, i: int) -> tuple[float, float]:
+        """Rates of a contact's gap and of that rate."""
+        if i not in mode.aloft:
+            return 0.0, 0.0
+        load = self.pressing(mode.kinks[1], t, q)[i]
+        return self.z(y, i)[1], -load / self.masses[self.alone[i] or 0]
 
     def _applied(self, t: float, q: Floats, u: Floats, y: Any, mode: Mode) -> dict[int, float]:
         """What would keep the slip constant, for laws that ask [N]."""

@@ -15,8 +15,8 @@ NOTHING = 1e-100  # a velocity that a body at rest gets from the least velocity 
 class Guard(NamedTuple):
     """One of them.
 
-    `sort` is "slip" (a slip velocity comes to zero), "load", "switch" of a memory, "limit" of what a resting row can bear, "gap" of an
-    open stop, or "kink" of forces or loads; `part` and `which` say of what.
+    `sort` is "slip" (a slip velocity comes to zero), "load", "take-off" or "landing" of a contact that flies, "switch" of a memory, "limit"
+    of what a resting row can bear, "gap" of an open stop, or "kink" of forces or loads; `part` and `which` say of what.
     """
 
     sort: str
@@ -37,7 +37,7 @@ def guards(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
         for i, side in enumerate(mode.sides[: e.k])
         if side
     ]  # fmt: skip
-    found += [Guard("load", i, 0, load, 0.0) for i, load in enumerate(loads)]
+    found += [_of_load(e, y, mode, i, load) for i, load in enumerate(loads)]
     for i in range(e.k):
         if e.laws[i].switching:
             found += [Guard("switch", i, n, float(guard), 0.0) for n, (guard, _, _) in enumerate(_switches(e, y, i, mode, w[i], loads[i]))]
@@ -49,6 +49,13 @@ def guards(e: Equations, t: float, y: Any, mode: Mode) -> list[Guard]:
         if mode.sides[e.k + s]
     ]  # fmt: skip
     return found + _kinks(e, t, y, mode)
+
+
+def _of_load(e: Equations, y: Any, mode: Mode, i: int, load: float) -> Guard:
+    """What ends the touch of a contact, or its flight."""
+    if i in mode.aloft:
+        return Guard("landing", i, 0, e.z(y, i)[0], ROUNDING * 0.01 * e.scale_of_velocity * e.scale_of_time)
+    return Guard("take-off" if e.laws[i].flies else "load", i, 0, load, 0.0)
 
 
 def _switches(e: Equations, y: Any, i: int, mode: Mode, w: float, load: float) -> Any:

@@ -16,6 +16,7 @@ from stickslip.solvers.plain import hits
 from stickslip.solvers.plain.choosing import begun, chosen, conditioned
 from stickslip.solvers.plain.dense import Part, joined
 from stickslip.solvers.plain.equations import Equations
+from stickslip.solvers.plain.flights import landed, taken_off, turned_aloft
 from stickslip.solvers.plain.guards import Guard
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
@@ -102,7 +103,7 @@ class Run:
         self.counts, self.lost = {"steps": 0, "evaluations": 0, "restarts": 0}, False
         self.since, self.events = 0.0, 0
         equations.first_loads = equations.loads(0.0, self.y)
-        if any(load <= 0.0 for load in equations.first_loads):
+        if any(load <= 0.0 for load, law in zip(equations.first_loads, equations.laws, strict=True) if not law.flies):
             raise SolveError("the load is not positive at the start, so there is no contact; give a start or a drive with a positive load")
         self.y, self.mode = begun(equations, 0.0, self.y, self._memories(start[equations.size :]))
 
@@ -170,6 +171,8 @@ class Run:
         if "load" in parts:
             self.lost = True
             return
+        if self.equations.flying:
+            self._fly(parts)
         e, touched = self.equations, [guard.part for guard in parts.get("slip", [])]
         if touched:
             self.y = e.at_rest(self.t, self.y, self.mode.moved(dict.fromkeys(touched, 0)))
@@ -186,6 +189,27 @@ class Run:
             self._bounce([guard.part for guard in parts["gap"]], touched)
         elif "slip" in parts or "limit" in parts or 0 in self.mode.sides:
             self._choose(touched, self._broken(parts.get("limit", [])))
+
+    def _fly(self, parts: dict[str, list[Guard]]) -> None:
+        """Slips that pass zero in flight, contacts that leave, and those that land; what else has come to zero slip is left in `parts`."""
+        e, slips = self.equations, parts.pop("slip", [])
+        for guard in slips:
+            if guard.part in self.mode.aloft:
+                self.y = e.at_rest(self.t, self.y, self.mode.moved({guard.part: 0}))
+                self.mode = self.mode.moved({guard.part: -self.mode.sides[guard.part]})
+        parts |= {"slip": own} if (own := [guard for guard in slips if guard.part not in self.mode.aloft]) else {}
+        if left := [guard.part for guard in parts.pop("take-off", [])]:
+            self.mode = taken_off(e, self.t, self.y, self.mode, left)
+        for guard in parts.pop("landing", []):
+            self._land(guard.part)
+
+    def _land(self, i: int) -> None:
+        """A contact comes down: it slides on, rests, or is thrown up again."""
+        self.y, self.mode, stopped = landed(self.equations, self.t, np.array(self.y, float), self.mode, i)
+        if stopped and i in self.mode.aloft:
+            self.mode = turned_aloft(self.equations, self.t, self.y, self.mode, [i])
+        elif stopped:
+            self._choose([i])
 
     def _broken(self, limits: list[Guard]) -> dict[int, int]:
         """Rows that break away the way that their guard says: those that do so alone among the rows that rest with them."""

@@ -60,7 +60,7 @@ def _codes(todo: Request, run: Trajectory, at: dict[str, Array]) -> Array:
     mode, slip, load = at["mode"].astype(int), at["slip"], at["load"]
     codes = 2 * mode
     for i, law in enumerate(machine_of(run.model).laws):
-        if law.states:
+        if law.has_slip_ratio:
             least = 1e-9 * float(machine_of(run.model).velocity_scale)
             held = mode[:, i] * np.maximum(mode[:, i] * slip[:, i], least)
             layout = run.pieces.layout.contacts[i]

@@ -159,7 +159,10 @@ def _begin(equations: Equations, right: Any, t: float, y: Any, mode: Mode, befor
     """Guards that begin at zero and rise, and those that begin at zero and fall: an event at once."""
     fresh = {k for k, guard in enumerate(before) if guard.value <= 0.0}
     rates = equations.slips(t, equations.state(y)[1])
-    asked = [k for k in sorted(fresh) if before[k].sort != "slip" and not (before[k].sort == "gap" and rates[before[k].part] > 0.0)]
+    asked = [
+        k for k in sorted(fresh)
+        if before[k].sort not in ("slip", "landing") and not (before[k].sort == "gap" and rates[before[k].part] > 0.0)
+    ]  # fmt: skip
     if not asked:
         return fresh, []
     moment = _MOMENT * equations.scale_of_time

@@ -1,0 +1,171 @@
+"""A mass on a track that moves as it is told: piezo stick-slip stages and vibratory conveyors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from stickslip.drives.adapter import NEEDS, drive_of, lacking
+from stickslip.drives.turned import Reversed
+from stickslip.errors import Problems
+from stickslip.fields import everywhere, positive
+from stickslip.forces import check_law
+from stickslip.friction.adapter import adapted, mirrored as mirrored_law
+from stickslip.machines.machine import Machine
+from stickslip.machines.parts import Body, Contact
+from stickslip.maths import cos, maximum, sin
+
+__all__ = ["MovingTrack"]
+
+_LOOKS = 64  # instants of a period at which the load is looked at
+
+
+@dataclass(frozen=True, eq=False)
+class MovingTrack(Machine):
+    r"""A mass on a track that moves along and across as it is told: the slider of a piezo stage, a part on a vibratory conveyor.
+
+    .. math:: m\ddot x = m g\sin\theta + F - R(\dot x - \dot\xi), \qquad N = P + m\ddot\eta
+
+    :math:`\xi` is the motion along the track, :math:`\eta` the one across it, P the load at rest. Positions and velocities of a run are
+    those of the mass in space; its contact sees the velocity over the track.
+
+    Parameters
+    ----------
+    mass : float
+        Mass m [kg].
+    along : any drive
+        How the track moves forwards [m].
+    across : any drive, optional
+        How it moves up, away from the ground [m], with the same period and a velocity that does not jump.
+    tilt : float
+        Angle of the track [rad], positive where forwards is downhill, as of `Incline`.
+    friction : Coulomb or LuGre or any law
+        How the mass rubs on the track.
+    load : float, optional
+        Normal force on a track that does not move across [N]; its weight where it is left out, m g cos(tilt).
+    force : float
+        Force F from outside, positive forwards [N].
+    restitution : float or None
+        Velocity of parting over velocity of approach where the mass lands after a hop, 0 <= restitution < 1 [-]. With None, and under a
+        law with inner states, a run ends where the load falls to zero.
+    gravity : float
+        Acceleration of gravity [m/s^2].
+
+    Examples
+    --------
+    A sawtooth of 5 micrometres carries the slider and slips back under it.
+
+    >>> import stickslip as ss
+    >>> saw = ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)
+    >>> stage = MovingTrack(mass=0.02, along=saw, friction=ss.Coulomb(mu_plus=0.1, mu_minus=0.1), load=20.0)
+    >>> round(ss.mean_velocity(ss.solve(stage, periods=20)) * saw.period, 15)
+    5.013157895e-06
+    """
+
+    mass: float = field(metadata={"example": "0.02", "label": "mass", "unit": "kg"})
+    along: Any
+    across: Any = None
+    tilt: float = field(default=0.0, metadata={"example": "0.05", "label": "tilt", "unit": "rad", "range": (-0.3, 0.3)})
+    friction: Any = None
+    load: float | None = field(default=None, metadata={"example": "20.0", "symbol": "P", "label": "normal force", "unit": "N"})
+    force: float = field(default=0.0, metadata={"example": "0.5", "symbol": "F_0", "label": "external force", "unit": "N"})
+    restitution: float | None = field(default=0.0, metadata={"example": "0.3", "symbol": "e", "label": "restitution", "range": (0.0, 0.95)})
+    gravity: float = field(default=9.81, metadata={"example": "9.81", "label": "acceleration of gravity", "unit": "m/s²"})
+
+    kind: ClassVar[str] = "moving_track"  # its name in a study file
+    principal: ClassVar[str | None] = "mass"
+    _table: ClassVar[str] = "mechanism"
+    _rules: ClassVar[dict[str, Any]] = {
+        "mass": (positive, "a positive mass [kg]"),
+        "tilt": (lambda x: abs(x) < math.pi / 2, "an angle between -pi/2 and pi/2 [rad]"),
+        "load": (positive, "a positive force [N]"),
+        "restitution": (lambda e: (e >= 0) & (e < 1), "from 0 to below 1"),
+        "gravity": (positive, "a positive acceleration [m/s^2]"),
+    }
+
+    def _check(self, problems: Problems) -> None:
+        for name in ("along", "across"):
+            drive = getattr(self, name)
+            if drive is None and name == "across":
+                continue
+            if lacking(drive):
+                example = "ss.Sawtooth(stroke=5e-6, rise=0.95e-3, fall=0.05e-3)" if name == "along" else "ss.Harmonic(1e-4, omega=300.0)"
+                problems.add(f"{name} = {drive!r}; allowed is a drive, an object with {', '.join(NEEDS)}; type {name}={example}")
+        check_law(self.friction, problems)
+        if problems.found:
+            return
+        if self.across is not None:
+            self._check_across(problems)
+        if not problems.found:
+            super()._check(problems)
+
+    def _check_across(self, problems: Problems) -> None:
+        first, other = self.along.period, self.across.period
+        if not everywhere(abs(first - other) <= 1e-12 * other):
+            problems.add(f"along has the period {first!r} s and across {other!r} s; allowed is one common period")
+        if len(drive_of(self.across).jumps):
+            problems.add(
+                "across jumps in velocity, which takes an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "
+                "ss.Pieces, whose acceleration jumps"
+            )
+
+    @property
+    def period(self) -> Any:
+        """Period of the track's motion [s]."""
+        return self.along.period
+
+    @property
+    def breaks(self) -> Any:
+        """Instants in (0, period) at which the track's motion across is not smooth [s]."""
+        return () if self.across is None else drive_of(self.across).breaks
+
+    @property
+    def velocity_scale(self) -> Any:
+        """The larger velocity scale of the track's motions [m/s]."""
+        along = drive_of(self.along).velocity_scale
+        return along if self.across is None else maximum(along, drive_of(self.across).velocity_scale)
+
+    @property
+    def still_load(self) -> Any:
+        """Normal force where the track does not move across [N]."""
+        return self.mass * self.gravity * cos(self.tilt) if self.load is None else self.load
+
+    def normal_force(self, t: Any) -> Any:
+        """Normal force while the mass stays on the track [N]; below zero where only glue would hold it."""
+        return self.still_load if self.across is None else self.still_load + self.mass * self.across.acceleration(t)
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on these numbers that are no errors, such as a load that falls to zero under a law that cannot fly."""
+        law, least = adapted(self.friction), self._least_load
+        found = law.notes(self.still_load)
+        if law.dynamic and least <= 0:
+            found.append(
+                f"the track throws the mass up: its load falls to {least:.4g} N, where a run ends, because a bristle has no impulse; under "
+                "a set-valued law such as ss.Coulomb it flies and lands"
+            )
+        return found
+
+    @property
+    def _least_load(self) -> float:
+        """The smallest normal force at some instants of a period, of all cases [N]."""
+        import numpy as np
+
+        looks = 1 if self.across is None else _LOOKS
+        return float(np.min([np.min(np.asarray(self.normal_force(self.period * (k / looks)))) for k in range(looks)]))
+
+    def mirrored(self) -> MovingTrack:
+        """The track with forwards and backwards exchanged."""
+        along = self.along.drive if isinstance(self.along, Reversed) else Reversed(self.along)
+        return replace(self, along=along, tilt=0.0 - self.tilt, force=0.0 - self.force, friction=mirrored_law(self.friction))
+
+    def bodies(self) -> Mapping[str, Any]:
+        """The mass."""
+        return {"mass": Body(self.mass, force=self.mass * self.gravity * sin(self.tilt) + self.force)}
+
+    def contacts(self) -> Mapping[str, Any]:
+        """Its contact with the track."""
+        flies = None if self.across is None else self.restitution  # a load that does not vary never falls to zero
+        return {"mass": Contact("mass", self.friction, on=self.along, load=lambda t, x: self.normal_force(t), restitution=flies)}

@@ -1,0 +1,156 @@
+"""Masses on tracks that move: piezo stages and vibratory conveyors."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from stickslip.arguments import explains_arguments
+from stickslip.drives import Harmonic, Sawtooth
+from stickslip.errors import InputError, Problems, is_one_of
+from stickslip.fields import checked_number, positive
+from stickslip.friction import Coulomb, LuGre
+from stickslip.machines import MovingTrack
+from stickslip.maths import cos, sin
+
+__all__ = ["conveyor", "stick_slip_stage"]
+
+#: Angles [degrees].
+_BELOW_90, _WITHIN_90 = (lambda angle: (angle > 0) & (angle < 90)), (lambda angle: abs(angle) < 90)
+
+
+@explains_arguments
+def stick_slip_stage(
+    stroke: Any = 5e-6,
+    rise: Any = 0.95e-3,
+    fall: Any = 0.05e-3,
+    mass: Any = 0.02,
+    load: Any = 20.0,
+    mu: Any = 0.1,
+    force: Any = 0.0,
+    law: str = "coulomb",
+    sigma0: Any = 1e7,
+    sigma1: Any = 100.0,
+    v_s: Any = 2e-3,
+) -> MovingTrack:
+    r"""A piezo stick-slip stage: a slider that a sawtooth carries forwards slowly, and that slips as the tip goes back fast.
+
+    The numbers are ours: those of an ordinary stage that walks 5 micrometres a thousand times a second, of no particular make. Under
+    Coulomb friction, where the slider still moves with :math:`t_f a_-/a_+ \le t_s`, a cycle is
+
+    .. math:: \frac{L}{t_s}(t_s+t_f) - \frac{a_- t_f^2}{2}\Bigl(1+\frac{a_-}{a_+}\Bigr), \qquad a_\mp = \frac{\mu N \pm q}{m}
+
+    with q the external force against the step.
+
+    Parameters
+    ----------
+    stroke : float or array
+        Stroke L of the tip [m].
+    rise, fall : float or array
+        How long the tip takes forwards, t_s, and back, t_f [s].
+    mass : float or array
+        Mass m of the slider [kg].
+    load : float or array
+        Preload N that presses it on the tip [N].
+    mu : float or array
+        Friction coefficient, the same both ways and at rest [-].
+    force : float or array
+        External force, positive forwards: -q [N].
+    law : {"coulomb", "lugre"}
+        "lugre" has the presliding of a real contact, over mu load / sigma0.
+    sigma0, sigma1, v_s : float or array
+        Stiffness [N/m] and damping [N s/m] of its bristles, and its Stribeck velocity [m/s]; of "lugre" alone.
+
+    Returns
+    -------
+    MovingTrack
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> print(f"{ss.step_per_cycle(ss.solve(ss.presets.stick_slip_stage(), periods=10)) * 1e6:.6f} micrometres")
+    5.013158 micrometres
+    """
+    along = Sawtooth(stroke=stroke, rise=rise, fall=fall)
+    friction = _law_of_track("stick_slip_stage", law, mu, sigma0, sigma1, v_s)
+    return MovingTrack(mass=mass, along=along, friction=friction, load=load, force=force)
+
+
+@explains_arguments
+def conveyor(
+    throw_index: Any = 0.9,
+    angle_deg: Any = 30.0,
+    frequency: Any = 50.0,
+    mu: Any = 0.4,
+    tilt_deg: Any = 0.0,
+    restitution: Any = 0.0,
+    mass: Any = 0.01,
+    gravity: Any = 9.81,
+    law: str = "coulomb",
+    sigma0: Any = 1e5,
+    sigma1: Any = 10.0,
+    v_s: Any = 2e-3,
+) -> MovingTrack:
+    r"""A vibratory conveyor: a trough that swings along a line which rises at an angle, and carries a part with it.
+
+    The numbers are ours: those of an ordinary feeder at mains frequency. The throw index says how strongly it lifts,
+
+    .. math:: \Gamma = \frac{A\omega^2\sin\beta}{g\cos\theta},
+
+    and sets the amplitude A. Above 1 the part flies in each cycle.
+
+    Parameters
+    ----------
+    throw_index : float or array
+        Throw index [-].
+    angle_deg : float or array
+        Angle between the swing and the track, 0 < angle < 90 [degrees].
+    frequency : float or array
+        Of the swing [Hz].
+    mu : float or array
+        Friction coefficient, the same both ways and at rest [-].
+    tilt_deg : float or array
+        Tilt of the track, downhill is forwards [degrees].
+    restitution : float or array
+        Of a landing, 0 <= restitution < 1 [-].
+    mass : float or array
+        Mass of the part [kg].
+    gravity : float or array
+        Acceleration of gravity [m/s^2].
+    law : {"coulomb", "lugre"}
+        Under "lugre" a run ends where the part leaves the track.
+    sigma0, sigma1, v_s : float or array
+        Stiffness [N/m] and damping [N s/m] of its bristles, and its Stribeck velocity [m/s]; of "lugre" alone.
+
+    Returns
+    -------
+    MovingTrack
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> slides, hops = (ss.solve(ss.presets.conveyor(throw_index=index), periods=40) for index in (0.9, 2.5))
+    >>> print(f"{ss.mean_velocity(slides) * 1e3:.6f} mm/s without hops, {ss.mean_velocity(hops) * 1e3:.6f} mm/s with them")
+    22.453808 mm/s without hops, 130.469302 mm/s with them
+    """
+    problems, degrees = Problems("conveyor"), math.pi / 180
+    index = checked_number("throw_index", throw_index, problems, positive, "a positive number", "throw_index=2.5")
+    angle = checked_number("angle_deg", angle_deg, problems, _BELOW_90, "above 0 and below 90 degrees", "angle_deg=30.0")
+    f = checked_number("frequency", frequency, problems, positive, "a positive frequency [Hz]", "frequency=50.0")
+    tilt = checked_number("tilt_deg", tilt_deg, problems, _WITHIN_90, "between -90 and 90 degrees", "tilt_deg=0.0")
+    g = checked_number("gravity", gravity, problems, positive, "a positive acceleration [m/s^2]", "gravity=9.81")
+    problems.check()
+    angle, tilt, omega = degrees * angle, degrees * tilt, 2 * math.pi * f
+    amplitude = index * g * cos(tilt) / (omega**2 * sin(angle))
+    along, across = (Harmonic(amplitude=amplitude * of, omega=omega) for of in (cos(angle), sin(angle)))
+    friction = _law_of_track("conveyor", law, mu, sigma0, sigma1, v_s)
+    return MovingTrack(mass=mass, along=along, across=across, tilt=tilt, friction=friction, restitution=restitution, gravity=g)
+
+
+def _law_of_track(what: str, law: str, mu: Any, sigma0: Any, sigma1: Any, v_s: Any) -> Any:
+    """Isotropic friction with one coefficient, without inner states or with bristles."""
+    if not is_one_of(law, ("coulomb", "lugre")):
+        raise InputError(what, [f'law = {law!r}; allowed are "coulomb" and "lugre"; for another one type .replace(friction=...)'])
+    if law == "coulomb":
+        return Coulomb(mu_plus=mu, mu_minus=mu)
+    return LuGre(mu_plus=mu, mu_minus=mu, f_plus=None, f_minus=None, sigma0=sigma0, sigma1=sigma1, sigma2=0.0, v_s=v_s)
