@@ -180,7 +180,7 @@ class Case:
 def _solve(c):
     run = c.run()
     assert run.status == "finished" and np.isfinite(ss.mean_velocity(run))
-    assert run.x.shape == ((len(run.t), 2) if c.axes else (len(run.t),)) and len(run.bodies) == 1 + c.several
+    assert run.x.shape == ((len(run.t), 2) if c.axes else (len(run.t),)) and len(run.bodies) == (len(c.parts.bodies) if c.several else 1)
 
 
 def _batch(c):
@@ -292,7 +292,7 @@ def _report(c):
 
 def _velocity(c):
     ax = ss.plot.velocity(c.run())
-    assert len([line for line in ax.lines if len(line.get_xdata()) > 2]) == (2 if c.several else 1)
+    assert len([line for line in ax.lines if len(line.get_xdata()) > 2]) == (len(c.parts.bodies) if c.several else 1)
 
 
 def _forces(c):
