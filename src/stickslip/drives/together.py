@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import Any
 
 from stickslip.drives.adapter import drive_of
+from stickslip.drives.common import MOST_REPEATS, repeats_of
 from stickslip.errors import Problems
-from stickslip.fields import everywhere
 from stickslip.maths import is_symbol, where, within
 
 __all__ = ["Together", "common_cycles"]
-
-#: Periods of one drive that the common period may have at most.
-MOST = 64
-_SAME = 1e-12  # relative: how near whole multiples of two periods must come
 
 
 class Together:
@@ -160,23 +154,14 @@ def common_cycles(periods: Sequence[Any], problems: Problems) -> tuple[int, ...]
     """
     import numpy as np
 
-    first = np.ravel(np.asarray(periods[0], float))[0]
-    ratios = [Fraction(float(first / np.ravel(np.asarray(T, float))[0])).limit_denominator(MOST) for T in periods]
-    whole = math.lcm(*(ratio.denominator for ratio in ratios))
-    found = tuple(int(whole * ratio) for ratio in ratios)
-    if max(found) > MOST or min(found) < 1 or not _close(periods, found):
+    found = repeats_of(list(periods))
+    if found is None:
         told = ", ".join(f"{float(np.ravel(np.asarray(T, float))[0]):.6g} s" for T in periods)
         several = any(np.size(T) > 1 for T in periods)
         ask = ", the same ones for all cases of the batch" if several else ""
         problems.add(
-            f"the drives have the periods {told}, and no common period of at most {MOST} of one of them; allowed are periods in a "
+            f"the drives have the periods {told}, and no common period of at most {MOST_REPEATS} of one of them; allowed are periods in a "
             f"ratio of small whole numbers{ask}; type for example omega=400.0 beside omega=200.0"
         )
         return None
     return found
-
-
-def _close(periods: Sequence[Any], cycles: Sequence[int]) -> bool:
-    """Whether so many periods of each are one time, for all cases."""
-    whole = cycles[0] * periods[0]
-    return all(everywhere(abs(n * T - whole) <= _SAME * whole) for n, T in zip(cycles, periods, strict=True))
