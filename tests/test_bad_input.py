@@ -97,6 +97,9 @@ BAD = [0.0, -0.06, math.nan, math.inf, -math.inf, "heavy", True, None, [0.06, "x
 @pytest.mark.parametrize("value", BAD, ids=repr)
 @pytest.mark.parametrize("field", ["body_mass", "inner_mass", "gravity"])
 def test_masses_and_gravity_must_be_positive_numbers(field, value):
+    if field == "inner_mass" and isinstance(value, list):  # a robot may have several inner masses, and a batch of them
+        says(lambda: robot(**{field: value}), field, "a list", "a tuple means one for each part, an array means cases")
+        return
     says(lambda: robot(**{field: value}), field, "allowed is a positive", f"type for example {field}=")
 
 
