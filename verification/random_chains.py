@@ -30,7 +30,7 @@ OFF, GROWN = 1e-12, 1e-6  # of the drive's velocity: how far off the second star
 #: Largest difference of velocities in parts of the drive's: of two exact methods, and where steps are held to 1e-9.
 EXACT, STEPS = 1e-7, 1e-5
 SOFT = {"sigma0": 2e4, "sigma1": 20.0}  # bristles that plain Python can follow
-LAWS = tuple(sorted(set(ss.LAWS) - {"bristle"}))  # whose bonds form again by chance
+LAWS = tuple(sorted(set(ss.LAWS) - {"bristle", "ratestate"}))  # bonds that form again by chance; creep that plain Python takes hours for
 
 
 def law(rng: np.random.Generator) -> Any:
