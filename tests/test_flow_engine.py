@@ -189,7 +189,7 @@ def test_a_condition_on_time_alone_changes_at_its_instant(begin):
 
 def test_time_within_a_period_is_not_guessed():
     """A flow's time goes on; what begins anew with each period would be right for the first two only."""
-    with pytest.raises(ss.InputError, match=r"the time of a flow goes on.*within"):
+    with pytest.raises(ss.InputError, match=r"time goes on here.*within"):
         ss.solve(asked(lambda t, y: (where(within(t, 1.0) < 0.5, 1.0, -1.0),)), start=[0.0], duration=2.75)
 
 

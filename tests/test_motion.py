@@ -195,7 +195,7 @@ def strobes(values, rtol=1e-6, settle=0):
         period=1.0, velocity_scale=1.0, load=1.0, acceleration=lambda t, x, v, R: -R, friction=SimpleNamespace(rate=1, force=1)
     )
     times = np.arange(float(len(v)))
-    points = dict(strobe_v=v, strobe_z=None, strobe_times=times, strobe_x=np.cumsum(v))
+    points = dict(strobe_v=v, strobe_z=None, _strobe_inner=None, strobe_times=times, strobe_x=np.cumsum(v))
     pieces = SimpleNamespace(layout=StateLayout.of_one(inner=1))
     run = SimpleNamespace(
         **points, pieces=pieces, settle=settle, rtol=rtol, model=model, method="Rodas5P", known_period=None, period_time=1.0

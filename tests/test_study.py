@@ -498,7 +498,7 @@ def test_a_tile_travels_as_names_and_numbers():
     for along in (None, "amplitude"):
         plan = planned(RIG, (), axes, None, along, 7, **SOLVER)
         told = message(plan, 2)
-        assert told["make"] == {"module": "stickslip.presets", "name": "piezo_rig"}
+        assert told["make"] == {"module": "stickslip.presets.robots", "name": "piezo_rig"}
         assert set(map(type, told.values())) <= {dict, str, type(None)}
         for name, values in solved(plan, 2)[0].items():
             np.testing.assert_array_equal(work(told)[0][name], values)

@@ -320,7 +320,7 @@ def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
     --------
     >>> from stickslip.drives import Harmonic
     >>> list(arguments_of(Harmonic))
-    ['amplitude', 'omega', 'frequency', 'notes']
+    ['amplitude', 'omega', 'frequency', 'notes', 'phase']
     """
     import inspect
 

@@ -12,7 +12,7 @@ from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, at_least, everywhere, positive
 from stickslip.friction import LuGre
 from stickslip.friction.sides import by_side, static
-from stickslip.maths import exp
+from stickslip.maths import cos, exp, sin
 from stickslip.robot import Robot
 from stickslip.tracks import Level
 
@@ -93,15 +93,15 @@ class UnitDrive(Frozen):
 
     def position(self, t: Any) -> Any:
         """Relative position over A."""
-        return Harmonic.position(self, t)  # type: ignore[arg-type]
+        return sin(t)
 
     def velocity(self, t: Any) -> Any:
         """Relative velocity over A omega."""
-        return Harmonic.velocity(self, t)  # type: ignore[arg-type]
+        return cos(t)
 
     def acceleration(self, t: Any) -> Any:
         """Relative acceleration over A omega^2."""
-        return Harmonic.acceleration(self, t)  # type: ignore[arg-type]
+        return -sin(t)
 
 
 @dataclass(frozen=True, eq=False)
