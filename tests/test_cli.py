@@ -219,7 +219,8 @@ def test_lists_are_clean_text_with_units(capsys):
         assert not any(mark in out for mark in (":math:", "`", "\\", "default None"))
     assert "σ1      N s/m  needed   Bristle (micro-)damping." in call(capsys, "laws", "lugre")[1]
     assert (
-        "ξ(t) = A sin(ω t + φ)" in call(capsys, "drives")[1] and "bristle stiffness. LuGre numbers" in call(capsys, "presets", "piezo_rig")[1]
+        "ξ(t) = A sin(ω t + φ)" in call(capsys, "drives")[1]
+        and "bristle stiffness. LuGre numbers" in call(capsys, "presets", "piezo_rig")[1]
     )
 
 
