@@ -171,3 +171,15 @@ def test_a_principal_body_that_there_is_not_is_refused():
 
     with pytest.raises(ss.InputError, match=r"principal = 'capsul'; allowed is None or the name of a body; did you mean 'capsule'"):
         Lost(300.0, STICTION)
+
+
+def test_an_observable_sees_the_principal_body_as_a_run_does():
+    robot = ss.presets.capsubot()
+    observe = {
+        "mean_v": ss.observable(lambda s: s.v, reduce="mean"),
+        "mean_inner": ss.observable(lambda s: s.bodies["inner"].v, reduce="mean"),
+        "slip_max_own": ss.observable(lambda s: s.slip, reduce="max"),
+    }
+    many = ss.solve(robot.replace({"drive.force.amplitude": np.array([1.1, 1.25])}), periods=400, observe=observe)
+    assert np.allclose(many.mean_v, many.mean_velocity, rtol=1e-6) and np.allclose(many.mean_inner, many.mean_velocity, rtol=1e-6)
+    assert np.allclose(many.slip_max_own, many.velocity_max, rtol=1e-9)

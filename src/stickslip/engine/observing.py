@@ -19,6 +19,9 @@ __all__ = ["WAY", "observed_node"]
 WAY = "way"
 
 
+_OF_BODIES = ("x", "v", "acceleration")
+
+
 class _State:
     """The state of a machine, in symbols."""
 
@@ -26,53 +29,54 @@ class _State:
         m = self._m = parts.m
         self._parts, self._eq = parts, eq
         self.t, self.model = m.t, m.model
+        self._every: dict[str, tuple[Any, ...]] = {}  # of each column what all bodies or contacts have
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(f"s has no {name!r}; it has t, model, {', '.join(_KNOWN)}")
 
-    def _given(self, values: Any) -> Any:
-        """Of one body on one contact a number; a tuple of several."""
-        values = tuple(map(self._m.lift, values))
-        return values[0] if self._m.single else values
+    def _given(self, name: str, values: Any) -> Any:
+        """Of one body on one contact a number, and of a machine with a principal body that body's; a tuple of several."""
+        every = self._every[name] = tuple(value if isinstance(value, tuple) else self._m.lift(value) for value in values)
+        own = self._m.machine.own.get("body" if name in _OF_BODIES else "contact")
+        return every if own is None else every[own]
 
     @cached_property
     def x(self) -> Any:
         """Positions of the bodies."""
         m = self._m
         way = m.graph.variable(WAY)
-        return self._given(m.equations.positions(m.t, tuple(way + place for place in m.places) if m.cyclic else m.places))
+        return self._given("x", m.equations.positions(m.t, tuple(way + place for place in m.places) if m.cyclic else m.places))
 
     @cached_property
     def v(self) -> Any:
         """Velocities of the bodies."""
-        return self._given(self._m.equations.velocities(self._m.t, self._m.v))
+        return self._given("v", self._m.equations.velocities(self._m.t, self._m.v))
 
     @cached_property
     def acceleration(self) -> Any:
         """Accelerations of the bodies."""
-        return self._given(self._m.equations.accelerations_of_bodies(self._m.t, self._eq.f[: self._eq.coordinates]))
+        return self._given("acceleration", self._m.equations.accelerations_of_bodies(self._m.t, self._eq.f[: self._eq.coordinates]))
 
     @cached_property
     def slip(self) -> Any:
         """Slip velocities of the contacts."""
-        return self._given(self._m.slips)
+        return self._given("slip", self._m.slips)
 
     @cached_property
     def load(self) -> Any:
         """Normal forces on the contacts."""
-        return self._given(touching(self._parts, i, load) for i, load in enumerate(self._m.loads))
+        return self._given("load", [touching(self._parts, i, load) for i, load in enumerate(self._m.loads)])
 
     @cached_property
     def friction_force(self) -> Any:
         """Friction forces of the contacts."""
-        return self._given(_friction(self._parts, i) for i in range(len(self._m.laws)))
+        return self._given("friction_force", [_friction(self._parts, i) for i in range(len(self._m.laws))])
 
     @cached_property
     def z(self) -> Any:
         """Inner states of the laws: a number where a law has one, a tuple where it has several."""
         inner = [tuple(self._eq.y[k] for k in contact.inner) for contact in self._eq.contacts]
-        found = tuple(each[0] if len(each) == 1 else each for each in inner)
-        return found[0] if self._m.single else found
+        return self._given("z", [each[0] if len(each) == 1 else each for each in inner])
 
     @cached_property
     def bodies(self) -> dict[str, Any]:
@@ -85,10 +89,11 @@ class _State:
         return self._by_name(self._m.equations.contacts, ("slip", "load", "z"), friction_force=True)
 
     def _by_name(self, names: Any, columns: tuple[str, ...], friction_force: bool = False) -> dict[str, Any]:
-        single = self._m.single
+        for column in columns:
+            getattr(self, column)
         found = {}
         for i, name in enumerate(names):
-            own = {column: getattr(self, column) if single else getattr(self, column)[i] for column in columns}
+            own = {column: self._every[column][i] for column in columns}
             found[name] = _Contact(self._parts, i, **own) if friction_force else SimpleNamespace(**own)
         return found
 
