@@ -168,16 +168,20 @@ def _raw_parts(r: lanes.Results, kernel: lanes.Kernel, offsets: Any, carried: An
 def _pieces(pieces: Any, kernel: lanes.Kernel, table: CaseTable, periods: int) -> PolynomialPieces:
     """The recorded steps of one case as dense output."""
     period = float(table.span[0])
-    pieces = pieces[pieces[:, 0] < periods]
+    pieces = _those(pieces, pieces[:, 0] < periods)
     ends = np.where(pieces[:, 2] >= period, (pieces[:, 0] + 1) * period, pieces[:, 0] * period + pieces[:, 2])
-    t = np.concatenate([[0.0], ends])
-    good = np.diff(t) > 0
-    t, pieces = np.concatenate([[0.0], ends[good]]), pieces[good]
+    good = np.diff(ends, prepend=0.0) > 0
+    pieces, t = _those(pieces, good), np.concatenate([[0.0], ends[good]])
     contacts = kernel.contacts
     first = 4 + contacts + kernel.modes
-    coefficients = pieces[:, first:].reshape(len(pieces), kernel.states, kernel.degree + 1).copy()
+    coefficients = np.array(pieces[:, first:]).reshape(len(pieces), kernel.states, kernel.degree + 1)
     coefficients[:, : len(kernel.owners), 0] += table.offsets[0]
     memory = pieces[:, 4 + contacts : first].astype(np.int32)
     x = pieces[:, 3] + table.carried[0] * t[:-1]
     ways = x[:, None] if kernel.layout.ways else np.empty((len(x), 0))
     return PolynomialPieces(t, pieces[:, 4 : 4 + contacts].astype(np.int8), ways, coefficients, memory, kernel.layout)
+
+
+def _those(rows: Any, good: Any) -> Any:
+    """The rows that are good; the same array where all are."""
+    return rows if good.all() else rows[good]
