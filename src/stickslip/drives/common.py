@@ -1,13 +1,15 @@
-"""The period that several motions or forces have in common."""
+"""The period that several motions, forces or inputs have in common, and each one's own time in it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
 from stickslip.fields import everywhere, is_array
+from stickslip.maths import where
 
-__all__ = ["MOST_REPEATS", "repeats_of"]
+__all__ = ["MOST_REPEATS", "own_time", "repeated", "repeats_of", "times"]
 
 MOST_REPEATS = 64  # of each part in the common period
 _SAME = 1e-12  # of the period: by so much the parts may miss one another when it is over
@@ -34,6 +36,38 @@ def repeats_of(periods: list[Any]) -> tuple[int, ...] | None:
         everywhere(abs(n * p - found[0] * periods[0]) <= _SAME * abs(found[0] * periods[0])) for n, p in zip(found, periods, strict=True)
     )
     return found if max(found) <= MOST_REPEATS and all(fits) else None
+
+
+def times(count: int, period: Any) -> Any:
+    """So many periods, and for one the very same number."""
+    return period if count == 1 else count * period
+
+
+def own_time(t: Any, period: Any, count: int) -> Any:
+    """The time since the last of `count` periods in a row began [s].
+
+    Examples
+    --------
+    >>> own_time(0.75, 0.5, 3), own_time(1.25, 0.5, 3)
+    (0.25, 0.25)
+    """
+    found = t
+    for k in range(1, count):
+        found = where(t < times(k, period), found, t - times(k, period))
+    return found
+
+
+def repeated(instants: Iterable[Any], period: Any, count: int) -> tuple[Any, ...]:
+    """Instants of one period in each of `count` periods in a row, and the borders between these [s].
+
+    Examples
+    --------
+    >>> repeated([0.2], 0.5, 2)
+    (0.2, 0.5, 0.7)
+    """
+    own = tuple(instants)
+    later = ((times(k, period), *(times(k, period) + s for s in own)) for k in range(1, count))
+    return (*own, *(s for each in later for s in each))
 
 
 def _ratio(period: Any, first: Any) -> Fraction | None:

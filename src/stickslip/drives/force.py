@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stickslip.drives.adapter import lacking
-from stickslip.drives.common import MOST_REPEATS, repeats_of
+from stickslip.drives.common import MOST_REPEATS, own_time, repeated, repeats_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen
-from stickslip.maths import where, within
+from stickslip.maths import within
 
 __all__ = ["FORCE_NEEDS", "Force", "ForceSum", "not_forces"]
 
@@ -109,13 +109,8 @@ class ForceSum(Force):
     @property
     def breaks(self) -> tuple[Any, ...]:
         """Where one of them is not smooth, in each of its periods, and where such a one begins anew [s]."""
-        return tuple(
-            k * part.period + instant
-            for part, count in zip(self.parts, self._repeats, strict=True)
-            if _broken(part)
-            for k in range(count)
-            for instant in (*((0.0,) if k else ()), *part.breaks)
-        )
+        broken = [(part, count) for part, count in zip(self.parts, self._repeats, strict=True) if _broken(part)]
+        return tuple(instant for part, count in broken for instant in repeated(part.breaks, part.period, count))
 
     def at(self, t: Any) -> Any:
         """The sum [N]."""
@@ -126,13 +121,7 @@ class ForceSum(Force):
 
     def _own_time(self, t: Any, part: Any, count: int) -> Any:
         """Time as a part takes it: of one that is not smooth that since its own period began [s]."""
-        if count == 1 or not _broken(part):
-            return t
-        since, own = within(t, self.period), part.period
-        found = since - (count - 1) * own
-        for k in reversed(range(count - 1)):
-            found = where(since < (k + 1) * own, since - k * own, found)
-        return found
+        return own_time(within(t, self.period), part.period, count) if count > 1 and _broken(part) else t
 
     def mirrored(self) -> ForceSum:
         """The sum turned round."""

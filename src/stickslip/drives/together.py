@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from stickslip.drives.adapter import drive_of
-from stickslip.drives.common import MOST_REPEATS, repeats_of
+from stickslip.drives.common import MOST_REPEATS, own_time, repeated, repeats_of, times
 from stickslip.errors import Problems
-from stickslip.maths import is_symbol, where, within
+from stickslip.maths import within
 
 __all__ = ["Together", "common_cycles"]
 
@@ -40,7 +40,7 @@ class Together:
     @property
     def period(self) -> Any:
         """The smallest common period [s]."""
-        return _times(self.cycles[0], self.drives[0].period)
+        return times(self.cycles[0], self.drives[0].period)
 
     @property
     def mass(self) -> Any:
@@ -80,9 +80,8 @@ class Together:
         found: list[Any] = []
         for drive, count in zip(self.drives, self.cycles, strict=True):
             own = drive_of(drive).breaks
-            if not drive_of(drive).smooth:
-                found += [_times(k, drive.period) for k in range(1, count)]
-            found += [s if k == 0 else k * drive.period + s for k in range(count) for s in own]
+            if len(own) > 0 or not drive_of(drive).smooth:
+                found += repeated(own, drive.period, count)
         return tuple(found)
 
     @property
@@ -118,23 +117,13 @@ class Together:
 
 def _own_time(drive: Any, t: Any, count: int) -> Any:
     """The time since the drive's own period began, of a drive that is written for one period."""
-    if count == 1 or drive_of(drive).smooth:
-        return t
-    if not is_symbol(t):
-        return within(t, drive.period)
-    found = t
-    for k in range(1, count):
-        found = where(t < _times(k, drive.period), found, t - _times(k, drive.period))
-    return found
+    written_for_one = count > 1 and not drive_of(drive).smooth
+    return own_time(within(t, times(count, drive.period)), drive.period, count) if written_for_one else t
 
 
 def _lift(drive: Any, t: Any, count: int) -> Any:
     lift = drive_of(drive).vertical_acceleration
     return 0.0 if lift is None else lift(_own_time(drive, t, count))
-
-
-def _times(count: int, period: Any) -> Any:
-    return period if count == 1 else count * period
 
 
 def _sum(values: Sequence[Any]) -> Any:

@@ -6,10 +6,10 @@ from fractions import Fraction
 from math import lcm
 from typing import Any
 
+from stickslip.drives.common import own_time, repeated
 from stickslip.errors import Problems
 from stickslip.fields import is_record
 from stickslip.machines.periodic_record import PeriodicRecord
-from stickslip.maths import where
 
 __all__ = ["breaks_of", "check_input", "common_count", "given_input", "in_period", "most_times", "period_of", "torque_at"]
 
@@ -44,11 +44,7 @@ def period_of(value: Any) -> Any:
 def in_period(t: Any, value: Any, count: int) -> Any:
     """A time in `count` periods of an input, put into the first of them [s]."""
     period = period_of(value)
-    if period is None:
-        return t
-    for begun in [where(t < k * period, 0.0, period) for k in range(1, count)]:
-        t = t - begun
-    return t
+    return t if period is None else own_time(t, period, count)
 
 
 def breaks_of(value: Any, count: int) -> list[Any]:
@@ -58,7 +54,7 @@ def breaks_of(value: Any, count: int) -> list[Any]:
         return []
     jumps = [instant for instant, _ in getattr(value, "jumps", None) or () if not (isinstance(instant, float) and instant == 0.0)]
     own = [*(getattr(value, "breaks", None) or ()), *jumps]
-    return [*(k * period for k in range(1, count)), *(k * period + s for k in range(count) for s in own)]
+    return list(repeated(own, period, count))
 
 
 def most_times(whole: Any, period: Any) -> int:
