@@ -80,7 +80,9 @@ from numba import boolean, float64, int8, int64, njit, types, void
 from numba.extending import intrinsic
 
 CALLED = {{"cache": CACHE, "error_model": "numpy", "nogil": True, "boundscheck": False}}
-OPTIONS = CALLED | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
+BORROWING = {{"_nrt": False}}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps, at each call
+OPTIONS = CALLED | BORROWING | {{"no_cpython_wrapper": True, "no_cfunc_wrapper": True}}
+ALLOCATING = OPTIONS | {{"_nrt": True}}
 
 
 @intrinsic

@@ -30,9 +30,9 @@ from stickslip.recurrence import KEPT, LONGEST
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
 
 SEGMENTS = 32
-#: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there; then each
-#: state at all of them.
-ROOM = 10
+#: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
+#: of the step these are; then each state at all of them.
+ROOM = 11
 #: Of a kernel for many cases; and of a vector, which is one register or several in turn, as the processor has them.
 LANES, WIDTH = 16, 8
 #: Numbers of the layout that a law's own functions read.

@@ -250,7 +250,7 @@ def land_lane(lane, S, W, budget, D):
         S[at_stat] = 2.0
 
 
-@njit(void(f1, float64, i1), **OPTIONS)
+@njit(void(f1, float64, i1), **ALLOCATING)
 def land(S, budget, D):
     """End the step of every lane."""
     W = np.empty((1 + D[STATES]) * POINTS)

@@ -18,7 +18,8 @@ import math
 
 from numba import njit
 
-OPTIONS = {"cache": CACHE, "error_model": "numpy", "nogil": True}
+ALLOCATING = {"cache": CACHE, "error_model": "numpy", "nogil": True}
+OPTIONS = ALLOCATING | {"_nrt": False}  # the caller owns all arrays, so that Numba need not count who holds them, in atomic steps
 FUSED = {**OPTIONS, "fastmath": {"contract"}}
 TAU = 2.0 * math.pi
 STEPS = 256  # arcs in one period beyond which a case is given up (7 are possible)

@@ -130,7 +130,7 @@ def follow(q, last, points, early, sums, scale, unit, periods, settle, auto, ski
     return n, p, status
 
 
-@njit("void(f8[:,::1], i8, i8, i8, i8, b1, b1, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **OPTIONS)
+@njit("void(f8[:,::1], i8, i8, i8, i8, b1, b1, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **ALLOCATING)
 def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1 of a batch; everything dimensionless.
 
@@ -178,7 +178,7 @@ def run(rows, i0, i1, periods, settle, auto, skip, tolerance, out, count, seg_ti
         count[i, 0], count[i, 1], count[i, 2] = status, p, n
 
 
-@njit("UniTuple(i8, 2)(f8[::1], f8[::1], i8, i8, i8[::1], f8[:,::1], i8[::1])", **OPTIONS)
+@njit("UniTuple(i8, 2)(f8[::1], f8[::1], i8, i8, i8[::1], f8[:,::1], i8[::1])", **ALLOCATING)
 def record(row, state, n, periods, number, arcs, mode):
     """The arcs of one case from period n on, as many as there is room for: drive period, (phase, displacement, w) and mode of each.
 

@@ -60,7 +60,7 @@ def strobe_point(row, q, last):
     return travels(q, last, q[away], 0.0, q[away + 2], q[away + 3])[0]
 
 
-@njit("void(f8[:,::1], i8[::1], i8, i8, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **OPTIONS)
+@njit("void(f8[:,::1], i8[::1], i8, i8, f8, f8[:,::1], i8[:,::1], f8[:,::1], i1[:,::1])", **ALLOCATING)
 def orbits(rows, known, i0, i1, tolerance, out, count, seg_time, seg_code):
     """Cases i0 to i1, rows as for `run`. Where known[i] > 0, row[5] is a strobe point of a motion of that period; else it is found.
 

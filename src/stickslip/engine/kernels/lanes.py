@@ -11,7 +11,7 @@
 # this happens in this order: the period ends, v jumps, the strobe state is taken, flags and modes are set anew.
 
 
-@njit(void(int64, int64, f1, i2, f2, f2, f2, i1), **OPTIONS)
+@njit(void(int64, int64, f1, i2, f2, f2, f2, i1), **ALLOCATING)
 def take(lane, case, S, N, K, PARAM, START, D):
     """Put a case into a lane."""
     L = D[LANES]
@@ -60,7 +60,7 @@ def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
         K[lane, VMAX], K[lane, VMIN] = max(K[lane, VMAX], v), min(K[lane, VMIN], v)
 
 
-@njit(void(int64, float64, boolean, boolean, f1, i2, f2, f2, f2, b2, i1), **OPTIONS)
+@njit(void(int64, float64, boolean, boolean, f1, i2, f2, f2, f2, b2, i1), **ALLOCATING)
 def carry_through(lane, slip_ratio, within, first, S, N, K, PARAM, SEGT, SEGC, D):
     """The same with passive states that are changes of others: their part depends on the rates before and after."""
     before, kicks, row = np.empty(D[CARRIED]), np.zeros(D[COORDINATES]), PARAM[N[lane, CASE]]
@@ -102,7 +102,7 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     N[lane, CASE] = -1
 
 
-@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **OPTIONS)
+@njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **ALLOCATING)
 def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is wanting."""
     L = D[LANES]
@@ -274,8 +274,8 @@ def arrive(lane, periods, settle, auto, rtol, slip_ratio, S, N, K, RING, XS, HEL
 
 @njit(
     int64(f1, i2, f2, f3, f3, f2, f3, f2, i1, f2, f2, f2, i2, f3, f2, b2, f2, int64, int64, int64, float64, float64, float64, int64, i1),
-    **CALLED,
-)
+    **CALLED, **BORROWING,
+)  # fmt: skip
 def advance(
     S, N, K, RING, XS, HELD, FOUND, ROOM, CURSOR, PARAM, START, OUT, COUNT, NOTED, SEGT, SEGC, PIECES, periods, settle, auto, rtol,
     slip_ratio, budget, calls, D,

@@ -4,9 +4,9 @@
 #
 # Signals are functions of a law's kernel (`engine/observed.py`): slip ratios first, then what is reduced into FOUND[lane] (watching.py).
 # HELD[lane] has the flags, modes and clocks with which the present step began. ROOM is where a step is looked at: a row for each of its
-# instants, then some other place, the states there, and a row for each state with its values at all the instants.
+# instants, then some other place, the states there, the instants, and a row for each state with its values at all of them.
 
-ELSEWHERE, STATES_THERE, EACH_STATE = 8, 9, 10  # rows of ROOM
+ELSEWHERE, STATES_THERE, INSTANTS, EACH_STATE = 8, 9, 10, 11  # rows of ROOM
 
 
 @njit(int64(int64, i1), **OPTIONS)
@@ -158,8 +158,8 @@ def reduce_step(lane, slip_ratio, S, row, N, HELD, FOUND, ROOM, SEGT, SEGC, D):
     few = D[DEGREE] < 8
     inside = FEW_NODES.shape[0] if few else MANY_NODES.shape[0]
     count = inside + 2
-    at = np.zeros(8)
-    at[count - 1] = part
+    at = ROOM[INSTANTS]
+    at[0], at[count - 1] = 0.0, part
     for j in range(inside):
         at[j + 1] = part * (FEW_NODES[j] if few else MANY_NODES[j])
     look_at_all(lane, at, count, S, row, HELD, ROOM, D)
