@@ -15,6 +15,7 @@ SOON = 1.5e-14  # of a period: 64 roundings of the time
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
 BEGUN = 1e-3  # of a step: what touches zero before has begun there
 NEWTON = 60  # iterations at most; a handful is usual
+SHARES_OF_POWERS = 1.0 / np.arange(1.0, ORDER + 2)  # the mean of x^m from 0 to 1
 
 
 @njit(float64(f1, int64, float64), **OPTIONS)
@@ -44,6 +45,15 @@ def curve_at(S, at, x):
     return value
 
 
+@njit(float64(f1, int64, float64), **OPTIONS)
+def mean_to(S, at, x):
+    """Its mean from 0 to x."""
+    value = SHARES_OF_POWERS[ORDER] * S[at + ORDER * L]
+    for m in range(ORDER - 1, -1, -1):
+        value = fma(value, x, SHARES_OF_POWERS[m] * S[at + m * L])
+    return value
+
+
 @njit(float64(f1, int64, float64, float64), **OPTIONS)
 def root(S, at, lo, hi):
     """The zero between lo (not below zero) and hi (below zero): Newton's method, held in the bracket."""
@@ -63,13 +73,13 @@ def root(S, at, lo, hi):
     return x
 
 
-@njit(float64(f1, int64, float64, float64), **OPTIONS)
-def lowest(S, at, lo, hi):
-    """Where a polynomial that falls at lo and rises at hi is lowest between them."""
-    x = 0.5 * (lo + hi)
+@njit(float64(f1, int64, float64, float64, float64, float64), **OPTIONS)
+def turn(S, at, lo, hi, d0, d1):
+    """Where a polynomial turns between lo and hi, where its slopes d0 and d1 differ in sign: Newton's method, held in the bracket."""
+    x = lo + (hi - lo) * d0 / (d0 - d1)
     for _ in range(NEWTON):
         d, dd = rate_at(S, at, x), curve_at(S, at, x)
-        if d < 0.0:
+        if d * d0 > 0.0:
             lo = x
         else:
             hi = x
@@ -99,7 +109,7 @@ def first_zero(S, at, h, period):
         b = (j + 1.0) / LOOKS
         db = rate_at(S, at, b)
         if da < 0.0 and db > 0.0:
-            low = lowest(S, at, a, b)
+            low = turn(S, at, a, b, da, db)
             bottom = at_theta(S, at, low)
             if bottom < noise:
                 return root(S, at, a, low)
@@ -119,27 +129,47 @@ def extremum(S, at, end):
         lo, d0 = 0.5 * end, rate_at(S, at, 0.5 * end)
     if d0 * d1 >= 0.0:
         return at_theta(S, at, end)
-    for _ in range(30):
-        x = 0.5 * (lo + hi) if d0 == d1 else lo + (hi - lo) * d0 / (d0 - d1)
-        d = rate_at(S, at, x)
-        if d == 0.0 or hi - lo <= 1e-8:
-            break
-        if d * d0 > 0.0:
-            lo, d0, d1 = x, d, 0.5 * d1
-        else:
-            hi, d1, d0 = x, d, 0.5 * d0
-    return at_theta(S, at, x)
+    return at_theta(S, at, turn(S, at, lo, hi, d0, d1))
 
 
-@njit(int64(f1, int64, int64, float64, float64, float64, f1), **OPTIONS)
-def fitting(S, at, row, part, h, allowed, W):
-    """At how many points, one after another, a polynomial's slope is what its equation says, which stands in a row of W."""
+@intrinsic
+def at_points(typingctx, S, at, W, x, to, slopes_to):
+    """A polynomial and its slope at the `POINTS` points in a row of W, into two other rows; one vector each (Horner's scheme)."""
+
+    def emit(context, builder, sig, args):
+        S_data, W_data = (context.make_array(sig.args[k])(context, builder, args[k]).data for k in (0, 2))
+        index, vector = ir.IntType(32), ir.VectorType(ir.DoubleType(), POINTS)
+        fma = builder.module.declare_intrinsic(f"llvm.fma.v{POINTS}f64", (), ir.FunctionType(vector, [vector] * 3))
+
+        def row(first):
+            return builder.bitcast(builder.gep(W_data, [first]), vector.as_pointer())
+
+        def coefficient(m):
+            number = builder.load(builder.gep(S_data, [builder.add(args[1], ir.Constant(ir.IntType(64), m * L))]))
+            one = builder.insert_element(ir.Constant(vector, ir.Undefined), number, ir.Constant(index, 0))
+            return builder.shuffle_vector(one, one, ir.Constant(ir.VectorType(index, POINTS), [0] * POINTS))
+
+        points = builder.load(row(args[3]), align=8)
+        value, slope = coefficient(ORDER), ir.Constant(vector, [0.0] * POINTS)
+        for m in range(ORDER - 1, -1, -1):
+            slope = builder.call(fma, [slope, points, value])
+            value = builder.call(fma, [value, points, coefficient(m)])
+        builder.store(value, row(args[4]), align=8)
+        builder.store(slope, row(args[5]), align=8)
+        return context.get_dummy_value()
+
+    return types.void(S, at, W, x, to, slopes_to), emit
+
+
+@njit(int64(f1, int64, int64, int64, float64, float64, float64, f1), **OPTIONS)
+def fitting(S, at, row, slopes, part, h, allowed, W):
+    """At how many points, one after another, a polynomial's slope is what its equation says: two rows of W."""
     size = 0.0
     for m in range(1, ORDER + 1):
         size += m * abs(S[at + m * L])
     allowed += ROUNDING * part * size
     for j in range(POINTS):
-        if not abs(rate_at(S, at, part * (j + 1) / POINTS) - h * W[row + j]) * part <= allowed:
+        if not abs(W[slopes + j] - h * W[row + j]) * part <= allowed:
             return j
     return POINTS
 
@@ -147,24 +177,20 @@ def fitting(S, at, row, part, h, allowed, W):
 @njit(int64(int64, float64, f1, f1, i1), **OPTIONS)
 def agrees(lane, part, S, W, D):
     """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say."""
-    at, h = D[F_K] + lane, S[D[F_HH] + lane]
-    for i in range(D[STATES]):
-        row = (1 + i) * POINTS
-        for j in range(POINTS):
-            W[row + j] = S[at + (i * (ORDER + 1) + ORDER) * L]
-        for m in range(ORDER - 1, -1, -1):
-            c = S[at + (i * (ORDER + 1) + m) * L]
-            for j in range(POINTS):
-                W[row + j] = fma(W[row + j], part * (j + 1) / POINTS, c)
+    states, first, h = D[STATES], D[F_K] + lane, S[D[F_HH] + lane]
+    x = (1 + states) * POINTS  # the points; behind them the slopes of the polynomials
     for j in range(POINTS):
-        W[j] = fma(part * (j + 1) / POINTS, h, S[D[F_T] + lane])
+        W[x + j] = part * (j + 1) / POINTS
+        W[j] = fma(W[x + j], h, S[D[F_T] + lane])
+    for i in range(states):
+        at_points(S, first + i * (ORDER + 1) * L, W, x, (1 + i) * POINTS, x + (1 + i) * POINTS)
     call_slopes(D[AT_SLOPES], lane, S, W)
     good = POINTS
-    for i in range(D[STATES]):
+    for i in range(states):
         scale = D[FREE] if i == 0 else D[SCALE_AT + i]
         if scale >= 0:
             allowed = MISFIT * S[D[F_C] + scale * L + lane]
-            good = min(good, fitting(S, at + i * (ORDER + 1) * L, i * POINTS, part, h, allowed, W))
+            good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, W))
     return good
 
 
@@ -217,9 +243,6 @@ def land_lane(lane, S, W, budget, D):
     S[D[F_T0] + lane], S[D[F_X0] + lane] = S[at_t], S[at_x]
     for i in range(D[CONTACTS]):
         S[D[F_SIDE] + i * L + lane] = S[D[F_MODE] + i * L + lane]
-    travel = S[at_k + ORDER * L] / (ORDER + 1)
-    for m in range(ORDER - 1, -1, -1):
-        travel = fma(travel, part, S[at_k + m * L] / (m + 1))
     S[D[F_TOP] + lane] = extremum(S, at_k, part)
     if D[F_FIRED] >= 0:
         S[D[F_FIRED] + lane] = guard
@@ -230,7 +253,10 @@ def land_lane(lane, S, W, budget, D):
         bad = bad or (y != y and i < states - D[PASSIVE])
         if i > 0:
             S[D[F_M] + (i - 1) * L + lane] = max(S[D[F_M] + (i - 1) * L + lane], abs(y))
-    S[at_x] = S[at_x] + h * part * travel if D[CYCLIC] == 1 else S[at_y + (states - D[PASSIVE] - D[COORDINATES]) * L]
+    if D[CYCLIC] == 1:
+        S[at_x] += h * part * mean_to(S, at_k, part)
+    else:
+        S[at_x] = S[at_y + (states - D[PASSIVE] - D[COORDINATES]) * L]
     S[at_nacc] += 1.0
     if bad:
         S[at_stat] = 4.0
@@ -253,6 +279,6 @@ def land_lane(lane, S, W, budget, D):
 @njit(void(f1, float64, i1), **ALLOCATING)
 def land(S, budget, D):
     """End the step of every lane."""
-    W = np.empty((1 + D[STATES]) * POINTS)
+    W = np.empty(2 * (1 + D[STATES]) * POINTS)
     for lane in range(L):
         land_lane(lane, S, W, budget, D)
