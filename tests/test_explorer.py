@@ -95,7 +95,7 @@ def problems_of(make):
 def test_everything_wrong_with_a_state_is_said_at_once():
     found = problems_of(lambda: state({"law": "coulom", "drive": 3, "values": {"amplitude": 1e9, "mu": 1, "mu0": "x"}, "more": 1}))
     assert len(found) == 6
-    assert "did you mean 'coulomb'" in " ".join(found) and "amplitude = 1e+12 mm; allowed is 0 mm to 100 mm" in " ".join(found)
+    assert "did you mean 'coulomb'" in " ".join(found) and "amplitude = 1e+12 mm; allowed is 0 mm to 1600 mm" in " ".join(found)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "1", True, [1.0], {}, 10**400])

@@ -18,7 +18,7 @@ from stickslip.explorer.asked import message
 from stickslip.explorer.effort import effort
 from stickslip.explorer.machines import Shown, numbers_of
 from stickslip.fields import leaves
-from stickslip.report.of_run import meaning_of
+from stickslip.naming import axis_of
 
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 CHAIN = every_machine["Chain, set-valued laws"][0]
@@ -75,12 +75,14 @@ def test_a_field_says_its_range_its_words_and_its_unit():
     assert (stiffness.label, stiffness.unit) == ("stiffness", "")  # what somebody's own number means nobody else knows
 
 
-def test_a_beam_has_a_damping_ratio_and_a_bench_a_damper():
+def test_a_number_means_what_its_own_field_says_and_not_what_its_name_means_elsewhere():
     belt = {p.name: p for p in numbers_of(every_machine["BlockOnBelt"][0])}
-    assert (belt["damping"].label, belt["damping"].unit) == ("damping c", "N s/m")
-    assert meaning_of("damping") == ("damping ratio of the beam ζ", "")
-    assert meaning_of("drive.damping", mechanism=True) == ("damping c", "N s/m")  # of an inner mass that a force drives
-    assert meaning_of("link.length", mechanism=True) == ("length at rest", "m")
+    assert (belt["damping"].symbol, belt["damping"].label, belt["damping"].unit) == ("c", "damping", "N s/m")
+    assert axis_of("damping", ss.presets.piezo_beam_rig) == ("damping ratio of the beam ζ", "1")
+    assert axis_of("damping", ss.presets.two_modules) == ("damping c", "N s/m")
+    assert axis_of("drive.damping", ss.presets.capsubot()) == ("damping c", "N s/m")
+    assert axis_of("link.length", ss.Chain.example()) == ("length at rest ℓ", "m")
+    assert axis_of("drive.damping") is None and axis_of("amplitude", ss.presets.worm) == ("amplitude of the distances A", "m")
 
 
 def test_a_batch_and_a_machine_without_a_time_are_not_shown():

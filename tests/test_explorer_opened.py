@@ -63,7 +63,7 @@ def test_words_set_numbers():
         ({"friction": ss.Coulomb(0.2, 0.3) + ss.Viscous(0.1, 0.1)}, "no control for the friction law SlidingSum"),
         ({"drive": ss.MultiHarmonic(omega=200.0, amplitudes=(1e-4, 1e-4, 1e-4), phases=(0.0, 0.1, 0.2))}, "no control for this drive"),
         ({"drive": ss.MultiHarmonic(omega=200.0, amplitudes=(1e-4, 1e-4), phases=(0.3, 0.1))}, "no control for this: drive.phases"),
-        ({"body_mass": 1e5}, "body_mass = 1e+08 g; the page takes 0.1 g to 100000 g"),
+        ({"body_mass": 1e5}, "body_mass = 1e+08 g; the page takes 0.01 g to 200000 g"),
     ],
 )
 def test_what_the_page_cannot_show_is_said(change, said):

@@ -113,6 +113,7 @@ def examples():
         "waveform": (ss.waveform, {"pieces": 4, "fourier": None, "spline": None}),
         "propagate": (ss.propagate, {"model": robot, "uncertain": {"friction.mu_plus": ("uniform", 0.14, 0.16)}, "of": "mean_velocity",
              "samples": 8, "seed": 0}),
+        "quantity": (ss.quantity, {"label": "width", "unit": "m", "symbol": "b", "example": 0.02, "range": (0.0, 0.1), "shown": "mm"}),
         "observable": (ss.observable, {"function": lambda s: s.v**2, "reduce": "mean", "unit": "m^2/s^2"}),
         "Bodies": (ss.Bodies, {"mass": 0.05, "count": 3, "friction": ss.Coulomb(0.1, 0.3)}),
         "Gait": (ss.Gait, {"drive": ss.Harmonic(2e-3, frequency=2.0), "lag": 2.0, "length": 0.02}),

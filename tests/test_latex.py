@@ -142,7 +142,7 @@ def test_letters_are_told_apart():
     letters = letters_of(Heavy(), [name for name, _ in leaves(Heavy())])
     texts = {name: str(bare(letter)) for name, letter in letters.symbols.items()}
     assert len(set(texts.values())) == len(texts)
-    assert texts["mass"] == "m_b" and texts["inner_mass"] == "m" and texts["t"] == r"\mathrm{t}"
+    assert texts["mass"] == "m_{b}" and texts["inner_mass"] == "m" and texts["t"] == r"\mathrm{t}"
     assert {texts["stiffness"], texts["spring.stiffness"]} == {"k", r"k_{\mathrm{spring}}"}
 
 

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from house import ROOT
+from stickslip.fields import is_number_field, is_tuple_field
 
 PAGE = ROOT / "docs" / "notation.md"
 
@@ -54,6 +55,25 @@ def test_every_field_is_on_the_page():
         if prefix + field.name not in written
     ]
     assert not missing, f"add to docs/notation.md: {', '.join(missing)}"
+
+
+def test_the_page_says_of_every_number_what_its_field_says():
+    written, wrong = rows(), []
+    for prefix, cls in parts():
+        for field in dataclasses.fields(cls):
+            if is_number_field(field) or is_tuple_field(field):
+                assert {"label", "unit"} <= set(field.metadata), f"{cls.__name__}.{field.name} says neither what it is nor its unit"
+                cells = written[prefix + field.name]
+                units = {unit.strip() for row in cells for unit in row[2].split(",")}
+                symbol = bare(field.metadata.get("symbol", ""))
+                if field.metadata["unit"] not in units or not any(symbol in bare(row[0]) for row in cells):
+                    wrong.append(f"{prefix}{field.name} ({cls.__name__}): {symbol} [{field.metadata['unit']}]; the page has {cells}")
+    assert not wrong, "\n".join(wrong)
+
+
+def bare(symbol):
+    """A symbol without what LaTeX needs for its indices."""
+    return re.sub(r"[{} $]", "", symbol)
 
 
 def test_every_argument_of_a_preset_is_on_the_page():

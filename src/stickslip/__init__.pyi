@@ -181,6 +181,7 @@ from .optimising import (
     propagate as propagate,
     waveform as waveform,
 )
+from .quantities import quantity as quantity
 from .records import (
     Record as Record,
     read as read,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import contextlib
+import dataclasses
 import functools
 import importlib
 import inspect
@@ -15,12 +16,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ParamSpec, TypeVar
 
-from stickslip.errors import InputError, OneContactNeeded, StickslipError, is_whole
-from stickslip.fields import check_arguments, number
+from stickslip.errors import InputError, OneContactNeeded, Problems, StickslipError, is_whole
+from stickslip.fields import check_arguments, checked_number, number
+from stickslip.quantities import allowed_in, example_of
 
 __all__ = [
     "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model",
-    "Numbers", "Page", "Run", "Ways", "explains_arguments", "parameters_of", "wrong_kinds",
+    "Numbers", "Page", "Run", "Ways", "checked_arguments", "described_arguments", "explains_arguments",
+    "parameters_of", "wrong_kinds",
 ]  # fmt: skip
 
 P = ParamSpec("P")
@@ -90,6 +93,33 @@ def parameters_of(make: Callable[..., Any]) -> Any:
         return inspect.signature(make).parameters.values()
     except ValueError:  # a class of Python's own
         raise InputError("make", [f"{make!r} makes no robot; allowed is a function that makes one; type ss.presets.piezo_rig"]) from None
+
+
+def described_arguments(make: Callable[..., Any]) -> dict[str, Mapping[str, Any]]:
+    """The descriptions of what a maker takes: those of its fields, or those in its annotations ``Annotated[float, quantity(...)]``.
+
+    Examples
+    --------
+    >>> from stickslip.presets import piezo_rig
+    >>> described_arguments(piezo_rig)["sigma0"]["unit"]
+    'N/m'
+    """
+    if isinstance(make, type) and dataclasses.is_dataclass(make):
+        return {field.name: field.metadata for field in dataclasses.fields(make)}
+    made = inspect.unwrap(make)
+    hints = _hints(made) if hasattr(made, "__annotations__") and hasattr(made, "__globals__") else {}
+    extras = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return {name: told for name, found in extras.items() for told in found if isinstance(told, Mapping)}
+
+
+def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The numbers among the arguments of a maker, checked by their descriptions; what is wrong with them is noted."""
+    described = described_arguments(make)
+    return {
+        name: checked_number(name, value, problems, told.get("rule"), allowed_in(told), f"{name}={example_of(told)}")
+        for name, value in given.items()
+        if (told := described.get(name))
+    }
 
 
 def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:

@@ -12,10 +12,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.maths import is_symbol
+from stickslip.quantities import allowed_in, example_of
 
 if TYPE_CHECKING:
     import inspect
@@ -24,13 +25,12 @@ __all__ = [
     "LARGEST",
     "Frozen",
     "arguments_of",
-    "at_least",
-    "between",
     "check_arguments",
     "checked_number",
     "describe",
+    "described_by",
     "everywhere",
-    "example_of",
+    "example_in",
     "is_array",
     "is_number_field",
     "is_record",
@@ -38,14 +38,12 @@ __all__ = [
     "leaves",
     "masked_in",
     "number",
-    "positive",
     "replace_leaf",
     "same",
 ]
 
 #: No number of a record is larger: its square is a number too.
 LARGEST = 1e150
-Rule = Callable[[Any], Any]  # value(s) -> bool(s)
 
 
 def is_number_field(field: dataclasses.Field[Any]) -> bool:
@@ -141,7 +139,7 @@ def describe(value: Any) -> str:
     return f"an array of shape {np.shape(value)} from {numbers.min():.6g} to {numbers.max():.6g}"
 
 
-def describe_bad(value: Any, good: Rule) -> str:
+def describe_bad(value: Any, good: Callable[[Any], Any]) -> str:
     """A value as an error message shows it; of an array the first entry that is not good, and how many there are."""
     if not is_array(value):
         return f" = {value!r}"
@@ -155,32 +153,7 @@ def describe_bad(value: Any, good: Rule) -> str:
     return f"[{', '.join(map(str, where))}] = {array[where]:.6g} ({len(bad)} of {array.size} values are not allowed)"
 
 
-def positive(value: Any) -> Any:
-    """Greater than zero."""
-    return value > 0
-
-
-def at_least(bound: float) -> Rule:
-    """Not below `bound`."""
-
-    def rule(value: Any) -> Any:
-        return value >= bound
-
-    rule.__doc__ = f"at least {bound:g}"
-    return rule
-
-
-def between(low: float, high: float) -> Rule:
-    """From `low` to `high`."""
-
-    def rule(value: Any) -> Any:
-        return (value >= low) & (value <= high)
-
-    rule.__doc__ = f"from {low:g} to {high:g}"
-    return rule
-
-
-def checked_number(name: str, value: Any, problems: Problems, rule: Rule | None, allowed: str, typed: str) -> Any:
+def checked_number(name: str, value: Any, problems: Problems, rule: Callable[[Any], Any] | None, allowed: str, typed: str) -> Any:
     """A finite number by its rule; what is wrong with it is noted and the value comes back as it was.
 
     Parameters
@@ -226,8 +199,6 @@ def checked_number(name: str, value: Any, problems: Problems, rule: Rule | None,
 class Frozen:
     """Base of the frozen records: checks its numbers once, knows how to be copied with changes."""
 
-    _rules: ClassVar[dict[str, tuple[Rule, str]]] = {}  # field -> (rule, what is allowed)
-
     def __new__(cls, *args: Any, **kwargs: Any) -> Any:
         """An empty record, its arguments' names checked."""
         if args or kwargs:  # copying makes an empty one first
@@ -272,8 +243,8 @@ class Frozen:
                 self._take(field, problems)
             return
         if isinstance(values, (str, bytes, int, float)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
-            example = field.metadata.get("example", "(0.5, 0.5)")
-            problems.add(f"{field.name} = {values!r}; allowed is a tuple of numbers; type for example {field.name}={example}")
+            typed = f"{field.name}={example_of(field.metadata, True)}"
+            problems.add(f"{field.name} = {values!r}; allowed is a tuple of numbers; type for example {typed}")
             return
         taken = tuple(self._checked(field, f"{field.name}[{i}]", v, problems) for i, v in enumerate(values))
         object.__setattr__(self, field.name, taken)
@@ -282,8 +253,11 @@ class Frozen:
         """A number by its field's rule; what is wrong with it is noted and the value comes back as it was. A symbol is what it is."""
         if is_symbol(value):
             return value
-        rule, allowed = self._rules.get(field.name, (None, "a finite number"))
-        return checked_number(name, value, problems, rule, allowed, f"{field.name}={example_of(type(self), field)}")
+        told = field.metadata
+        allowed = allowed_in(told, "None" in str(field.type) and not is_tuple_field(field))
+        return checked_number(
+            name, value, problems, told.get("rule"), allowed, f"{field.name}={example_of(field.metadata, is_tuple_field(field))}"
+        )
 
     def _check(self, problems: Problems) -> None:
         """Checks that need more than one field; a subclass adds its own."""
@@ -380,9 +354,35 @@ def _look_up(record: Any, path: str) -> Any:
     return _look_up(value, rest) if rest else value
 
 
-def example_of(cls: Any, field: dataclasses.Field[Any]) -> str:
-    """What to type for a number of a record: the example of its field, or that of its law."""
-    return str(field.metadata.get("example", getattr(cls, "_example", {}).get(field.name, "1.0")))
+def described_by(cls: Any, name: str) -> Mapping[str, Any]:
+    """What a class says of one of its numbers."""
+    return next(field.metadata for field in dataclasses.fields(cls) if field.name == name)
+
+
+def example_in(cls: Any) -> Any:
+    """A record with the examples of its fields; a number that has neither example nor default is named in an error.
+
+    Examples
+    --------
+    >>> from stickslip.friction import Coulomb
+    >>> example_in(Coulomb)
+    Coulomb(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24)
+    """
+    if not hasattr(cls, "__dataclass_fields__"):
+        raise InputError(cls.__name__, ["it is not a dataclass; write @dataclass(frozen=True) above the class"])
+    given = {f.name: _typed(f.metadata["example"]) for f in dataclasses.fields(cls) if "example" in f.metadata}
+    nothing = dataclasses.MISSING
+    lacking = [f.name for f in dataclasses.fields(cls) if f.name not in given and f.default is nothing and f.default_factory is nothing]
+    problems = Problems(cls.__name__)
+    for name in lacking:
+        problems.add(f'{name} has no example; type {name}: float = field(metadata=ss.quantity("what it is", "its unit", example=1.0))')
+    problems.check()
+    return cls(**given)
+
+
+def _typed(example: Any) -> Any:
+    """An example as the number that it says."""
+    return float(example) if isinstance(example, str) else example
 
 
 def _key(value: Any) -> Any:

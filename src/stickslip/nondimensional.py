@@ -9,10 +9,11 @@ from typing import Any, ClassVar
 from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Frozen, at_least, everywhere, positive
+from stickslip.fields import Frozen, everywhere
 from stickslip.friction import LuGre
 from stickslip.friction.sides import by_side, static
 from stickslip.maths import cos, exp, sin
+from stickslip.quantities import Rule, at_least, positive, quantity
 from stickslip.robot import Robot
 from stickslip.tracks import Level
 
@@ -46,20 +47,14 @@ class DimensionlessLuGre(Frozen):
     0.0
     """
 
-    a: float
-    b: float
-    c: float
-    d: float
-    k1: float
-    k2: float
-    k3: float
-    v_s: float
-
-    _rules: ClassVar[dict[str, Any]] = {
-        **{name: (positive, "a positive number") for name in ("a", "d", "k3", "v_s")},
-        **{name: (at_least(0.0), "zero or more") for name in ("b", "c")},
-        **{name: (at_least(1.0), "one or more (static friction is not below kinetic friction)") for name in ("k1", "k2")},
-    }
+    a: float = field(metadata=quantity("bristle stiffness", "1", "a", example=50.0, rule=positive))
+    b: float = field(metadata=quantity("bristle damping", "1", "b", example=5.0, rule=at_least(0.0)))
+    c: float = field(metadata=quantity("viscous friction", "1", "c", example=1e-3, rule=at_least(0.0)))
+    d: float = field(metadata=quantity("drive force over sliding friction", "1", "d", example=100.0, rule=positive))
+    k1: float = field(metadata=quantity("static over kinetic friction forwards", "1", "k_{1}", example=1.2, rule=at_least(1.0)))
+    k2: float = field(metadata=quantity("static over kinetic friction backwards", "1", "k_{2}", example=1.2, rule=at_least(1.0)))
+    k3: float = field(metadata=quantity("friction backwards over forwards", "1", "k_{3}", example=1.4, rule=positive))
+    v_s: float = field(metadata=quantity("Stribeck velocity", "1", "v_{s}", example=0.02, rule=positive))
 
     def coefficient(self, v: Any) -> Any:
         """Steady friction over mu_plus N (the denominators of Eq. 5.1)."""
@@ -123,10 +118,11 @@ class DimensionlessRobot(Frozen):
     1.394880
     """
 
-    mu: float
+    mu: float = field(
+        metadata=quantity("mass ratio", "1", r"\mu", example=0.13, rule=Rule(lambda x: (x > 0) * (x < 1) > 0, "between 0 and 1"))
+    )
     friction: Any
     drive: Any = field(default_factory=UnitDrive)
-    _rules: ClassVar[dict[str, Any]] = {"mu": (lambda x: (x > 0) * (x < 1) > 0, "between 0 and 1")}
     period: ClassVar[float] = 2 * math.pi
     velocity_scale: ClassVar[float] = 1.0
     total_mass: ClassVar[float] = 1.0

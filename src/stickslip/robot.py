@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.batch import check_shape, shape_of
@@ -12,9 +12,10 @@ from stickslip.drives.adapter import NEEDS, drive_of, lacking, needs_of
 from stickslip.drives.force import FORCE_NEEDS
 from stickslip.drives.together import Together, common_cycles
 from stickslip.errors import Problems
-from stickslip.fields import Frozen, leaves, positive
+from stickslip.fields import Frozen, leaves
 from stickslip.forces import check_law
 from stickslip.friction.adapter import law_of
+from stickslip.quantities import BODY_MASS, GRAVITY, INNER_MASS
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.track_profiles import place_grip_of
 from stickslip.tracks import Level, grip_of
@@ -70,20 +71,15 @@ class Robot(Frozen):
     0.1318
     """
 
-    body_mass: float = field(metadata={"example": "0.06259"})
-    inner_mass: float | tuple[float, ...] = field(metadata={"example": "0.00948"})
+    body_mass: float = field(metadata=BODY_MASS)
+    inner_mass: float | tuple[float, ...] = field(metadata=INNER_MASS)
     drive: Any
     friction: Any
-    gravity: float = field(default=9.81, metadata={"example": "9.81"})
+    gravity: float = field(default=9.81, metadata=GRAVITY)
     track: Any = dataclasses.field(default_factory=Level)
     cycles: tuple[int, ...] | None = dataclasses.field(default=None, repr=False, metadata={"found": "from the periods of the drives"})
 
     part_kinds = _PartKinds()
-    _rules: ClassVar[dict[str, Any]] = {
-        "body_mass": (positive, "a positive mass [kg]"),
-        "inner_mass": (positive, "a positive mass [kg]"),
-        "gravity": (positive, "a positive acceleration [m/s^2]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         several = isinstance(self.drive, tuple)

@@ -9,8 +9,9 @@ from typing import Any
 
 from stickslip.drives import DRIVES
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, other_words
-from stickslip.fields import arguments_of, describe, example_of, is_array, is_number_field, is_record, is_tuple_field
+from stickslip.fields import arguments_of, describe, is_array, is_number_field, is_record, is_tuple_field
 from stickslip.friction import LAWS
+from stickslip.quantities import example_of
 from stickslip.tracks import TRACKS
 
 __all__ = ["document_of", "from_table", "from_toml", "kinds_of", "record_html", "to_table", "to_toml"]
@@ -122,7 +123,7 @@ def from_toml(cls: type, text: str, name: str = "robot") -> Any:
     document = document_of(text)
     if not isinstance(document.get(name), dict):
         first = next((f for f in dataclasses.fields(cls) if is_number_field(f)), None)
-        shown = f"{first.name} = {first.metadata.get('example', '1.0')}" if first else f'kind = "{getattr(cls, "kind", "")}"'
+        shown = f"{first.name} = {example_of(first.metadata)}" if first else f'kind = "{getattr(cls, "kind", "")}"'
         raise InputError("study file", [f"has no [{name}] table; begin with the line [{name}] and then {shown}"])
     return from_table(cls, document[name], name)
 
@@ -196,7 +197,7 @@ def _build(cls: type, arguments: dict[str, Any], where: str, problems: Problems)
         if "None" in str(fields[name].type):
             arguments[name] = None
             continue
-        example = example_of(cls, fields[name]).replace("(", "[").replace(")", "]")
+        example = example_of(fields[name].metadata, is_tuple_field(fields[name])).replace("(", "[").replace(")", "]")
         problems.add(f"{where}.{name} is missing; type for example {name} = {example}")
         arguments[name] = _read_back(example, (1.0,) if is_tuple_field(fields[name]) else 1.0)
     lacking = [p for p in kinds if arguments.get(p, 0) is None or (p not in arguments and p in _required(cls))]

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import Problems
-from stickslip.fields import Frozen, everywhere, positive
+from stickslip.fields import Frozen, everywhere
 from stickslip.maths import cos, maximum, pi, sin, where
+from stickslip.quantities import positive, quantity
 
 __all__ = ["FrictionPatches", "FrictionProfile", "FrictionWave", "mirrored_track", "place_grip_of"]
 
 _MOST = 64  # edges, harmonics or points of a profile: each is a part of the equations
 _LEVEL = "type for example track=ss.Level()"
+_WAVELENGTH = quantity("wavelength of the track", "m", "L", example=0.01, rule=positive)
+_FACTORS = quantity("factor on friction", "1", "f", example=(1.0, 0.2), rule=positive, allowed="a positive factor")
 
 
 class _Placed(Frozen):
@@ -80,14 +83,9 @@ class FrictionPatches(_Placed):
     """
 
     track: Any
-    edges: tuple[float, ...] = field(metadata={"example": "(0.01, 0.02)"})
-    factors: tuple[float, ...] = field(metadata={"example": "(1.0, 0.2, 1.0)"})
-    wavelength: float | None = field(default=None, metadata={"example": "0.01"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "factors": (positive, "a positive factor"),
-        "wavelength": (positive, "a positive length [m]"),
-    }
+    edges: tuple[float, ...] = field(metadata=quantity("edge of a patch", "m", "x", example=(0.01, 0.02)))
+    factors: tuple[float, ...] = field(metadata=_FACTORS)
+    wavelength: float | None = field(default=None, metadata=_WAVELENGTH)
 
     def _check(self, problems: Problems) -> None:
         super()._check(problems)
@@ -143,11 +141,9 @@ class FrictionWave(_Placed):
     """
 
     track: Any
-    wavelength: float = field(metadata={"example": "0.01"})
-    cosines: tuple[float, ...] = field(metadata={"example": "(0.0, 0.1)"})
-    sines: tuple[float, ...] = field(metadata={"example": "(0.3, 0.0)"})
-
-    _rules: ClassVar[dict[str, Any]] = {"wavelength": (positive, "a positive length [m]")}
+    wavelength: float = field(metadata=_WAVELENGTH)
+    cosines: tuple[float, ...] = field(metadata=quantity("coefficients of the cosines", "1", "a", example=(0.0, 0.1)))
+    sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "1", "b", example=(0.3, 0.0)))
 
     def _check(self, problems: Problems) -> None:
         import numpy as np
@@ -241,10 +237,8 @@ class FrictionProfile(_Placed):
     """
 
     track: Any
-    place: tuple[float, ...] = field(metadata={"example": "(0.0, 0.01, 0.02)"})
-    factors: tuple[float, ...] = field(metadata={"example": "(1.0, 2.0, 1.5)"})
-
-    _rules: ClassVar[dict[str, Any]] = {"factors": (positive, "a positive factor")}
+    place: tuple[float, ...] = field(metadata=quantity("place along the track", "m", "x", example=(0.0, 0.01, 0.02)))
+    factors: tuple[float, ...] = field(metadata=_FACTORS)
 
     def _check(self, problems: Problems) -> None:
         super()._check(problems)

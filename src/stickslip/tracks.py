@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -10,6 +9,7 @@ from typing import Any, ClassVar
 from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.maths import cos, pi, sin
+from stickslip.quantities import PHASE, TILT, Rule, quantity
 from stickslip.track_profiles import FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
 
 __all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "fold"]
@@ -61,9 +61,7 @@ class Incline(Frozen):
     0.2943
     """
 
-    tilt: float = field(metadata={"example": "0.03"})
-
-    _rules: ClassVar[dict[str, Any]] = {"tilt": (lambda x: abs(x) < math.pi / 2, "an angle between -pi/2 and pi/2 [rad]")}
+    tilt: float = field(metadata=TILT)
 
     def across(self, gravity: Any) -> Any:
         """Gravity that presses the body on the track [m/s^2]."""
@@ -101,14 +99,18 @@ class VaryingFriction(Frozen):
     """
 
     track: Any
-    depth: float = field(metadata={"example": "0.3"})
+    depth: float = field(
+        metadata=quantity(
+            "depth of the variation of friction",
+            "1",
+            "d",
+            example=0.3,
+            rule=Rule(lambda d: (d >= 0) & (d < 1), "from 0 to below 1"),
+            range=(0.0, 0.9),
+        )
+    )
     harmonic: int = 1
-    phase: float = field(default=0.0, metadata={"example": "1.57"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "depth": (lambda d: (d >= 0) & (d < 1), "from 0 to below 1"),
-        "phase": (lambda p: p == p, "an angle [rad]"),
-    }
+    phase: float = field(default=0.0, metadata=PHASE | {"label": "phase of the variation of friction"})
 
     def _check(self, problems: Problems) -> None:
         if isinstance(self.track, type) or not (hasattr(self.track, "across") and hasattr(self.track, "along")):

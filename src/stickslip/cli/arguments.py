@@ -14,14 +14,12 @@ from stickslip.cli.probing import probe, probe_axes
 from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
 from stickslip.cli.transcripts import commands_in, transcript
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.naming import example_for
 
 __all__ = [
-    "EXAMPLES", "SOLVER", "Parser", "Subject", "check_driven", "names_of", "parser", "parser_of", "settings", "subject", "value",
+    "SOLVER", "Parser", "Subject", "check_driven", "names_of", "parser", "parser_of", "settings", "subject", "value",
     "without_default",
 ]  # fmt: skip
-
-#: What to type for the arguments that presets have no default for.
-EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "voltage": "60", "frequency": "32.7"}
 
 
 _CATCHING: ContextVar[bool] = ContextVar("catching", default=False)
@@ -184,7 +182,7 @@ def settings(words: list[str], many: bool, problems: Problems) -> dict[str, Any]
         elif name in found:
             problems.add(f"{name} is given twice")
         elif not many and (".." in text or ("," in text)):
-            example = f"{name}={EXAMPLES.get(name, '1.0')}"
+            example = f"{name}={example_for(name):.6g}"
             problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
         else:
             try:
@@ -255,7 +253,7 @@ def subject(
     needed, known = names_of(study.make)
     tried = {word.partition("=")[0] for word in words} | set(study.arguments)
     for missing in (n for n in needed if n not in tried):
-        problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={EXAMPLES.get(missing, '1.0')}")
+        problems.add(f"{missing} is missing; {name} has no default for it; type for example {missing}={example_for(missing):.6g}")
     options = {k: v for k, v in given.items() if k in solver}
     arguments = {k: v for k, v in given.items() if k not in solver}
     for word in arguments:

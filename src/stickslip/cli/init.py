@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import EXAMPLES, Parser, parser, subject, without_default
+from stickslip.cli.arguments import Parser, parser, subject, without_default
 from stickslip.cli.docstrings import about, meanings
 from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.naming import axis_of, example_for
 
 __all__ = ["act", "commented"]
 
@@ -68,7 +69,7 @@ def _robot(asked: Any) -> Any:
             changes[field] = known[word].example()
     problems.check()
     preset, typed = asked.preset or "piezo_rig", [word.partition("=")[0] for word in asked.set]
-    usual = [f"{name}={EXAMPLES[name]}" for name in without_default(preset) if name in EXAMPLES and name not in typed]
+    usual = [f"{name}={example_for(name):.6g}" for name in without_default(preset) if axis_of(name) and name not in typed]
     return subject(preset, [*asked.set, *usual], solver=()).robot().replace(**changes)
 
 

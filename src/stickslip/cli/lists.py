@@ -6,21 +6,16 @@ import inspect
 import re
 from typing import Any
 
+from stickslip.arguments import described_arguments
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
 from stickslip.cli.docstrings import about, meanings
 from stickslip.errors import InputError, did_you_mean
+from stickslip.quantities import symbol_text
 
 __all__ = ["act", "things"]
 
 _FEW = 4  # things of which every argument is shown at once
-
-#: Argument -> the letter that it has in the paper's equations and in ours.
-SYMBOLS = {
-    "amplitude": "A", "omega": "ω", "frequency": "ω/2π", "tilt_deg": "θ", "mu0": "μ0", "f0": "f0", "mu_plus": "μ+", "mu_minus": "μ-",
-    "f_plus": "f+", "f_minus": "f-", "sigma0": "σ0", "sigma1": "σ1", "sigma2": "σ2", "v_s": "v_s", "gravity": "g", "body_mass": "M",
-    "inner_mass": "m", "voltage": "V", "length": "L", "thickness": "h1", "patch_length": "l0", "tip_mass": "m", "damping": "ζ",
-}  # fmt: skip
 
 
 def act(command: str, words: list[str]) -> int:
@@ -32,8 +27,7 @@ def act(command: str, words: list[str]) -> int:
     unknown = [f"{name!r} is not known; {did_you_mean(name, known)}" for name in asked.names if name not in known]
     if unknown:
         raise InputError(command, unknown)
-    symbols = {} if command == "mechanisms" else SYMBOLS  # their letters are their own
-    found = {name: _entry(known[name], symbols) for name in asked.names or known}
+    found = {name: _entry(known[name]) for name in asked.names or known}
     if asked.json:
         show.print_json({command: found})
     elif asked.names or len(found) <= _FEW:
@@ -69,22 +63,25 @@ def things(command: str) -> dict[str, Any]:
     return dict(Robot.part_kinds["drive"])
 
 
-def _entry(thing: Any, symbols: dict[str, str]) -> dict[str, Any]:
+def _entry(thing: Any) -> dict[str, Any]:
     """First line of the docstring; and of each argument its default, symbol, unit and meaning."""
-    from stickslip.sweeps.naming import AXES
-
-    told = meanings(thing)
+    told, described = meanings(thing), described_arguments(thing)
     arguments = {}
     for p in inspect.signature(thing).parameters.values():
         words = told.get(p.name, {"type": "", "unit": "", "meaning": ""})
         same = re.fullmatch(r"As for (\w+)\.", words["meaning"])
         if same:
             words = meanings(things("presets")[same[1]])[p.name]
-        if p.name in AXES and [t["meaning"] for t in told.values()].count(told.get(p.name, {}).get("meaning", "")) > 1:
-            own = AXES[p.name][0].rpartition(" ")[0]  # described together with others: say which one it is
-            words = {**words, "meaning": f"{own}. {words['meaning']}"}
+        of_field = described.get(p.name, {})
+        if "label" in of_field and [t["meaning"] for t in told.values()].count(told.get(p.name, {}).get("meaning", "")) > 1:
+            words = {**words, "meaning": f"{of_field['label']}. {words['meaning']}"}  # described together with others: say which one it is
         needed = p.default is p.empty
-        arguments[p.name] = {"needed": needed, "default": None if needed else p.default, "symbol": symbols.get(p.name, ""), **words}
+        arguments[p.name] = {
+            "needed": needed,
+            "default": None if needed else p.default,
+            "symbol": symbol_text(of_field.get("symbol", "")),
+            **words,
+        }
     return {"about": about(thing), "arguments": arguments}
 
 

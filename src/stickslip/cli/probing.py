@@ -7,11 +7,10 @@ from itertools import islice, product
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.naming import axis_of, example_for
 
 __all__ = ["of_solver", "probe", "probe_axes"]
 
-#: What stands in for an argument that is missing or could not be read, so that the others can be checked.
-STAND_INS = {"tilt_deg": 0.0, "amplitude": 5.525e-4, "voltage": 20.0, "frequency": 32.7}
 _MOST = 64  # choices of words that are tried
 
 
@@ -33,15 +32,14 @@ def probe(
     timed : bool
         Whether the command takes a duration; one that does not says itself what it makes of a model without a period.
     """
-    filled = {name: STAND_INS.get(name, 1.0) for name in absent}
+    filled = {name: example_for(name) for name in absent}
     robot, found = None, []
     for choice in islice(_choices(arguments), _MOST):
         made, problems = _tried(build, {**filled, **choice})
         robot = made if robot is None else robot
         found += [p for p in problems if not p.startswith(tuple(f"{name} " for name in absent))]
     if robot is None:
-        rest = [name for name in arguments if name in STAND_INS]
-        robot = _tried(build, {**filled, **{name: STAND_INS[name] for name in rest}})[0]
+        robot = _tried(build, {**filled, **{name: example_for(name) for name in arguments if axis_of(name)}})[0]
     return list(dict.fromkeys(found + of_solver(robot, options, timed)))
 
 
@@ -53,7 +51,7 @@ def probe_axes(
     A combination that only some other values spoil is no error: it marks its own case.
     """
     axes = {name: value for name, value in arguments.items() if isinstance(value, list) and value}
-    rest = {**{name: STAND_INS.get(name, 1.0) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}
+    rest = {**{name: example_for(name) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}
     robot: Any = None
     found: list[str] = []
     for name, values in axes.items() or {"": [None]}.items():

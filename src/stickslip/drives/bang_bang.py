@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved
 from stickslip.errors import Problems
-from stickslip.fields import positive
 from stickslip.maths import sqrt, where, within
+from stickslip.quantities import PERIOD, positive, quantity
 
 __all__ = ["BangBang"]
 
@@ -44,15 +44,9 @@ class BangBang(PeriodicDrive):
     (0.02, 0.2)
     """
 
-    a1: float = field(metadata={"example": "20.0"})
-    a2: float = field(metadata={"example": "40.0"})
-    period: float = field(metadata={"example": "0.03"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "a1": (positive, "a positive acceleration [m/s^2]"),
-        "a2": (positive, "a positive acceleration [m/s^2]"),
-        "period": (positive, "a positive period [s]"),
-    }
+    a1: float = field(metadata=quantity("first acceleration", "m/s^2", "a_{1}", example=20.0, rule=positive, range=(2.0, 100.0)))
+    a2: float = field(metadata=quantity("second acceleration", "m/s^2", "a_{2}", example=40.0, rule=positive, range=(2.0, 100.0)))
+    period: float = field(metadata=PERIOD)
 
     def __init__(
         self,
@@ -116,11 +110,6 @@ class BangBang(PeriodicDrive):
     def acceleration(self, t: Any) -> Any:
         """Relative acceleration [m/s^2]."""
         return where(within(t, self.period) < self.t1, self.a1, -self.a2)
-
-    @classmethod
-    def example(cls) -> BangBang:
-        """One that moves the paper's robot forwards."""
-        return cls(a1=20.0, a2=40.0, period=0.03)
 
 
 def _period(known: dict[str, Any], problems: Problems) -> Any:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import between, describe, everywhere, is_array, number
+from stickslip.fields import describe, everywhere, is_array, number
+from stickslip.quantities import between
 
 __all__ = ["given", "record", "take_damping", "together"]
 

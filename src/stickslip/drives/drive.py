@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.errors import InputError, Problems
-from stickslip.fields import LARGEST, Frozen, describe, everywhere, is_array, number
+from stickslip.fields import LARGEST, Frozen, describe, everywhere, example_in, is_array, number
 from stickslip.maths import pi
 
 __all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown"]
@@ -18,6 +18,11 @@ class Drive(Frozen):
     breaks: ClassVar[Any] = ()  # instants in (0, period) at which the acceleration is not smooth [s]
     jumps: ClassVar[Any] = ()  # (instant in [0, period), jump of the relative velocity [m/s])
     smooth: ClassVar[Any] = False  # whether its equations are one formula for all times, and not for one period only
+
+    @classmethod
+    def example(cls) -> Any:
+        """The drive with the examples of its fields."""
+        return example_in(cls)
 
     if TYPE_CHECKING:
 

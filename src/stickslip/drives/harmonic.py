@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.drives.drive import Drive, angular_frequency
-from stickslip.fields import at_least, positive
 from stickslip.maths import cos, pi, sin
+from stickslip.quantities import AMPLITUDE, OMEGA, PHASE
 
 __all__ = ["Harmonic"]
 
@@ -36,18 +36,12 @@ class Harmonic(Drive):
     (205.46016, 0.030581040)
     """
 
-    amplitude: float = field(metadata={"example": "5e-4"})
-    omega: float = field(metadata={"example": "205.46"})
+    amplitude: float = field(metadata=AMPLITUDE)
+    omega: float = field(metadata=OMEGA)
     notes: tuple[str, ...] | None = None
-    phase: float | None = field(default=None, metadata={"example": "1.57"})
+    phase: float | None = field(default=None, metadata=PHASE)
 
     smooth: ClassVar[bool] = True
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "amplitude": (at_least(0.0), "zero or more [m]"),
-        "omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)"),
-        "phase": (lambda p: p == p, "an angle [rad]"),
-    }
 
     def __init__(self, amplitude: Any, omega: Any = None, frequency: Any = None, notes: Any = None, phase: Any = None):
         object.__setattr__(self, "amplitude", amplitude)

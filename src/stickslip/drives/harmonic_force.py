@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.drive import angular_frequency
 from stickslip.drives.force import Force
-from stickslip.fields import positive
 from stickslip.maths import pi, sin
+from stickslip.quantities import OMEGA, PHASE, quantity
 
 __all__ = ["HarmonicForce"]
 
@@ -35,11 +35,9 @@ class HarmonicForce(Force):
     (0.06, 1.5)
     """
 
-    amplitude: float = field(metadata={"example": "1.5"})
-    omega: float = field(metadata={"example": "104.72"})
-    phase: float = field(default=0.0, metadata={"example": "1.57"})
-
-    _rules: ClassVar[dict[str, Any]] = {"omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)")}
+    amplitude: float = field(metadata=quantity("force on the inner mass", "N", "A", example=1.5))
+    omega: float = field(metadata=OMEGA | {"example": 104.72})
+    phase: float = field(default=0.0, metadata=PHASE | {"label": "phase of the force"})
 
     def __init__(self, amplitude: Any, omega: Any = None, phase: Any = 0.0, frequency: Any = None):
         object.__setattr__(self, "amplitude", amplitude)

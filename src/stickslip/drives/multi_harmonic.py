@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.drive import angular_frequency
 from stickslip.drives.fourier import FourierDrive
 from stickslip.errors import InputError, Problems
-from stickslip.fields import positive
 from stickslip.maths import cos, pi, sin
+from stickslip.quantities import OMEGA, quantity
 
 __all__ = ["MultiHarmonic"]
 
@@ -40,11 +40,9 @@ class MultiHarmonic(FourierDrive):
     (0.0008, 0.0054)
     """
 
-    omega: float = field(metadata={"example": "205.0"})
-    amplitudes: tuple[float, ...] = field(metadata={"example": "(5e-4, 1e-4)"})
-    phases: tuple[float, ...] = field(metadata={"example": "(0.0, 1.57)"})
-
-    _rules: ClassVar[dict[str, Any]] = {"omega": (positive, "a positive angular frequency [rad/s] (or give frequency= in Hz)")}
+    omega: float = field(metadata=OMEGA)
+    amplitudes: tuple[float, ...] = field(metadata=quantity("amplitude of a harmonic", "m", "A", example=(5e-4, 1e-4)))
+    phases: tuple[float, ...] = field(metadata=quantity("phase of a harmonic", "rad", r"\varphi", example=(0.0, 1.57)))
 
     def __init__(self, omega: Any = None, amplitudes: Any = None, phases: Any = None, frequency: Any = None):
         omega = angular_frequency("MultiHarmonic", omega, frequency, _EXAMPLE)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.drive import PeriodicDrive, given_numbers
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere
 from stickslip.maths import maximum, minimum, sqrt, where, within
+from stickslip.quantities import quantity
 
 __all__ = ["Pieces"]
 
@@ -42,10 +43,8 @@ class Pieces(PeriodicDrive):
     True
     """
 
-    durations: tuple[float, ...] = field(metadata={"example": "(0.02, 0.01, 0.01)"})
-    accelerations: tuple[float, ...] = field(metadata={"example": "(10.0, -30.0, 10.0)"})
-
-    _rules: ClassVar[dict[str, Any]] = {}
+    durations: tuple[float, ...] = field(metadata=quantity("duration of a piece", "s", "d", example=(0.02, 0.01, 0.01)))
+    accelerations: tuple[float, ...] = field(metadata=quantity("acceleration on a piece", "m/s^2", "a", example=(10.0, -30.0, 10.0)))
 
     def _check(self, problems: Problems) -> None:
         durations, accelerations = self.durations, self.accelerations

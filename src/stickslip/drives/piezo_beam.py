@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.drives import beam_notes
@@ -12,8 +12,9 @@ from stickslip.drives.cantilever import cantilever_eigenvalues
 from stickslip.drives.couple import tip_by_modes, tip_participation
 from stickslip.drives.harmonic import Harmonic
 from stickslip.errors import InputError, Problems
-from stickslip.fields import Frozen, at_least, describe, everywhere, is_array, positive
+from stickslip.fields import Frozen, describe, everywhere, is_array
 from stickslip.maths import pi, sqrt
+from stickslip.quantities import Rule, at_least, positive, quantity
 
 __all__ = ["PiezoBeam", "TipMotion"]
 
@@ -74,26 +75,33 @@ class PiezoBeam(Frozen):
     0.67 mm
     """
 
-    length: float = field(default=0.1, metadata={"example": "0.1"})
-    width: float = field(default=0.01, metadata={"example": "0.01"})
-    thickness: float = field(default=1e-3, metadata={"example": "1e-3"})
-    density: float = field(default=7850.0, metadata={"example": "7850"})
-    modulus: float = field(default=2e11, metadata={"example": "2e11"})
-    patch_length: float = field(default=0.03, metadata={"example": "0.03"})
-    patch_thickness: float = field(default=2e-4, metadata={"example": "2e-4"})
-    patch_modulus: float = field(default=6.1e10, metadata={"example": "6.1e10"})
-    d31: float = field(default=1.71e-10, metadata={"example": "1.71e-10"})
-    tip_mass: float = field(default=9.48e-3, metadata={"example": "9.48e-3"})
+    length: float = field(
+        default=0.1, metadata=quantity("length of the beam", "m", "L", example=0.1, rule=positive, range=(0.07, 0.14), shown="mm")
+    )
+    width: float = field(default=0.01, metadata=quantity("width of the beam", "m", "b", example=0.01, rule=positive))
+    thickness: float = field(
+        default=1e-3, metadata=quantity("thickness of the beam", "m", "h_{1}", example=1e-3, rule=positive, range=(5e-4, 2e-3), shown="mm")
+    )
+    density: float = field(default=7850.0, metadata=quantity("density of the beam", "kg/m^3", r"\rho", example=7850.0, rule=positive))
+    modulus: float = field(default=2e11, metadata=quantity("modulus of the beam", "N/m^2", "E", example=2e11, rule=positive))
+    patch_length: float = field(default=0.03, metadata=quantity("length of the patches", "m", "l_{0}", example=0.03, rule=positive))
+    patch_thickness: float = field(default=2e-4, metadata=quantity("thickness of a patch", "m", "h_{2}", example=2e-4, rule=positive))
+    patch_modulus: float = field(
+        default=6.1e10, metadata=quantity("modulus of the patches", "N/m^2", "E_{2}", example=6.1e10, rule=positive)
+    )
+    d31: float = field(
+        default=1.71e-10,
+        metadata=quantity(
+            "piezoelectric constant of the patches",
+            "m/V",
+            "d_{31}",
+            example=1.71e-10,
+            rule=Rule(lambda x: x != 0.0, "a constant other than zero"),
+        ),
+    )
+    tip_mass: float = field(default=9.48e-3, metadata=quantity("tip mass", "kg", "m", example=9.48e-3, rule=at_least(0.0)))
     damping: Any = 0.02
     modes: int = 8
-
-    _rules: ClassVar[dict[str, Any]] = {
-        **{name: (positive, "a positive length [m]") for name in ("length", "width", "thickness", "patch_length", "patch_thickness")},
-        **{name: (positive, "a positive modulus [N/m^2]") for name in ("modulus", "patch_modulus")},
-        "density": (positive, "a positive density [kg/m^3]"),
-        "d31": (lambda x: x != 0.0, "a constant other than zero [m/V]"),
-        "tip_mass": (at_least(0.0), "zero or more [kg]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         problems.whole("modes", self.modes, 1, example=5)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.force import Force
-from stickslip.fields import positive
 from stickslip.maths import where, within
+from stickslip.quantities import PERIOD, Rule, quantity
 
 __all__ = ["Pulses"]
 
@@ -34,14 +34,18 @@ class Pulses(Force):
     (1.25, 1.25, 0.0, 1.25, [0.021])
     """
 
-    amplitude: float = field(metadata={"example": "1.25"})
-    period: float = field(metadata={"example": "0.06"})
-    duty: float = field(metadata={"example": "0.35"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "period": (positive, "a positive period [s]"),
-        "duty": (lambda d: (d > 0) & (d < 1), "between 0 and 1, the part of the period for which the force is on"),
-    }
+    amplitude: float = field(metadata=quantity("force on the inner mass", "N", "A", example=1.25))
+    period: float = field(metadata=PERIOD | {"label": "period of the force", "example": 0.06})
+    duty: float = field(
+        metadata=quantity(
+            "part of the period for which the force is on",
+            "1",
+            "d",
+            example=0.35,
+            rule=Rule(lambda x: (x > 0) & (x < 1), ""),
+            allowed="between 0 and 1, the part of the period for which the force is on",
+        )
+    )
 
     @property
     def breaks(self) -> tuple[Any, ...]:

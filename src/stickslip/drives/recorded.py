@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.fourier import FourierDrive
 from stickslip.drives.samples import checked, fitted
 from stickslip.errors import InputError, Problems
-from stickslip.fields import positive
 from stickslip.maths import pi
+from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["Recorded"]
 
@@ -41,12 +41,10 @@ class Recorded(FourierDrive):
     (2, 0.00063662)
     """
 
-    period: float = field(metadata={"example": "0.03"})
-    cosines: tuple[float, ...] = field(metadata={"example": "(0.0, 1e-4)"})
-    sines: tuple[float, ...] = field(metadata={"example": "(5e-4, 0.0)"})
+    period: float = field(metadata=PERIOD)
+    cosines: tuple[float, ...] = field(metadata=quantity("coefficients of the cosines", "m", "a", example=(0.0, 1e-4)))
+    sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "m", "b", example=(5e-4, 0.0)))
     notes: tuple[str, ...] | None = None
-
-    _rules: ClassVar[dict[str, Any]] = {"period": (positive, "a positive period [s]")}
 
     def __init__(self, period: Any, cosines: Any, sines: Any, notes: Any = None):
         for name, value in (("period", period), ("cosines", cosines), ("sines", sines)):

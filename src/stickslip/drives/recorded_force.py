@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.force import Force
 from stickslip.drives.fourier import series
 from stickslip.drives.samples import checked, fitted
 from stickslip.errors import Problems
-from stickslip.fields import positive
 from stickslip.maths import pi
+from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["RecordedForce"]
 
@@ -43,13 +43,11 @@ class RecordedForce(Force):
     (0.2, 1.0, 'the drive is a force record of 600 samples as 1 harmo')
     """
 
-    period: float = field(metadata={"example": "0.06"})
-    mean: float = field(metadata={"example": "0.0"})
-    cosines: tuple[float, ...] = field(metadata={"example": "(0.0, 0.2)"})
-    sines: tuple[float, ...] = field(metadata={"example": "(1.0, 0.0)"})
+    period: float = field(metadata=PERIOD | {"label": "period of the force", "example": 0.06})
+    mean: float = field(metadata=quantity("mean of the force", "N", "F_{0}", example=0.0))
+    cosines: tuple[float, ...] = field(metadata=quantity("coefficients of the cosines", "N", "a", example=(0.0, 0.2)))
+    sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "N", "b", example=(1.0, 0.0)))
     notes: tuple[str, ...] | None = None
-
-    _rules: ClassVar[dict[str, Any]] = {"period": (positive, "a positive period [s]")}
 
     def __init__(self, period: Any, mean: Any, cosines: Any, sines: Any, notes: Any = None):
         for name, value in (("period", period), ("mean", mean), ("cosines", cosines), ("sines", sines)):

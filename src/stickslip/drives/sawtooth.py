@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
 
 from stickslip.drives.two_phase import Wedge
-from stickslip.fields import positive
+from stickslip.quantities import STROKE, positive, quantity
 
 __all__ = ["Sawtooth"]
 
@@ -33,15 +32,11 @@ class Sawtooth(Wedge):
     (1000, 0.005263158, [0.105263158, -0.105263158])
     """
 
-    stroke: float = field(metadata={"example": "5e-6"})
-    rise: float = field(metadata={"example": "0.95e-3"})
-    fall: float = field(metadata={"example": "0.05e-3"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "stroke": (positive, "a positive length [m]"),
-        "rise": (positive, "a positive time [s]"),
-        "fall": (positive, "a positive time [s]"),
-    }
+    stroke: float = field(metadata=STROKE)
+    rise: float = field(metadata=quantity("duration of the rise", "s", "t_{r}", example=0.2, rule=positive, range=(0.005, 0.5), shown="ms"))
+    fall: float = field(
+        metadata=quantity("duration of the fall", "s", "t_{f}", example=0.025, rule=positive, range=(0.005, 0.5), shown="ms")
+    )
 
     @property
     def u1(self) -> float:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
-from stickslip.fields import between
 from stickslip.maths import where, wrapped
+from stickslip.quantities import between, quantity
 
 __all__ = ["Shifted", "begun_at", "within_one"]
 
@@ -33,9 +33,11 @@ class Shifted(Around):
     """
 
     drive: Any
-    phase: float = field(metadata={"example": "0.25"})
-
-    _rules: ClassVar[dict[str, Any]] = {"phase": (between(-1.0, 1.0), "from -1 to 1 [drive periods]")}
+    phase: float = field(
+        metadata=quantity(
+            "phase of the start", "1", r"\varphi", example=0.25, rule=between(-1.0, 1.0), allowed="from -1 to 1 [drive periods]"
+        )
+    )
 
     def _time(self, t: Any) -> Any:
         return t + self.phase * self.drive.period

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved
 from stickslip.errors import Problems
-from stickslip.fields import describe, everywhere, positive
+from stickslip.fields import describe, everywhere
 from stickslip.maths import maximum, sqrt, where, within
+from stickslip.quantities import positive, quantity
 
 __all__ = ["ThreePhase"]
 
@@ -46,17 +47,16 @@ class ThreePhase(PeriodicDrive):
     (0.00525, 0.324037, [0.03, 0.040401])
     """
 
-    u1: float = field(metadata={"example": "0.3"})
-    w1: float = field(metadata={"example": "10.0"})
-    w2: float = field(metadata={"example": "60.0"})
-    w3: float = field(metadata={"example": "12.0"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "u1": (positive, "a positive speed [m/s]"),
-        "w1": (positive, "a positive acceleration [m/s^2]"),
-        "w2": (positive, "a positive acceleration [m/s^2]"),
-        "w3": (positive, "a positive acceleration [m/s^2]"),
-    }
+    u1: float = field(metadata=quantity("speed in the first phase", "m/s", "u_{1}", example=0.3, rule=positive, range=(0.05, 1.0)))
+    w1: float = field(
+        metadata=quantity("acceleration in the first phase", "m/s^2", "w_{1}", example=10.0, rule=positive, range=(1.0, 60.0))
+    )
+    w2: float = field(
+        metadata=quantity("acceleration in the second phase", "m/s^2", "w_{2}", example=60.0, rule=positive, range=(1.0, 120.0))
+    )
+    w3: float = field(
+        metadata=quantity("acceleration in the third phase", "m/s^2", "w_{3}", example=12.0, rule=positive, range=(1.0, 60.0))
+    )
 
     def __init__(self, u1: Any = None, w1: Any = None, w2: Any = None, w3: Any = None, stroke: Any = None, u3: Any = None):
         problems = Problems("ThreePhase")
@@ -132,11 +132,6 @@ class ThreePhase(PeriodicDrive):
         """Relative acceleration [m/s^2]; at a break it is that of the phase that begins."""
         s = within(t, self.period)
         return where(s < self._pushed, self.w1, where(s < self._turned, -self._return, self.w3))
-
-    @classmethod
-    def example(cls) -> ThreePhase:
-        """One that moves the paper's robot forwards."""
-        return cls(u1=0.3, w1=10.0, w2=60.0, w3=12.0)
 
 
 def _push(known: dict[str, Any], problems: Problems) -> Any:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.drive import PeriodicDrive, given_numbers, resolved, shown
 from stickslip.errors import Problems
-from stickslip.fields import everywhere, positive
+from stickslip.fields import everywhere
 from stickslip.maths import maximum, where, within
+from stickslip.quantities import PERIOD, positive, quantity
 
 __all__ = ["Trapezoid"]
 
@@ -43,17 +44,21 @@ class Trapezoid(PeriodicDrive):
     ([0.212222, 0.222222, 0.24], 0.010798)
     """
 
-    u1: float = field(metadata={"example": "0.05"})
-    u2: float = field(metadata={"example": "0.4"})
-    ramp: float = field(metadata={"example": "0.01"})
-    period: float = field(metadata={"example": "0.25"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "u1": (positive, "a positive speed [m/s]"),
-        "u2": (positive, "a positive speed [m/s]"),
-        "ramp": (positive, "a positive duration [s] (without ramps it is a TwoPhase)"),
-        "period": (positive, "a positive period [s]"),
-    }
+    u1: float = field(metadata=quantity("relative speed forwards", "m/s", "u_{1}", example=0.05, rule=positive, range=(0.01, 0.5)))
+    u2: float = field(metadata=quantity("relative speed backwards", "m/s", "u_{2}", example=0.4, rule=positive, range=(0.01, 1.0)))
+    ramp: float = field(
+        metadata=quantity(
+            "duration of a ramp",
+            "s",
+            "r",
+            example=0.01,
+            rule=positive,
+            range=(1e-3, 0.012),
+            shown="ms",
+            allowed="a positive time [s] (without ramps it is a TwoPhase)",
+        )
+    )
+    period: float = field(metadata=PERIOD | {"example": 0.25, "range": (0.05, 0.6)})
 
     def __init__(self, u1: Any = None, u2: Any = None, ramp: Any = None, period: Any = None, frequency: Any = None, stroke: Any = None):
         problems = Problems("Trapezoid")
@@ -141,11 +146,6 @@ class Trapezoid(PeriodicDrive):
         return self._pieces(
             t, lambda s: 0.0, lambda s, sigma: -steep * _slope(sigma), lambda s: 0.0, lambda s, sigma: steep * _slope(sigma)
         )
-
-    @classmethod
-    def example(cls) -> Trapezoid:
-        """One that moves the paper's robot forwards."""
-        return cls(u1=0.05, u2=0.4, ramp=0.01, period=0.25)
 
 
 def _rise(sigma: Any) -> Any:

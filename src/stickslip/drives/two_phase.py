@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from stickslip.drives.drive import PeriodicDrive, agree, given_numbers, shown
 from stickslip.errors import Problems
-from stickslip.fields import positive
 from stickslip.maths import maximum, where, within
+from stickslip.quantities import STROKE, positive, quantity
 
 __all__ = ["TwoPhase", "Wedge"]
 
@@ -85,15 +85,9 @@ class TwoPhase(Wedge):
     0.4
     """
 
-    stroke: float = field(metadata={"example": "0.01"})
-    u1: float = field(metadata={"example": "0.05"})
-    u2: float = field(metadata={"example": "0.4"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "stroke": (positive, "a positive length [m]"),
-        "u1": (positive, "a positive speed [m/s]"),
-        "u2": (positive, "a positive speed [m/s]"),
-    }
+    stroke: float = field(metadata=STROKE)
+    u1: float = field(metadata=quantity("relative speed forwards", "m/s", "u_{1}", example=0.05, rule=positive, range=(0.01, 0.5)))
+    u2: float = field(metadata=quantity("relative speed backwards", "m/s", "u_{2}", example=0.4, rule=positive, range=(0.01, 1.0)))
 
     def __init__(self, stroke: Any = None, u1: Any = None, u2: Any = None, t1: Any = None, t2: Any = None):
         problems = Problems("TwoPhase")
@@ -113,11 +107,6 @@ class TwoPhase(Wedge):
     def t2(self) -> float:
         """How long the phase of -u2 lasts [s]."""
         return self.stroke / self.u2
-
-    @classmethod
-    def example(cls) -> TwoPhase:
-        """One that moves the paper's robot forwards."""
-        return cls(stroke=0.01, u1=0.05, u2=0.4)
 
 
 def _completed(known: dict[str, Any], problems: Problems) -> dict[str, Any]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.adapter import drive_of
 from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
 from stickslip.errors import Problems
-from stickslip.fields import at_least
 from stickslip.maths import pi, sin
+from stickslip.quantities import PHASE, at_least, quantity
 
 __all__ = ["VerticalVibration"]
 
@@ -44,11 +44,11 @@ class VerticalVibration(Around):
     """
 
     drive: Any
-    amplitude: float = field(metadata={"example": "1e-4"})
-    phase: float = field(default=0.0, metadata={"example": "1.57"})
+    amplitude: float = field(
+        metadata=quantity("amplitude of the vertical motion", "m", "B", example=1e-4, rule=at_least(0.0), range=(0.0, 5e-4), shown="mm")
+    )
+    phase: float = field(default=0.0, metadata=PHASE | {"label": "phase of the vertical motion"})
     harmonic: int = 1
-
-    _rules: ClassVar[dict[str, Any]] = {"amplitude": (at_least(0.0), "zero or more [m]"), "phase": (lambda x: x == x, "an angle [rad]")}
 
     def _check(self, problems: Problems) -> None:
         super()._check(problems)

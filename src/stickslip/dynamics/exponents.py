@@ -17,9 +17,10 @@ from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
-from stickslip.fields import between, checked_number, number
+from stickslip.fields import checked_number, number
 from stickslip.flow import is_flow
 from stickslip.machine import machine_of
+from stickslip.quantities import between
 from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.sweeps.progress import Watch

@@ -10,8 +10,8 @@ import numpy as np
 from stickslip.batch import made_model, point_by_point
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
+from stickslip.naming import axis_of
 from stickslip.sweeps.axes import check_names  # a family is a sweep whose values are not known before
-from stickslip.sweeps.naming import axis_of
 
 __all__ = ["Family", "family"]
 
@@ -64,7 +64,7 @@ class Family:
 
     def describe(self, parameter: str) -> dict[str, str]:
         """Name and unit of a parameter, as a plot shows them."""
-        known = axis_of(parameter)
+        known = axis_of(parameter, self.make)
         return {"long_name": known[0], "units": known[1]} if known else {"long_name": parameter, "units": "1"}
 
 

@@ -184,6 +184,12 @@ def _letter(name: str) -> tuple[str, str]:
     return f"\\{letters}" if letters in _GREEK else _NAMES.get(letters, letters if len(letters) == 1 else _upright(letters)), index
 
 
+def _own_letter(symbol: str) -> tuple[str, str]:
+    r"""A field's own symbol as a letter and an index: ``\mu_{+}`` is \mu and +."""
+    letter, _, index = symbol.partition("_")
+    return letter, index.removeprefix("{").removesuffix("}") if index.startswith("{") else index
+
+
 def _upright(words: str) -> str:
     r"""Words as they stand, such as ``\mathrm{head}``; what is neither letter nor digit becomes a space."""
     return r"\mathrm{" + r"\ ".join(re.findall(r"[^\W_]+", words)) + "}"
@@ -252,10 +258,8 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     words, number = [p for p in places if not p.isdigit()], ",".join(str(int(p) + 1) for p in places if p.isdigit())
     place = "%s" if number else ""
     own = str(told_by_field(record, name).get("symbol", ""))
-    letter, index = (own, "") if own else _letter(words[-1])
+    letter, index = _own_letter(own) if own else _letter(words[-1])
     owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
-    if own and "_" in own and (place or owner):
-        letter = f"{{{own}}}"
     return (
         subscripted(letter, index, place),
         subscripted(letter, index, place, owner),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,15 +13,12 @@ from stickslip.explorer.effort import affordable
 from stickslip.explorer.parameters import Parameter
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine import is_machine, machine_of
-from stickslip.mechanics import lists_parts
 
 __all__ = ["Shown", "numbers_of", "picture", "report", "study"]
 
 COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when it rests
 _TIMES = 20.0  # of a machine without a period: how many of its own times a run lasts
 _FAR = 1e300
-_EXACTLY = {"gravity"}  # numbers that are rarely dragged keep a narrow range
-_ANGLES = ("phase", "phases")
 
 
 @dataclass(frozen=True)
@@ -110,24 +107,18 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
     >>> first.name, first.label, first.unit, (round(first.low, 6), round(first.high, 6))
     ('modules.0.body_mass', 'mass of the body M', 'kg', (0.006259, 0.156475))
     """
-    from stickslip.report.of_run import meaning_of
-
-    machine = machine_of(model)
     for name, value in leaves(model):
-        value, kind, told = float(value), name.rstrip("0123456789.").rpartition(".")[2], told_by_field(model, name)
-        own = "." not in name and lists_parts(model)  # what a field of somebody's machine means, only its metadata may say
-        label, unit = ("", "") if own else meaning_of(name, mechanism=machine.drive is None)
-        label, unit = str(told.get("label", label or kind.replace("_", " "))), str(told.get("unit", unit))
-        low, high = told.get("range") or _around(kind, value)
-        yield Parameter(name, "", label, value, min(float(low), value), max(float(high), value), unit, 1.0, -_FAR, _FAR)
+        told, value = told_by_field(model, name), float(value)
+        yield replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR)
 
 
-def _around(kind: str, value: float) -> tuple[float, float]:
-    """A reach around a value that has a sign, both sides of zero else."""
-    if kind in _ANGLES:
+def _around(told: Mapping[str, Any], value: float) -> tuple[float, float]:
+    """The reach that is described, where the value lies in it; else one around a value that has a sign, both sides of zero."""
+    low, high = told.get("range", (1.0, -1.0))
+    if low <= value <= high:
+        return low, high
+    if told.get("unit") == "rad":
         return -math.pi, math.pi
-    if kind in _EXACTLY:
-        return 0.5 * value, 1.5 * value
     if value == 0.0:
         return -1.0, 1.0
     return tuple(sorted((0.1 * value, 2.5 * value)))  # type: ignore[return-value]

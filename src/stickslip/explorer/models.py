@@ -5,34 +5,28 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.drives import (
-    BangBang,
-    Harmonic,
-    MultiHarmonic,
-    Pieces,
-    PiezoBeam,
-    Recorded,
-    Reversed,
-    Sawtooth,
-    ThreePhase,
-    Trapezoid,
-    TwoPhase,
-    VerticalVibration,
-)
-from stickslip.fields import is_number_field
+from stickslip.arguments import described_arguments
+from stickslip.drives import DRIVES as _KINDS, Harmonic, MultiHarmonic, Pieces, PiezoBeam, Recorded, Reversed, VerticalVibration
+from stickslip.fields import described_by, is_number_field
 from stickslip.friction import LAWS, Tabulated
 from stickslip.friction.adapter import adapted
+from stickslip.friction.coefficients import F0, F_MINUS, F_PLUS, MU0, MU_MINUS, MU_PLUS, V_S
 from stickslip.maths import cos, exp, maximum, sin
+from stickslip.presets import piezo_beam_rig
+from stickslip.quantities import AMPLITUDE, OMEGA, PHASE, TILT_DEG, quantity
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, VaryingFriction
 
-__all__ = ["CONTACTS", "DRIVES", "FRICTION", "SAW", "TRACKS", "Part", "Shape", "active", "fields_of", "robot"]
+__all__ = [
+    "CONTACTS", "DESCRIBED", "DRIVES", "FIELDS", "FRICTION", "PLAIN_DRIVES", "SAW", "TRACKS", "Part", "Shape", "active", "robot",
+]  # fmt: skip
 
 Values = Mapping[str, Any]
+Told = Mapping[str, Any]
 #: Cosines and sines of a recorded drive, in parts of its amplitude.
 Shape = tuple[tuple[float, ...], tuple[float, ...]]
 #: The shape where there is no record: a saw of five harmonics.
@@ -47,26 +41,28 @@ class Part:
     ----------
     label : str
         What it is called.
-    parameters : tuple of str
-        The parameters that it takes, beside those that everything takes.
+    parameters : mapping
+        The parameters that it takes, beside those that everything takes, by their names on the page, with their descriptions.
     make : callable
         Makes the record from the values.
     """
 
     label: str
-    parameters: tuple[str, ...]
+    parameters: Mapping[str, Told]
     make: Callable[..., Any]
 
 
+def _own_names(kind: str, cls: Any, taken: Mapping[str, Told], but: tuple[str, ...] = ()) -> dict[str, str]:
+    """Field -> parameter of the numbers of a record: its name, or with the kind before it where that is another number on the page."""
+    fields = [f for f in dataclasses.fields(cls) if is_number_field(f) and "None" not in str(f.type) and f.name not in but]
+    return {f.name: f.name if taken.get(f.name, f.metadata) == f.metadata else f"{kind}_{f.name}" for f in fields}
+
+
+def _described(cls: Any, names: Mapping[str, str]) -> dict[str, Told]:
+    return {parameter: described_by(cls, field) for field, parameter in names.items()}
+
+
 # ---- drives ----
-def _harmonic(p: Values) -> Any:
-    return Harmonic(amplitude=p["amplitude"], omega=p["omega"])
-
-
-def _two_phase(p: Values) -> Any:
-    return TwoPhase(stroke=p["stroke"], u1=p["u1"], u2=p["u2"])
-
-
 def _recorded(p: Values) -> Any:
     cosines, sines = (tuple(p["amplitude"] * c for c in side) for side in p.get("shape", SAW))
     return Recorded(period=2 * math.pi / p["omega"], cosines=cosines, sines=sines)
@@ -83,45 +79,82 @@ def _beam(p: Values) -> Any:
     return beam.drive(p["voltage"], p["frequency"])
 
 
+#: Drives that are their numbers, in words.
+_PLAIN = {"harmonic": "harmonic", "twophase": "two-phase", "threephase": "three-phase", "bangbang": "bang-bang", "trapezoid": "trapezoid",
+          "sawtooth": "sawtooth"}  # fmt: skip
+_SINE = {"amplitude": AMPLITUDE, "omega": OMEGA}
+_BEAM = {name: described_arguments(piezo_beam_rig)[name] for name in ("voltage", "frequency", "length", "thickness")}
+_SECOND = {
+    "second_amplitude": AMPLITUDE | {"label": "amplitude of the second harmonic", "symbol": "A_{2}", "example": 1e-4, "range": (0.0, 5e-4)},
+    "second_phase": PHASE | {"label": "phase of the second harmonic", "symbol": r"\varphi_{2}", "example": -0.5 * math.pi},
+}
+_LIFT = {
+    "lift": described_by(VerticalVibration, "amplitude"),
+    "lift_phase": {**described_by(VerticalVibration, "phase"), "example": 0.5 * math.pi},
+}
+
+
+def _piece(words: str, example: float, low: float, high: float, unit: str, letter: str, place: int) -> Told:
+    label = f"{words} the {('first', 'second', 'third')[place - 1]} piece"
+    return quantity(label, unit, f"{letter}_{{{place}}}", example=example, range=(low, high), shown="ms" if unit == "s" else "")
+
+
+_PIECES = {
+    **{f"piece_d{i}": _piece("duration of", d, 0.002, 0.06, "s", "d", i) for i, d in ((1, 0.022), (2, 0.022), (3, 0.015))},
+    "piece_a1": _piece("acceleration on", 18.65, -60.0, 60.0, "m/s^2", "a", 1),
+    "piece_a2": _piece("acceleration on", -60.0, -120.0, 120.0, "m/s^2", "a", 2),
+}
+
+
+def _plain_drives() -> Iterator[tuple[str, dict[str, str]]]:
+    """Name of each drive that is its numbers, and field -> parameter."""
+    taken: dict[str, Told] = dict(_BEAM)
+    for name in _PLAIN:
+        names = _own_names(name, _KINDS[name], taken)
+        taken |= _described(_KINDS[name], names)
+        yield name, names
+
+
+#: Class -> name on the page and field -> parameter, of drives that are their numbers.
+PLAIN_DRIVES: dict[type, tuple[str, dict[str, str]]] = {_KINDS[name]: (name, names) for name, names in _plain_drives()}
+
+
+def _plain_part(cls: type) -> Part:
+    name, names = PLAIN_DRIVES[cls]
+    return Part(_PLAIN[name], _described(cls, names), lambda p: cls(**{field: p[parameter] for field, parameter in names.items()}))
+
+
+_SAID = {name: _plain_part(cls) for cls, (name, _) in PLAIN_DRIVES.items()}
+_TWO = _SAID["twophase"]
 DRIVES: dict[str, Part] = {
-    "harmonic": Part("harmonic", ("amplitude", "omega"), _harmonic),
-    "piezobeam": Part("piezo beam, harmonic", ("voltage", "frequency", "length", "thickness"), _beam),
+    "harmonic": _SAID.pop("harmonic"),
+    "piezobeam": Part("piezo beam, harmonic", _BEAM, _beam),
     "multiharmonic": Part(
         "two harmonics",
-        ("amplitude", "omega", "second_amplitude", "second_phase"),
+        _SINE | _SECOND,
         lambda p: MultiHarmonic(omega=p["omega"], amplitudes=(p["amplitude"], p["second_amplitude"]), phases=(0.0, p["second_phase"])),
     ),
-    "twophase": Part("two-phase", ("stroke", "u1", "u2"), _two_phase),
-    "threephase": Part(
-        "three-phase",
-        ("three_u1", "w1", "w2", "w3"),
-        lambda p: ThreePhase(u1=p["three_u1"], w1=p["w1"], w2=p["w2"], w3=p["w3"]),
-    ),
-    "bangbang": Part("bang-bang", ("a1", "a2", "bang_period"), lambda p: BangBang(a1=p["a1"], a2=p["a2"], period=p["bang_period"])),
-    "trapezoid": Part(
-        "trapezoid",
-        ("ramp_u1", "ramp_u2", "ramp", "ramp_period"),
-        lambda p: Trapezoid(u1=p["ramp_u1"], u2=p["ramp_u2"], ramp=p["ramp"], period=p["ramp_period"]),
-    ),
-    "pieces": Part("three pieces", ("piece_d1", "piece_d2", "piece_d3", "piece_a1", "piece_a2"), _pieces),
-    "sawtooth": Part("sawtooth", ("stroke", "rise", "fall"), lambda p: Sawtooth(stroke=p["stroke"], rise=p["rise"], fall=p["fall"])),
-    "recorded": Part("recorded (a saw, or your record)", ("amplitude", "omega"), _recorded),
+    **_SAID,
+    "pieces": Part("three pieces", _PIECES, _pieces),
+    "recorded": Part("recorded (a saw, or your record)", _SINE, _recorded),
     "verticalvibration": Part(
         "harmonic, with vertical vibration",
-        ("amplitude", "omega", "lift", "lift_phase"),
-        lambda p: VerticalVibration(_harmonic(p), amplitude=p["lift"], phase=p["lift_phase"]),
+        _SINE | _LIFT,
+        lambda p: VerticalVibration(Harmonic(amplitude=p["amplitude"], omega=p["omega"]), amplitude=p["lift"], phase=p["lift_phase"]),
     ),
-    "reversed": Part("two-phase, reversed", ("stroke", "u1", "u2"), lambda p: Reversed(_two_phase(p))),
+    "reversed": Part("two-phase, reversed", _TWO.parameters, lambda p: Reversed(_TWO.make(p))),
 }
 
 # ---- tracks ----
+_TILTED = {"tilt_deg": TILT_DEG}
 TRACKS: dict[str, Part] = {
-    "folded": Part("incline, folded in (Eq. 4.1)", ("tilt_deg",), lambda p: Level()),
-    "gravity": Part("incline, with gravity", ("tilt_deg",), lambda p: Incline(tilt=_tilt(p))),
-    "level": Part("level", (), lambda p: Level()),
+    "folded": Part("incline, folded in (Eq. 4.1)", _TILTED, lambda p: Level()),
+    "gravity": Part("incline, with gravity", _TILTED, lambda p: Incline(tilt=_tilt(p))),
+    "level": Part("level", {}, lambda p: Level()),
     "varying": Part(
         "incline, friction varies in time",
-        ("tilt_deg", "depth", "grip_phase"),
+        _TILTED
+        | {"depth": described_by(VaryingFriction, "depth"), "grip_phase": {**described_by(VaryingFriction, "phase"), "example": 0.0}},
         lambda p: VaryingFriction(Incline(tilt=_tilt(p)), depth=p["depth"], phase=p["grip_phase"]),
     ),
 }
@@ -140,33 +173,44 @@ def _anisotropic(p: Values) -> dict[str, Any]:
     return {name: p[name] for name in ("mu_plus", "mu_minus", "f_plus", "f_minus")}
 
 
+_COEFFICIENTS = {"mu_plus": MU_PLUS, "mu_minus": MU_MINUS, "f_plus": F_PLUS, "f_minus": F_MINUS}
 CONTACTS: dict[str, Part] = {
-    "isotropic": Part("the same both ways", ("mu0", "f0"), _isotropic),
-    "anisotropic": Part("different both ways", ("mu_plus", "mu_minus", "f_plus", "f_minus"), _anisotropic),
+    "isotropic": Part("the same both ways", {"mu0": MU0, "f0": F0}, _isotropic),
+    "anisotropic": Part("different both ways", _COEFFICIENTS, _anisotropic),
 }
-_COEFFICIENTS = ("mu_plus", "mu_minus", "f_plus", "f_minus")
-_RENAMED = {"dahl": {"exponent": "dahl_exponent"}}
 #: Speeds at which the tabulated law reads the Stribeck curve off, in Stribeck velocities.
 _TABLE = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
-_EVERYWHERE = ("body_mass", "inner_mass", "gravity")
+_EVERYWHERE = {name: described_by(Robot, name) for name in ("body_mass", "inner_mass", "gravity")}
 
 
-def fields_of(name: str) -> dict[str, str]:
-    """Numbers of a law that are no friction coefficients: field -> parameter of the page."""
-    found = [f.name for f in dataclasses.fields(LAWS[name]) if is_number_field(f) and f.name not in _COEFFICIENTS]
-    return {f: _RENAMED.get(name, {}).get(f, f) for f in found if f != "z_ba_minus"}
+def _beside_laws() -> dict[str, Told]:
+    """The parameters of everything but friction laws, in the order of the page."""
+    parts = [*DRIVES.values(), *TRACKS.values(), Part("", _EVERYWHERE, Robot), *CONTACTS.values()]
+    return {name: told for part in parts for name, told in part.parameters.items()}
+
+
+def _numbers_of_laws() -> dict[str, dict[str, str]]:
+    """Of each law its numbers that are no friction coefficients: field -> parameter of the page."""
+    taken, found = _beside_laws(), {}
+    for name, cls in LAWS.items():
+        found[name] = _own_names(name, cls, taken, tuple(_COEFFICIENTS))
+        taken |= _described(cls, found[name])
+    return found
+
+
+FIELDS = _numbers_of_laws()
 
 
 def _law(name: str) -> Part:
     cls: Any = LAWS[name]
-    numbers = fields_of(name)
+    numbers = FIELDS[name]
     own = {f.name for f in dataclasses.fields(cls)}
 
     def make(p: Values, contact: dict[str, Any]) -> Any:
         given = {key: value for key, value in contact.items() if key in own}
         return cls(**given, **{field: p[parameter] for field, parameter in numbers.items()})
 
-    return Part(_label(cls), tuple(numbers.values()), make)
+    return Part(_label(cls), _described(cls, numbers), make)
 
 
 def _label(cls: type) -> str:
@@ -186,11 +230,13 @@ def _tabulated(p: Values, contact: dict[str, Any]) -> Any:
 
 
 FRICTION: dict[str, Part] = {
-    name: Part("Tabulated (a Stribeck curve)", ("v_s",), _tabulated) if name == "tabulated" else _law(name)
+    name: Part("Tabulated (a Stribeck curve)", {"v_s": V_S}, _tabulated) if name == "tabulated" else _law(name)
     for name, law in LAWS.items()
     if adapted(law.example()).compiles
 }
 """The laws of the page: all but those that cannot be compiled (the bristle model), whose runs take minutes and cannot be dragged."""
+DESCRIBED: dict[str, Told] = _beside_laws() | {name: told for law in FRICTION.values() for name, told in law.parameters.items()}
+"""Every parameter of the page with its description, in order."""
 
 
 def _contact(kind: str, track: str, p: Values) -> dict[str, Any]:
@@ -242,9 +288,7 @@ def _remembered(name: str, given: tuple[tuple[str, Any], ...]) -> Any:
 
 def active(drive: str, track: str, contact: str, laws: tuple[str, ...]) -> list[str]:
     """The parameters that matter for these choices, in the order of the page."""
-    from stickslip.explorer.parameters import PARAMETERS
-
     used = {*_EVERYWHERE, *DRIVES[drive].parameters, *TRACKS[track].parameters, *CONTACTS[contact].parameters}
     for law in laws:
         used |= set(FRICTION[law].parameters)
-    return [name for name in PARAMETERS if name in used]
+    return [name for name in DESCRIBED if name in used]

@@ -8,21 +8,17 @@ from typing import Any
 from urllib.parse import urlencode
 
 from stickslip.drives import (
-    BangBang,
     Harmonic,
     MultiHarmonic,
     Pieces,
     Recorded,
     Reversed,
-    Sawtooth,
-    ThreePhase,
-    Trapezoid,
     TwoPhase,
     VerticalVibration,
 )
 from stickslip.errors import Problems, StickslipError
 from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State
-from stickslip.explorer.models import FRICTION, Shape, fields_of
+from stickslip.explorer.models import FIELDS, FRICTION, PLAIN_DRIVES, Shape
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.fields import leaves
 from stickslip.friction import LAWS
@@ -33,14 +29,6 @@ __all__ = ["hash_of", "state_of"]
 Values = dict[str, Any]
 _STEEPEST = 8.0  # degrees: equal differences of coefficients up to those of such a tilt are read as an incline that is folded in
 _SAME = 1e-9  # relative difference of two numbers that are one
-_NAMES: dict[type, tuple[str, dict[str, str]]] = {
-    Harmonic: ("harmonic", {"amplitude": "amplitude", "omega": "omega"}),
-    TwoPhase: ("twophase", {"stroke": "stroke", "u1": "u1", "u2": "u2"}),
-    ThreePhase: ("threephase", {"u1": "three_u1", "w1": "w1", "w2": "w2", "w3": "w3"}),
-    BangBang: ("bangbang", {"a1": "a1", "a2": "a2", "period": "bang_period"}),
-    Sawtooth: ("sawtooth", {"stroke": "stroke", "rise": "rise", "fall": "fall"}),
-    Trapezoid: ("trapezoid", {"u1": "ramp_u1", "u2": "ramp_u2", "ramp": "ramp", "period": "ramp_period"}),
-}
 
 
 def state_of(robot: Any) -> State:
@@ -75,7 +63,7 @@ def state_of(robot: Any) -> State:
     problems.check()
     assert law is not None
     masses = {name: float(getattr(robot, name)) for name in ("body_mass", "inner_mass", "gravity")}
-    numbers = {parameter: float(getattr(robot.friction, field)) for field, parameter in fields_of(law).items()}
+    numbers = {parameter: float(getattr(robot.friction, field)) for field, parameter in FIELDS[law].items()}
     differs: list[str] = []
     for track, contact, values in _places(robot):
         whole = {**DEFAULT.values, **masses, **driven, **numbers, **values}
@@ -93,8 +81,8 @@ def state_of(robot: Any) -> State:
 
 def _drive(drive: Any, problems: Problems) -> tuple[str, Values, Shape]:
     """Name, numbers and shape of a drive."""
-    if type(drive) in _NAMES:
-        name, fields = _NAMES[type(drive)]
+    if type(drive) in PLAIN_DRIVES:
+        name, fields = PLAIN_DRIVES[type(drive)]
         return name, {parameter: float(getattr(drive, field)) for field, parameter in fields.items()}, DEFAULT.shape
     if isinstance(drive, Reversed) and isinstance(drive.drive, TwoPhase):
         return "reversed", _drive(drive.drive, problems)[1], DEFAULT.shape

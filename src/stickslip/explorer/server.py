@@ -90,7 +90,8 @@ def _told() -> dict[str, Any]:
     return {
         "parameters": {name: vars(p) for name, p in PARAMETERS.items()},
         "choices": {
-            kind: {name: {"label": p.label, "parameters": p.parameters} for name, p in parts.items()} for kind, parts in choices.items()
+            kind: {name: {"label": p.label, "parameters": list(p.parameters)} for name, p in parts.items()}
+            for kind, parts in choices.items()
         },
         "always": active("harmonic", "level", "isotropic", ()),
         "presets": PRESETS,

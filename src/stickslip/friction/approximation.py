@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.fields import at_least, positive
+from stickslip.friction.coefficients import MU_MINUS, MU_PLUS, WIDTH
 from stickslip.friction.law import Law
 
 __all__ = ["Approximation", "SmoothedCoulomb"]
@@ -39,13 +39,6 @@ class Approximation(Law):
 class SmoothedCoulomb(Approximation):
     """Base of the laws that draw a curve through the step of Coulomb friction at v = 0."""
 
-    mu_plus: float
-    mu_minus: float
-    width: float
-
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, width=1e-3)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (at_least(0.0), "zero or more"),
-        "mu_minus": (at_least(0.0), "zero or more"),
-        "width": (positive, "a positive velocity [m/s]"),
-    }
+    mu_plus: float = field(metadata=MU_PLUS)
+    mu_minus: float = field(metadata=MU_MINUS)
+    width: float = field(metadata=WIDTH)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import positive
+from stickslip.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.friction.law import Law
 from stickslip.friction.sides import alone_or_all, by_side, each
 
@@ -55,20 +55,14 @@ class Bristle(Law):
     0.04
     """
 
-    mu_plus: float
-    mu_minus: float
-    sigma0: float
+    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
+    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
+    sigma0: float = field(metadata=SIGMA0)
     bristles: int = 10
     seed: int = 0
 
     scalar_only: ClassVar[bool] = True
     random: ClassVar[bool] = True
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, sigma0=4e5)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (positive, "a positive number"),
-        "mu_minus": (positive, "a positive number"),
-        "sigma0": (positive, "a positive stiffness [N/m]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         problems.whole("bristles", self.bristles, 1, example=10)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, QUADRATIC, VISCOUS
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, static
 
@@ -48,22 +48,12 @@ class CoulombViscous(Law):
     (-2.1, 1.5)
     """
 
-    mu_plus: float
-    mu_minus: float
-    f_plus: float | None = None
-    f_minus: float | None = None
-    viscous: float = 0.0
-    quadratic: float = 0.0
-
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, viscous=0.4, quadratic=2.0)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (at_least(0.0), "zero or more"),
-        "mu_minus": (at_least(0.0), "zero or more"),
-        "f_plus": (at_least(0.0), "zero or more, or None"),
-        "f_minus": (at_least(0.0), "zero or more, or None"),
-        "viscous": (at_least(0.0), "zero or more [N s/m]"),
-        "quadratic": (at_least(0.0), "zero or more [N s^2/m^2]"),
-    }
+    mu_plus: float = field(metadata=MU_PLUS)
+    mu_minus: float = field(metadata=MU_MINUS)
+    f_plus: float | None = field(default=None, metadata=F_PLUS)
+    f_minus: float | None = field(default=None, metadata=F_MINUS)
+    viscous: float = field(default=0.0, metadata=VISCOUS)
+    quadratic: float = field(default=0.0, metadata=QUADRATIC)
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
-from stickslip.fields import positive
+from stickslip.friction.coefficients import MU_MINUS, MU_PLUS, POSITIVE, SIGMA0
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, signed_power
+from stickslip.quantities import positive, quantity
 
 __all__ = ["Dahl"]
 
@@ -47,18 +48,15 @@ class Dahl(Law):
     0.04
     """
 
-    mu_plus: float
-    mu_minus: float
-    sigma0: float
-    exponent: float = 1.0
-
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, sigma0=4e5, exponent=1.0)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (positive, "a positive number"),
-        "mu_minus": (positive, "a positive number"),
-        "sigma0": (positive, "a positive stiffness [N/m]"),
-        "exponent": (positive, "a positive number, mostly 1"),
-    }
+    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
+    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
+    sigma0: float = field(metadata=SIGMA0)
+    exponent: float = field(
+        default=1.0,
+        metadata=quantity(
+            "exponent of Dahl's law", "1", "i", example=1.0, rule=positive, allowed="a positive number, mostly 1", range=(0.5, 3.0)
+        ),
+    )
 
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rate of the deflection dz/dt [m/s]."""

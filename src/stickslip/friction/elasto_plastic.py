@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, positive
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA1, SIGMA2, V_S
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, fading
 from stickslip.maths import pi, sin, where
+from stickslip.quantities import at_least, quantity
 
 __all__ = ["ElastoPlastic"]
+
+
+_ELASTIC = quantity(
+    "deflection below which nothing slips", "m", "z_{ba}", example=2e-7, rule=at_least(0.0), range=(2e-8, 2e-6), shown="µm",
+    allowed="zero or more, below mu N / sigma0 [m]",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,33 +68,16 @@ class ElastoPlastic(Law):
     True
     """
 
-    mu_plus: float
-    mu_minus: float
-    f_plus: float | None
-    f_minus: float | None
-    sigma0: float
-    sigma1: float
-    sigma2: float
-    v_s: float
-    z_ba: float
-    z_ba_minus: float | None = None
-
-    _example: ClassVar[dict[str, Any]] = dict(
-        mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0, sigma2=0.04, v_s=2e-3,
-        z_ba=2e-7, z_ba_minus=3e-7,
-    )  # fmt: skip
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (positive, "a positive number"),
-        "mu_minus": (positive, "a positive number"),
-        "f_plus": (positive, "a positive number, or None"),
-        "f_minus": (positive, "a positive number, or None"),
-        "sigma0": (positive, "a positive stiffness [N/m]"),
-        "sigma1": (at_least(0.0), "zero or more [N s/m]"),
-        "sigma2": (at_least(0.0), "zero or more [N s/m]"),
-        "v_s": (positive, "a positive velocity [m/s]"),
-        "z_ba": (at_least(0.0), "zero or more, below mu N / sigma0 [m]"),
-        "z_ba_minus": (at_least(0.0), "zero or more, below mu N / sigma0 [m], or None"),
-    }
+    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
+    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
+    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
+    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
+    sigma0: float = field(metadata=SIGMA0)
+    sigma1: float = field(metadata=SIGMA1)
+    sigma2: float = field(metadata=SIGMA2)
+    v_s: float = field(metadata=V_S)
+    z_ba: float = field(metadata=_ELASTIC)
+    z_ba_minus: float | None = field(default=None, metadata=_ELASTIC | {"example": 3e-7, "symbol": "z_{ba,-}"})
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

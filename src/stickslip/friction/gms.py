@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, describe, everywhere, positive
+from stickslip.fields import describe, everywhere
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA2, V_S
 from stickslip.friction.law import Law, several
 from stickslip.friction.sides import alone_or_all, by_side, check_static, each, fading
 from stickslip.maths import where
+from stickslip.quantities import positive, quantity
 
 __all__ = ["GMS"]
 
@@ -64,32 +66,38 @@ class GMS(Law):
     (0.001, 0.001, 0.001, 0.001)
     """
 
-    mu_plus: float
-    mu_minus: float
-    f_plus: float | None
-    f_minus: float | None
-    sigma0: float
-    v_s: float
-    attraction: float
-    sigma2: float = 0.0
-    stiffness: tuple[float, ...] = field(default=(0.4, 0.3, 0.2, 0.1), metadata={"example": "(0.5, 0.5)"})
-    weights: tuple[float, ...] = field(default=(0.1, 0.2, 0.3, 0.4), metadata={"example": "(0.5, 0.5)"})
-
-    _example: ClassVar[dict[str, Any]] = dict(
-        mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, v_s=2e-3, attraction=100.0, sigma2=0.04
+    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
+    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
+    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
+    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
+    sigma0: float = field(metadata=SIGMA0)
+    v_s: float = field(metadata=V_S)
+    attraction: float = field(
+        metadata=quantity("attraction to the Stribeck curve", "N/s", "C", example=100.0, rule=positive, range=(5.0, 500.0))
     )
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (positive, "a positive number"),
-        "mu_minus": (positive, "a positive number"),
-        "f_plus": (positive, "a positive number, or None"),
-        "f_minus": (positive, "a positive number, or None"),
-        "sigma0": (positive, "a positive stiffness [N/m]"),
-        "v_s": (positive, "a positive velocity [m/s]"),
-        "attraction": (positive, "a positive force rate [N/s]"),
-        "sigma2": (at_least(0.0), "zero or more [N s/m]"),
-        "stiffness": (positive, "several positive numbers that sum to 1"),
-        "weights": (positive, "several positive numbers that sum to 1"),
-    }
+    sigma2: float = field(default=0.0, metadata=SIGMA2)
+    stiffness: tuple[float, ...] = field(
+        default=(0.4, 0.3, 0.2, 0.1),
+        metadata=quantity(
+            "share of an element in the stiffness",
+            "1",
+            r"\kappa",
+            example=(0.4, 0.3, 0.2, 0.1),
+            rule=positive,
+            allowed="several positive numbers that sum to 1",
+        ),
+    )
+    weights: tuple[float, ...] = field(
+        default=(0.1, 0.2, 0.3, 0.4),
+        metadata=quantity(
+            "share of an element in the friction force",
+            "1",
+            r"\alpha",
+            example=(0.1, 0.2, 0.3, 0.4),
+            rule=positive,
+            allowed="several positive numbers that sum to 1",
+        ),
+    )
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

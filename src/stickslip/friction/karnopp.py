@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, positive
 from stickslip.friction.approximation import Approximation
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, WIDTH
 from stickslip.friction.sides import by_side, check_static, static
 from stickslip.maths import where
 
@@ -45,23 +45,15 @@ class Karnopp(Approximation):
     [0.1, 0.18, -0.24]
     """
 
-    mu_plus: float
-    mu_minus: float
-    f_plus: float | None
-    f_minus: float | None
-    width: float
+    mu_plus: float = field(metadata=MU_PLUS)
+    mu_minus: float = field(metadata=MU_MINUS)
+    f_plus: float | None = field(metadata=F_PLUS)
+    f_minus: float | None = field(metadata=F_MINUS)
+    width: float = field(metadata=WIDTH)
 
     approximation: ClassVar[str] = (
         "Karnopp's model does not bring the body to rest: inside the band it keeps the velocity with which it came in, up to width"
     )
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, width=1e-3)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (at_least(0.0), "zero or more"),
-        "mu_minus": (at_least(0.0), "zero or more"),
-        "f_plus": (at_least(0.0), "zero or more, or None"),
-        "f_minus": (at_least(0.0), "zero or more, or None"),
-        "width": (positive, "a positive velocity [m/s]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

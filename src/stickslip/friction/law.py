@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
-from stickslip.fields import Frozen, is_array
+from stickslip.fields import Frozen, example_in, is_array
 
 __all__ = ["Law", "several"]
 
@@ -12,12 +12,10 @@ __all__ = ["Law", "several"]
 class Law(Frozen):
     """Base of the built-in laws. A law of your own needs nothing from here."""
 
-    _example: ClassVar[dict[str, Any]] = {}
-
     @classmethod
     def example(cls) -> Any:
         """The law with the numbers of an ordinary dry contact, for a load of about 1 N."""
-        return cls(**cls._example)
+        return example_in(cls)
 
     def __add__(self, other: Any) -> Any:
         from stickslip.friction.sum import Sum

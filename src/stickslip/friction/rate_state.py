@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, everywhere, positive
+from stickslip.fields import everywhere
+from stickslip.friction.coefficients import MU0
 from stickslip.friction.law import Law
 from stickslip.maths import asinh, exp, log
+from stickslip.quantities import at_least, positive, quantity
 
 __all__ = ["RateState"]
 
@@ -62,21 +64,28 @@ class RateState(Law):
     500000000.0
     """
 
-    mu0: float
-    a: float
-    b: float
-    Dc: float
-    v0: float
+    mu0: float = field(metadata=MU0)
+    a: float = field(
+        metadata=quantity(
+            "direct effect of the speed",
+            "1",
+            "a",
+            example=0.01,
+            rule=positive,
+            allowed="a positive number, mostly 0.005 to 0.02",
+            range=(1e-3, 0.05),
+        )
+    )
+    b: float = field(
+        metadata=quantity(
+            "effect of the age", "1", "b", example=0.02, rule=at_least(0.0), allowed="zero or more, mostly 0.005 to 0.03", range=(0.0, 0.05)
+        )
+    )
+    Dc: float = field(
+        metadata=quantity("slip that renews the contacts", "m", "D_{c}", example=2e-6, rule=positive, range=(1e-7, 2e-5), shown="µm")
+    )
+    v0: float = field(metadata=quantity("reference speed", "m/s", "v_{0}", example=1e-3, rule=positive, range=(1e-5, 1e-2), shown="mm/s"))
     evolution: str = "aging"
-
-    _example: ClassVar[dict[str, Any]] = dict(mu0=0.18, a=0.01, b=0.02, Dc=2e-6, v0=1e-3)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu0": (positive, "a positive number"),
-        "a": (positive, "a positive number, mostly 0.005 to 0.02"),
-        "b": (at_least(0.0), "zero or more, mostly 0.005 to 0.03"),
-        "Dc": (positive, "a positive length [m]"),
-        "v0": (positive, "a positive speed [m/s]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         if self.evolution not in _LAWS:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, positive
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA1
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, static
 from stickslip.maths import where
@@ -49,23 +49,14 @@ class ResetIntegrator(Law):
     [0.18, 0.15]
     """
 
-    mu_plus: float
-    mu_minus: float
-    f_plus: float | None
-    f_minus: float | None
-    sigma0: float
-    sigma1: float
+    mu_plus: float = field(metadata=MU_PLUS | POSITIVE)
+    mu_minus: float = field(metadata=MU_MINUS | POSITIVE)
+    f_plus: float | None = field(metadata=F_PLUS | POSITIVE)
+    f_minus: float | None = field(metadata=F_MINUS | POSITIVE)
+    sigma0: float = field(metadata=SIGMA0)
+    sigma1: float = field(metadata=SIGMA1)
 
     modes: ClassVar[int] = 1
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, sigma0=4e5, sigma1=100.0)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (positive, "a positive number"),
-        "mu_minus": (positive, "a positive number"),
-        "f_plus": (positive, "a positive number, or None"),
-        "f_minus": (positive, "a positive number, or None"),
-        "sigma0": (positive, "a positive stiffness [N/m]"),
-        "sigma1": (at_least(0.0), "zero or more [N s/m]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, positive
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, V_S, VISCOUS
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, fading, static
+from stickslip.quantities import positive, quantity
 
 __all__ = ["Stribeck"]
 
@@ -51,24 +52,24 @@ class Stribeck(Law):
     (-0.24, 0.18)
     """
 
-    mu_plus: float
-    mu_minus: float
-    f_plus: float | None
-    f_minus: float | None
-    v_s: float
-    exponent: float = 2.0
-    viscous: float = 0.0
-
-    _example: ClassVar[dict[str, Any]] = dict(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24, v_s=2e-3, exponent=1.0, viscous=0.4)
-    _rules: ClassVar[dict[str, Any]] = {
-        "mu_plus": (at_least(0.0), "zero or more"),
-        "mu_minus": (at_least(0.0), "zero or more"),
-        "f_plus": (at_least(0.0), "zero or more, or None"),
-        "f_minus": (at_least(0.0), "zero or more, or None"),
-        "v_s": (positive, "a positive velocity [m/s]"),
-        "exponent": (positive, "a positive number, mostly 1 or 2"),
-        "viscous": (at_least(0.0), "zero or more [N s/m]"),
-    }
+    mu_plus: float = field(metadata=MU_PLUS)
+    mu_minus: float = field(metadata=MU_MINUS)
+    f_plus: float | None = field(metadata=F_PLUS)
+    f_minus: float | None = field(metadata=F_MINUS)
+    v_s: float = field(metadata=V_S)
+    exponent: float = field(
+        default=2.0,
+        metadata=quantity(
+            "exponent of the Stribeck curve",
+            "1",
+            r"\delta",
+            example=1.0,
+            rule=positive,
+            allowed="a positive number, mostly 1 or 2",
+            range=(0.5, 4.0),
+        ),
+    )
+    viscous: float = field(default=0.0, metadata=VISCOUS)
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import at_least, describe, everywhere
+from stickslip.fields import describe, everywhere
+from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS
 from stickslip.friction.law import Law, several
 from stickslip.friction.sides import by_side, static
 from stickslip.maths import where
+from stickslip.quantities import at_least, quantity
 
 __all__ = ["Tabulated"]
 
@@ -48,22 +50,24 @@ class Tabulated(Law):
     (-2.4, 1.8)
     """
 
-    speed: tuple[float, ...] = field(metadata={"example": "(0.0, 0.1)"})
-    mu_plus: tuple[float, ...] = field(metadata={"example": "(0.2, 0.1)"})
-    mu_minus: tuple[float, ...] = field(metadata={"example": "(0.2, 0.1)"})
-    f_plus: float | None = None
-    f_minus: float | None = None
-
-    _example: ClassVar[dict[str, Any]] = dict(
-        speed=(0.0, 1e-3, 4e-3, 2e-2, 0.1), mu_plus=(0.18, 0.165, 0.151, 0.15, 0.17), mu_minus=(0.24, 0.225, 0.211, 0.21, 0.22)
+    speed: tuple[float, ...] = field(
+        metadata=quantity(
+            "speed of the table",
+            "m/s",
+            "h",
+            example=(0.0, 1e-3, 4e-3, 2e-2, 0.1),
+            rule=at_least(0.0),
+            allowed="several speeds, zero or more and rising [m/s]",
+        )
     )
-    _rules: ClassVar[dict[str, Any]] = {
-        "speed": (at_least(0.0), "several speeds, zero or more and rising [m/s]"),
-        "mu_plus": (at_least(0.0), "several coefficients, zero or more"),
-        "mu_minus": (at_least(0.0), "several coefficients, zero or more"),
-        "f_plus": (at_least(0.0), "zero or more, or None"),
-        "f_minus": (at_least(0.0), "zero or more, or None"),
-    }
+    mu_plus: tuple[float, ...] = field(
+        metadata=MU_PLUS | {"example": (0.18, 0.165, 0.151, 0.15, 0.17), "allowed": "several coefficients, zero or more"}
+    )
+    mu_minus: tuple[float, ...] = field(
+        metadata=MU_MINUS | {"example": (0.24, 0.225, 0.211, 0.21, 0.22), "allowed": "several coefficients, zero or more"}
+    )
+    f_plus: float | None = field(default=None, metadata=F_PLUS | {"example": None})
+    f_minus: float | None = field(default=None, metadata=F_MINUS | {"example": None})
 
     def _check(self, problems: Problems) -> None:
         speed = several(self.speed)

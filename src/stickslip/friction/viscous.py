@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any
 
-from stickslip.fields import at_least
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side
+from stickslip.quantities import at_least, quantity
 
 __all__ = ["Viscous"]
 
@@ -35,18 +35,20 @@ class Viscous(Law):
     (0.2, -0.4, (0.0, 0.0))
     """
 
-    viscous_plus: float
-    viscous_minus: float
-    quadratic_plus: float = 0.0
-    quadratic_minus: float = 0.0
-
-    _example: ClassVar[dict[str, Any]] = dict(viscous_plus=0.4, viscous_minus=0.6, quadratic_plus=2.0, quadratic_minus=3.0)
-    _rules: ClassVar[dict[str, Any]] = {
-        "viscous_plus": (at_least(0.0), "zero or more [N s/m]"),
-        "viscous_minus": (at_least(0.0), "zero or more [N s/m]"),
-        "quadratic_plus": (at_least(0.0), "zero or more [N s^2/m^2]"),
-        "quadratic_minus": (at_least(0.0), "zero or more [N s^2/m^2]"),
-    }
+    viscous_plus: float = field(
+        metadata=quantity("viscous friction forwards", "N s/m", "c_{+}", example=0.4, rule=at_least(0.0), range=(0.05, 4.0))
+    )
+    viscous_minus: float = field(
+        metadata=quantity("viscous friction backwards", "N s/m", "c_{-}", example=0.6, rule=at_least(0.0), range=(0.05, 4.0))
+    )
+    quadratic_plus: float = field(
+        default=0.0,
+        metadata=quantity("quadratic friction forwards", "N s^2/m^2", "d_{+}", example=2.0, rule=at_least(0.0), range=(0.0, 20.0)),
+    )
+    quadratic_minus: float = field(
+        default=0.0,
+        metadata=quantity("quadratic friction backwards", "N s^2/m^2", "d_{-}", example=3.0, rule=at_least(0.0), range=(0.0, 20.0)),
+    )
 
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force R at velocity v [N]."""

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, is_one_of
-from stickslip.fields import between, checked_number
+from stickslip.fields import checked_number
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.parameters import Parameters, parameters
@@ -19,6 +19,7 @@ from stickslip.identifying.search import multistart, polished, searched
 from stickslip.identifying.targets import target
 from stickslip.identifying.words import counted
 from stickslip.information import Information
+from stickslip.quantities import between
 from stickslip.records import Record
 
 __all__ = ["identify"]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.sweeps.naming import AXES
+from stickslip.naming import described
 
 __all__ = ["NOT_DETERMINED", "counted", "parameter_rows", "rounded", "sure", "told", "undetermined", "unit_of_kind", "unit_of_parameter"]
 
@@ -41,10 +41,8 @@ def unit_of_kind(kind: str) -> str:
 
 
 def unit_of_parameter(fit: Any, name: str) -> str:
-    """The unit of a free parameter of a preset, robot or law of ours; empty where it is a bare number, or the maker is the user's own."""
-    make = fit.problem.parameters.make
-    ours = getattr(make, "__module__", "").split(".")[0] == "stickslip"
-    unit = AXES.get(name.partition("[")[0].rpartition(".")[2], ("", ""))[1] if ours else ""
+    """The unit of a free parameter as its field or maker describes it; empty where it is a bare number, or nobody says."""
+    unit = str(described(name.partition("[")[0], fit.problem.parameters.make).get("unit", ""))
     return "" if unit == "1" else unit
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import Frozen, positive
+from stickslip.fields import Frozen
 from stickslip.forces import check_law
 from stickslip.friction.adapter import mirrored as mirrored_law
+from stickslip.quantities import MASS
 
 __all__ = ["Bodies"]
 
@@ -34,11 +35,9 @@ class Bodies(Frozen):
     ((0.05, 0.05, 0.05), (0.1, 0.05))
     """
 
-    mass: float | tuple[float, ...] = field(metadata={"example": "0.05"})
+    mass: float | tuple[float, ...] = field(metadata=MASS)
     count: int
     friction: Any
-
-    _rules: ClassVar[dict[str, Any]] = {"mass": (positive, "a positive mass [kg]")}
 
     def _check(self, problems: Problems) -> None:
         problems.whole("count", self.count, 2, example=3, what=" of bodies", most=64)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from stickslip.drives.adapter import drive_of
@@ -17,6 +17,7 @@ from stickslip.machines.machine import Machine
 from stickslip.machines.parts import LINKS, Body, Contact, Gait, Spring
 from stickslip.maths import maximum, pi
 from stickslip.mechanics import normal_load
+from stickslip.quantities import quantity
 from stickslip.robot import Robot
 
 __all__ = ["Chain"]
@@ -57,7 +58,7 @@ class Chain(Machine):
 
     modules: Any
     link: Any
-    phases: tuple[float, ...] | None = None
+    phases: tuple[float, ...] | None = field(default=None, metadata=quantity("phase of the drive", "rad", r"\varphi", example=(0.0, 1.57)))
 
     kind: ClassVar[str] = "chain"  # its name in a study file
     _table: ClassVar[str] = "mechanism"

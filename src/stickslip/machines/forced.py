@@ -10,8 +10,9 @@ from stickslip.drives import FORCES
 from stickslip.drives.force import not_forces
 from stickslip.drives.harmonic_force import HarmonicForce
 from stickslip.errors import OneContactNeeded, Problems
-from stickslip.fields import Frozen, at_least, everywhere
+from stickslip.fields import Frozen, everywhere
 from stickslip.machines.parts import Body, Contact, Spring, Stop
+from stickslip.quantities import DAMPING, STIFFNESS
 
 __all__ = ["BodyAndMass", "Forced"]
 
@@ -55,16 +56,12 @@ class Forced(Frozen):
     """
 
     force: Any
-    stiffness: float = field(default=0.0, metadata={"example": "256.0"})
-    damping: float = field(default=0.0, metadata={"example": "0.5"})
+    stiffness: float = field(default=0.0, metadata=STIFFNESS | {"example": 256.0})
+    damping: float = field(default=0.0, metadata=DAMPING)
     stops: Any = ()
     reaction: bool = True
 
     part_kinds: ClassVar[dict[str, dict[str, Any]]] = {"force": FORCES, "stops": {"stop": Stop}}
-    _rules: ClassVar[dict[str, Any]] = {
-        "stiffness": (at_least(0.0), "zero or more [N/m]"),
-        "damping": (at_least(0.0), "zero or more [N s/m]"),
-    }
 
     def __getattr__(self, name: str) -> Any:
         if name in ("position", "velocity", "acceleration"):

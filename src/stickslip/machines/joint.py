@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from stickslip.drives import FORCES
 from stickslip.errors import Problems
-from stickslip.fields import at_least, everywhere, is_record, positive
+from stickslip.fields import everywhere, is_record
 from stickslip.forces import check_law
 from stickslip.friction.adapter import adapted
 from stickslip.machines.machine import Machine
@@ -27,6 +27,7 @@ from stickslip.machines.periodic_inputs import (
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.machines.pid import PID, Loop
 from stickslip.maths import maximum, pi, sin, sqrt
+from stickslip.quantities import at_least, positive, quantity
 
 __all__ = ["Joint"]
 
@@ -102,19 +103,32 @@ class Joint(Machine):
     (True, 0.0)
     """
 
-    inertia: float = field(metadata={"example": "0.01"})
+    inertia: float = field(metadata=quantity("moment of inertia of the joint", "kg m^2", "J", example=0.01, rule=positive))
     friction: Any
-    torque: float | Any = None
-    gravity_torque: float = 0.0
-    gear_ratio: float = 1.0
-    backlash: float = 0.0
+    torque: float | Any = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5))
+    gravity_torque: float = field(default=0.0, metadata=quantity("torque of gravity", "N m", "G", example=0.2))
+    gear_ratio: float = field(
+        default=1.0,
+        metadata=quantity(
+            "gear ratio", "1", "n", example=50.0, rule=positive, allowed="a positive ratio, turns of the motor for each of the joint"
+        ),
+    )
+    backlash: float = field(default=0.0, metadata=quantity("backlash", "rad", "b", example=0.01, rule=at_least(0.0)))
     control: Any = None
-    load: float = 1.0
-    load_gain: float | None = None
-    motor_inertia: float | None = None
-    gear_stiffness: float | None = None
-    gear_damping: float = 0.0
-    angle: float = 0.0
+    load: float = field(
+        default=1.0, metadata=quantity("load of the joint", "1", "N", example=1.0, rule=positive, allowed="a positive load")
+    )
+    load_gain: float | None = field(
+        default=None, metadata=quantity("load for each torque", "1/(N m)", r"\kappa", example=0.1, rule=at_least(0.0))
+    )
+    motor_inertia: float | None = field(
+        default=None, metadata=quantity("moment of inertia of the motor", "kg m^2", "J_{m}", example=1e-4, rule=positive)
+    )
+    gear_stiffness: float | None = field(
+        default=None, metadata=quantity("stiffness of the gear", "N m/rad", "k", example=200.0, rule=positive)
+    )
+    gear_damping: float = field(default=0.0, metadata=quantity("damping of the gear", "N m s/rad", "c", example=0.1, rule=at_least(0.0)))
+    angle: float = field(default=0.0, metadata=quantity("angle at the start", "rad", r"\varphi_{0}", example=0.0))
     cycles: tuple[int, ...] | None = field(default=None, repr=False, metadata={"found": True})
 
     kind: ClassVar[str] = "joint"
@@ -122,16 +136,6 @@ class Joint(Machine):
     rotary: ClassVar[bool] = True  # angles and torques, not ways and forces
     _table: ClassVar[str] = "mechanism"
     holds: ClassVar[dict[str, Any]] = {"pid": PID, "record": PeriodicRecord, **FORCES}
-    _rules: ClassVar[dict[str, Any]] = {
-        "inertia": (positive, "a positive moment of inertia [kg m^2]"),
-        "gear_ratio": (positive, "a positive ratio, turns of the motor for each of the joint"),
-        "backlash": (at_least(0.0), "zero or more [rad]"),
-        "load": (positive, "a positive load"),
-        "load_gain": (at_least(0.0), "zero or more [1/(N m)]"),
-        "motor_inertia": (positive, "a positive moment of inertia [kg m^2]"),
-        "gear_stiffness": (positive, "a positive stiffness [N m/rad]"),
-        "gear_damping": (at_least(0.0), "zero or more [N m s/rad]"),
-    }
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "torque", given_input(self.torque))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
@@ -10,12 +9,13 @@ from typing import Any, ClassVar
 from stickslip.drives.adapter import NEEDS, drive_of, lacking
 from stickslip.drives.turned import Reversed
 from stickslip.errors import Problems
-from stickslip.fields import everywhere, positive
+from stickslip.fields import everywhere
 from stickslip.forces import check_law
 from stickslip.friction.adapter import adapted, mirrored as mirrored_law
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact
 from stickslip.maths import cos, maximum, sin
+from stickslip.quantities import GRAVITY, MASS, TILT, Rule, positive, quantity
 
 __all__ = ["MovingTrack"]
 
@@ -64,26 +64,24 @@ class MovingTrack(Machine):
     5.013157895e-06
     """
 
-    mass: float = field(metadata={"example": "0.02", "label": "mass", "unit": "kg"})
+    mass: float = field(metadata=MASS)
     along: Any
     across: Any = None
-    tilt: float = field(default=0.0, metadata={"example": "0.05", "label": "tilt", "unit": "rad", "range": (-0.3, 0.3)})
+    tilt: float = field(default=0.0, metadata=TILT | {"range": (-0.3, 0.3)})
     friction: Any = None
-    load: float | None = field(default=None, metadata={"example": "20.0", "symbol": "P", "label": "normal force", "unit": "N"})
-    force: float = field(default=0.0, metadata={"example": "0.5", "symbol": "F_0", "label": "external force", "unit": "N"})
-    restitution: float | None = field(default=0.0, metadata={"example": "0.3", "symbol": "e", "label": "restitution", "range": (0.0, 0.95)})
-    gravity: float = field(default=9.81, metadata={"example": "9.81", "label": "acceleration of gravity", "unit": "m/s²"})
+    load: float | None = field(default=None, metadata=quantity("normal force", "N", "P", example=20.0, rule=positive))
+    force: float = field(default=0.0, metadata=quantity("external force", "N", "F_{0}", example=0.5))
+    restitution: float | None = field(
+        default=0.0,
+        metadata=quantity(
+            "restitution", "1", "e", example=0.3, rule=Rule(lambda e: (e >= 0) & (e < 1), "from 0 to below 1"), range=(0.0, 0.95)
+        ),
+    )
+    gravity: float = field(default=9.81, metadata=GRAVITY)
 
     kind: ClassVar[str] = "moving_track"  # its name in a study file
     principal: ClassVar[str | None] = "mass"
     _table: ClassVar[str] = "mechanism"
-    _rules: ClassVar[dict[str, Any]] = {
-        "mass": (positive, "a positive mass [kg]"),
-        "tilt": (lambda x: abs(x) < math.pi / 2, "an angle between -pi/2 and pi/2 [rad]"),
-        "load": (positive, "a positive force [N]"),
-        "restitution": (lambda e: (e >= 0) & (e < 1), "from 0 to below 1"),
-        "gravity": (positive, "a positive acceleration [m/s^2]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         for name in ("along", "across"):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.adapter import lacking
 from stickslip.drives.shifted import Shifted, within_one
 from stickslip.errors import Problems
-from stickslip.fields import Frozen, at_least, between, positive
+from stickslip.fields import Frozen
 from stickslip.maths import maximum, minimum, pi, where
+from stickslip.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, positive, quantity
 
 __all__ = ["LINKS", "Body", "Contact", "Gait", "Rigid", "Spring", "Stop"]
 
@@ -39,13 +41,11 @@ class Body(Frozen):
     (-0.03, 2.0)
     """
 
-    mass: float = field(metadata={"example": "0.07"})
+    mass: float = field(metadata=MASS)
     force: Any = 0.0
-    position: float = 0.0
+    position: float = field(default=0.0, metadata=quantity("position at the start", "m", "x_{0}", example=0.0))
     jumps: Any = ()
     breaks: Any = ()
-
-    _rules: ClassVar[dict[str, Any]] = {"mass": (positive, "a positive mass [kg]")}
 
     def applied(self, t: Any, x: Any, v: Any) -> Any:
         """Applied force [N]."""
@@ -120,17 +120,11 @@ class Spring(Frozen):
     [0.0, 2.0, -2.0]
     """
 
-    stiffness: float = field(metadata={"example": "1200.0"})
-    damping: float = 0.0
-    length: float = 0.0
-    cubic: float | None = field(default=None, metadata={"example": "1e8"})
-    clearance: float | None = field(default=None, metadata={"example": "1e-3"})
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "stiffness": (at_least(0.0), "zero or more [N/m]"),
-        "damping": (at_least(0.0), "zero or more [N s/m]"),
-        "clearance": (at_least(0.0), "zero or more [m]"),
-    }
+    stiffness: float = field(metadata=STIFFNESS)
+    damping: float = field(default=0.0, metadata=DAMPING)
+    length: float = field(default=0.0, metadata=LENGTH)
+    cubic: float | None = field(default=None, metadata=quantity("cubic stiffness", "N/m^3", "k_{3}", example=1e8))
+    clearance: float | None = field(default=None, metadata=quantity("play of the spring", "m", "p", example=1e-3, rule=at_least(0.0)))
 
     def force(self, distance: Any, rate: Any) -> Any:
         """Tension [N]: how strongly it pulls the two together, from their distance [m] and its rate [m/s]. The damper has no play."""
@@ -196,10 +190,12 @@ class Gait(Frozen):
     """
 
     drive: Any
-    lag: float = field(metadata={"example": "2.0944"})
-    length: float = 0.0
-
-    _rules: ClassVar[dict[str, Any]] = {"lag": (between(-2 * pi, 2 * pi), "from -2 pi to 2 pi [rad]")}
+    lag: float = field(
+        metadata=quantity(
+            "lag of the wave", "rad", r"\delta", example=2.0944, rule=Rule(lambda x: abs(x) <= 2 * math.pi, "from -2 pi to 2 pi")
+        )
+    )
+    length: float = field(default=0.0, metadata=LENGTH)
 
     def _check(self, problems: Problems) -> None:
         if lacking(self.drive):
@@ -234,17 +230,11 @@ class Stop(Frozen):
     (0.002, 20.0)
     """
 
-    gap: float = field(metadata={"example": "0.01"})
-    restitution: float | None = field(default=None, metadata={"example": "0.5"})
-    stiffness: float | None = field(default=None, metadata={"example": "1e4"})
-    damping: float = 0.0
+    gap: float = field(metadata=quantity("gap of the stop", "m", r"\delta", example=0.01))
+    restitution: float | None = field(default=None, metadata=quantity("restitution", "1", "e", example=0.5, rule=between(0.0, 1.0)))
+    stiffness: float | None = field(default=None, metadata=quantity("stiffness of the stop", "N/m", "k", example=1e4, rule=positive))
+    damping: float = field(default=0.0, metadata=DAMPING | {"label": "damping of the stop"})
     side: int = 1
-
-    _rules: ClassVar[dict[str, Any]] = {
-        "restitution": (between(0.0, 1.0), "from 0 to 1"),
-        "stiffness": (positive, "a positive stiffness [N/m]"),
-        "damping": (at_least(0.0), "zero or more [N s/m]"),
-    }
 
     def _check(self, problems: Problems) -> None:
         if (self.restitution is None) == (self.stiffness is None):

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 from stickslip.drives.fourier import FourierDrive
 from stickslip.drives.samples import checked, fitted
 from stickslip.errors import Problems
-from stickslip.fields import positive
 from stickslip.maths import pi
+from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["PeriodicRecord"]
 
@@ -38,12 +38,10 @@ class PeriodicRecord(FourierDrive):
     (1, 2.0, 0.3, 0.4)
     """
 
-    period: float = field(metadata={"example": "2.0"})
-    mean: float = field(metadata={"example": "0.0"})
-    cosines: tuple[float, ...] = field(metadata={"example": "(0.0, 0.01)"})
-    sines: tuple[float, ...] = field(metadata={"example": "(0.1, 0.0)"})
-
-    _rules: ClassVar[dict[str, Any]] = {"period": (positive, "a positive period [s]")}
+    period: float = field(metadata=PERIOD | {"example": 2.0})
+    mean: float = field(metadata=quantity("mean of the record", "1", "y_{0}", example=0.0))
+    cosines: tuple[float, ...] = field(metadata=quantity("coefficients of the cosines", "1", "a", example=(0.0, 0.01)))
+    sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "1", "b", example=(0.1, 0.0)))
 
     def _check(self, problems: Problems) -> None:
         if len(self.cosines) != len(self.sines) or not self.sines:

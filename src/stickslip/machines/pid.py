@@ -9,10 +9,11 @@ from typing import Any, ClassVar
 
 from stickslip.drives import DRIVES
 from stickslip.errors import Problems, is_one_of
-from stickslip.fields import Frozen, at_least, is_record, positive
+from stickslip.fields import Frozen, is_record
 from stickslip.machines.periodic_inputs import check_input, given_input, in_period
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.maths import where
+from stickslip.quantities import at_least, positive, quantity
 
 __all__ = ["PID", "Loop"]
 
@@ -65,22 +66,26 @@ class PID(Frozen):
     (('torque', 'integral', 'error'),)
     """
 
-    kp: float = field(metadata={"example": "2.0"})
-    ki: float = field(metadata={"example": "1.0"})
-    kd: float = field(metadata={"example": "0.1"})
-    target: float | Any = field(metadata={"example": "0.5"})
-    sample: float | None = field(default=None, metadata={"example": "1e-3"})
-    feedforward: float = field(default=0.0, metadata={"example": "0.02"})
+    kp: float = field(metadata=quantity("proportional gain", "N m/rad", "k_{p}", example=2.0, rule=at_least(0.0)))
+    ki: float = field(metadata=quantity("integral gain", "N m/(rad s)", "k_{i}", example=1.0, rule=at_least(0.0)))
+    kd: float = field(metadata=quantity("derivative gain", "N m s/rad", "k_{d}", example=0.1, rule=at_least(0.0)))
+    target: float | Any = field(metadata=quantity("target", "rad", r"\varphi_{s}", example=0.5))
+    sample: float | None = field(
+        default=None,
+        metadata=quantity(
+            "time between samples",
+            "s",
+            "h",
+            example=1e-3,
+            rule=positive,
+            allowed="a positive time between samples [s], or None for a controller that acts continuously",
+        ),
+    )
+    feedforward: float = field(default=0.0, metadata=quantity("feed-forward torque", "N m", r"\tau_{f}", example=0.02))
     feedback: str = "joint"
 
     kind: ClassVar[str] = "pid"
     holds: ClassVar[dict[str, Any]] = {**DRIVES, "record": PeriodicRecord}
-    _rules: ClassVar[dict[str, Any]] = {
-        "kp": (at_least(0.0), "zero or more [N m/rad]"),
-        "ki": (at_least(0.0), "zero or more [N m/(rad s)]"),
-        "kd": (at_least(0.0), "zero or more [N m s/rad]"),
-        "sample": (positive, "a positive time between samples [s], or None for a controller that acts continuously"),
-    }
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "target", given_input(self.target))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.fields import at_least, positive
 from stickslip.maths import pi, sin
-from stickslip.mechanisms.mechanism import RULES, Mechanism
+from stickslip.mechanisms.mechanism import Mechanism
+from stickslip.quantities import DAMPING, LOAD, MASS, OMEGA, STIFFNESS, quantity
 
 __all__ = ["ForcedOscillator"]
 
@@ -52,22 +52,17 @@ class ForcedOscillator(Mechanism):
     (8.975979, -2.3)
     """
 
-    mass: float = field(metadata={"example": "1.0"})
-    stiffness: float = field(metadata={"example": "1.0"})
-    damping: float = field(metadata={"example": "0.0"})
-    force: float = field(metadata={"example": "1.0"})
-    omega: float = field(metadata={"example": "0.7"})
+    mass: float = field(metadata=MASS | {"example": 1.0})
+    stiffness: float = field(metadata=STIFFNESS | {"example": 1.0})
+    damping: float = field(metadata=DAMPING)
+    force: float = field(metadata=quantity("amplitude of the force", "N", "P", example=1.0))
+    omega: float = field(metadata=OMEGA | {"example": 0.7, "allowed": ""})
     friction: Any
-    load: float = field(default=1.0, metadata={"example": "1.0"})
-    bias: float = field(default=0.0, metadata={"example": "0.0"})
+    load: float = field(default=1.0, metadata=LOAD)
+    bias: float = field(default=0.0, metadata=quantity("constant part of the force", "N", "P_{0}", example=0.0))
 
     kind: ClassVar[str] = "forced_oscillator"
     _turns: ClassVar[tuple[str, ...]] = ("force", "bias")
-    _rules: ClassVar[dict[str, Any]] = {
-        **RULES,
-        "stiffness": (at_least(0.0), "zero or more [N/m]"),
-        "omega": (positive, "a positive angular frequency [rad/s]"),
-    }
 
     @property
     def period(self) -> float:

@@ -7,22 +7,14 @@ from typing import Any, ClassVar
 
 from stickslip.batch import check_shape, shape_of
 from stickslip.errors import Problems
-from stickslip.fields import Frozen, at_least, positive
+from stickslip.fields import Frozen
 from stickslip.forces import check_law
 from stickslip.friction.adapter import law_of, mirrored as mirrored_law
 from stickslip.maths import pi, sqrt
+from stickslip.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
 from stickslip.tables import from_toml, record_html, to_toml
 
-__all__ = ["RULES", "Mechanism", "SpringMass"]
-
-#: What several mechanisms allow for their numbers.
-RULES: dict[str, Any] = {
-    "mass": (positive, "a positive mass [kg]"),
-    "stiffness": (positive, "a positive stiffness [N/m]"),
-    "speed": (lambda value: value != 0, "a speed that is not zero [m/s]"),
-    "load": (positive, "a positive force [N]"),
-    "damping": (at_least(0.0), "zero or more [N s/m]"),
-}
+__all__ = ["Mechanism", "SpringMass"]
 
 
 class Mechanism(Frozen):
@@ -80,14 +72,17 @@ class Mechanism(Frozen):
 class SpringMass(Mechanism):
     """Base of the mechanisms in which something that moves steadily stretches a spring."""
 
-    mass: float = field(metadata={"example": "1.0"})
-    stiffness: float = field(metadata={"example": "2.0"})
-    speed: float = field(metadata={"example": "0.1"})
+    mass: float = field(metadata=MASS | {"example": 1.0})
+    stiffness: float = field(metadata=STIFFNESS | {"example": 2.0, "rule": positive})
+    speed: float = field(
+        metadata=quantity(
+            "speed of the belt or of the pull", "m/s", "u", example=0.1, rule=Rule(lambda x: x != 0, "a speed that is not zero")
+        )
+    )
     friction: Any
-    load: float = field(default=1.0, metadata={"example": "1.0"})
-    damping: float = field(default=0.0, metadata={"example": "0.0"})
+    load: float = field(default=1.0, metadata=LOAD)
+    damping: float = field(default=0.0, metadata=DAMPING)
 
-    _rules: ClassVar[dict[str, Any]] = RULES
     _turns: ClassVar[tuple[str, ...]] = ("speed",)
 
     @property

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.quantities import LINES, SUBSCRIPTS
+
 __all__ = ["COLOURS", "WIDTH", "axes", "labelled", "legend_above", "named", "prefix", "publication", "scaled", "symbols"]
 
 #: Colours of Okabe and Ito (2008), dark ones first: told apart with any colour vision, and in grey.
@@ -88,7 +90,7 @@ def legend_above(ax: Any, *entries: Any, **options: Any) -> None:
     ax.legend(*entries, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, **options)
 
 
-_SYMBOL = re.compile(r"(?<!\S)([A-Za-zΑ-ω])_?([0-9a-z+-]?)$")
+_SYMBOL = re.compile(rf"(?<!\S)([A-Za-zΑ-ωℓ])(?:_([0-9a-z,]+)|_?([0-9a-z+-]|[{SUBSCRIPTS}]*))$")
 
 
 def symbols(text: str) -> str:
@@ -96,12 +98,13 @@ def symbols(text: str) -> str:
 
     Examples
     --------
-    >>> symbols("Stribeck velocity v_s"), symbols("tilt of the track θ"), symbols("rise")
+    >>> symbols("Stribeck velocity vₛ"), symbols("tilt of the track θ"), symbols("rise")
     ('Stribeck velocity $v_{s}$', 'tilt of the track $θ$', 'rise')
     """
 
     def typeset(found: re.Match[str]) -> str:
-        letter, index = found.groups()
+        letter, long, short = found.groups()
+        index = (long or short or "").translate(LINES)
         return f"${letter}_{{{index.replace('-', '{-}')}}}$" if index else f"${letter}$"
 
     return _SYMBOL.sub(typeset, text)

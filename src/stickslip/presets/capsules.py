@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
-from stickslip.arguments import explains_arguments
+from stickslip.arguments import checked_arguments, explains_arguments
 from stickslip.drives import HarmonicForce, Pulses
 from stickslip.errors import Problems
-from stickslip.fields import at_least, checked_number, positive
 from stickslip.friction import Coulomb
+from stickslip.friction.coefficients import MU
 from stickslip.machines import Forced, Stop
+from stickslip.quantities import BODY_MASS, DAMPING, GRAVITY, INNER_MASS, PERIOD, STIFFNESS, at_least, positive, quantity
 from stickslip.robot import Robot
 
 __all__ = ["capsubot", "capsule"]
@@ -18,15 +19,15 @@ __all__ = ["capsubot", "capsule"]
 
 @explains_arguments
 def capsubot(
-    pulse: Any = 1.25,
-    period: Any = 0.06,
-    duty: Any = 0.35,
-    stiffness: Any = 256.23,
-    damper: Any = 0.0,
-    mu: Any = 0.29,
-    body_mass: Any = 0.193,
-    inner_mass: Any = 0.074,
-    gravity: Any = 9.81,
+    pulse: Annotated[Any, quantity("force of the pulses", "N", "A", example=1.25)] = 1.25,
+    period: Annotated[Any, PERIOD | {"label": "period of the pulses", "example": 0.06}] = 0.06,
+    duty: Annotated[Any, quantity("part of the period for which the force is on", "1", "d", example=0.35)] = 0.35,
+    stiffness: Annotated[Any, STIFFNESS] = 256.23,
+    damper: Annotated[Any, DAMPING] = 0.0,
+    mu: Annotated[Any, MU] = 0.29,
+    body_mass: Annotated[Any, BODY_MASS] = 0.193,
+    inner_mass: Annotated[Any, INNER_MASS] = 0.074,
+    gravity: Annotated[Any, GRAVITY] = 9.81,
 ) -> Robot:
     """A capsubot: a coil inside the body pushes a magnet on a spring, switched on for a part of each period.
 
@@ -66,12 +67,12 @@ def capsubot(
 
 @explains_arguments
 def capsule(
-    force_ratio: Any = 1.6,
-    omega: Any = 0.95,
-    damping_ratio: Any = 0.05,
-    gap: Any = 0.02,
-    stop_stiffness: Any = 15.0,
-    mass_ratio: Any = 5.0,
+    force_ratio: Annotated[Any, quantity("force over sliding friction", "1", r"\alpha", example=1.6)] = 1.6,
+    omega: Annotated[Any, quantity("angular frequency over the natural one", "1", r"\omega", example=0.95)] = 0.95,
+    damping_ratio: Annotated[Any, quantity("damping ratio", "1", r"\xi", example=0.05, rule=at_least(0.0))] = 0.05,
+    gap: Annotated[Any, quantity("gap of the stop", "1", r"\delta", example=0.02)] = 0.02,
+    stop_stiffness: Annotated[Any, quantity("stiffness of the stop over that of the spring", "1", r"\beta", example=15.0)] = 15.0,
+    mass_ratio: Annotated[Any, quantity("mass of the capsule over the inner mass", "1", r"\gamma", example=5.0, rule=positive)] = 5.0,
     reaction: bool = False,
 ) -> Robot:
     r"""A vibro-impact capsule without dimensions: a force swings the inner mass, which strikes an elastic stop in front of it.
@@ -113,9 +114,9 @@ def capsule(
     0.165538437 True
     """
     problems = Problems("capsule")
-    damping = checked_number("damping_ratio", damping_ratio, problems, at_least(0.0), "zero or more", "damping_ratio=0.05")
-    ratio = checked_number("mass_ratio", mass_ratio, problems, positive, "a positive number", "mass_ratio=5.0")
+    n = checked_arguments(capsule, {"damping_ratio": damping_ratio, "mass_ratio": mass_ratio}, problems)
     problems.check()
+    damping, ratio = n["damping_ratio"], n["mass_ratio"]
     force = HarmonicForce(force_ratio, omega, phase=0.5 * math.pi)
     drive = Forced(force, stiffness=1.0, damping=2 * damping, stops=(Stop(gap=gap, stiffness=stop_stiffness),), reaction=reaction)
     one = 1 / (ratio + 1)  # of both masses' weight

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.drives import Harmonic
 from stickslip.friction import Coulomb
+from stickslip.friction.coefficients import MU_MINUS, MU_PLUS
 from stickslip.machines import Bodies, Chain, Gait, Spring
+from stickslip.quantities import AMPLITUDE, BODY_MASS, DAMPING, FREQUENCY, INNER_MASS, LENGTH, MASS, OMEGA, PHASE, STIFFNESS, quantity
 from stickslip.robot import Robot
 
 __all__ = ["two_modules", "worm"]
@@ -16,15 +18,15 @@ __all__ = ["two_modules", "worm"]
 
 @explains_arguments
 def two_modules(
-    phase: Any = math.pi,
-    stiffness: Any = 1200.0,
-    damping: Any = 0.4,
-    amplitude: Any = 6e-4,
-    omega: Any = 65.4 * math.pi,
-    mu_plus: Any = 0.15,
-    mu_minus: Any = 0.21,
-    body_mass: Any = 62.59e-3,
-    inner_mass: Any = 9.48e-3,
+    phase: Annotated[Any, PHASE | {"label": "phase of the second module"}] = math.pi,
+    stiffness: Annotated[Any, STIFFNESS] = 1200.0,
+    damping: Annotated[Any, DAMPING] = 0.4,
+    amplitude: Annotated[Any, AMPLITUDE] = 6e-4,
+    omega: Annotated[Any, OMEGA] = 65.4 * math.pi,
+    mu_plus: Annotated[Any, MU_PLUS] = 0.15,
+    mu_minus: Annotated[Any, MU_MINUS] = 0.21,
+    body_mass: Annotated[Any, BODY_MASS] = 62.59e-3,
+    inner_mass: Annotated[Any, INNER_MASS] = 9.48e-3,
 ) -> Chain:
     """Two robots joined by a spring, the second driven a phase ahead of the first.
 
@@ -62,14 +64,14 @@ def two_modules(
 
 @explains_arguments
 def worm(
-    amplitude: Any = 2e-3,
-    frequency: Any = 2.0,
-    lag: Any = 2 * math.pi / 3,
+    amplitude: Annotated[Any, quantity("amplitude of the distances", "m", "A", example=2e-3)] = 2e-3,
+    frequency: Annotated[Any, FREQUENCY] = 2.0,
+    lag: Annotated[Any, quantity("lag of the wave", "rad", r"\delta", example=2.0944)] = 2 * math.pi / 3,
     count: int = 3,
-    mass: Any = 0.05,
-    mu_plus: Any = 0.1,
-    mu_minus: Any = 0.3,
-    length: Any = 0.05,
+    mass: Annotated[Any, MASS] = 0.05,
+    mu_plus: Annotated[Any, MU_PLUS] = 0.1,
+    mu_minus: Annotated[Any, MU_MINUS] = 0.3,
+    length: Annotated[Any, LENGTH] = 0.05,
 ) -> Chain:
     r"""A peristaltic worm: masses at distances along which a wave runs from head to tail.
 

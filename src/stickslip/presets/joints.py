@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from stickslip.arguments import explains_arguments
+from stickslip.arguments import checked_arguments, explains_arguments
 from stickslip.errors import Problems
-from stickslip.fields import at_least, checked_number
+from stickslip.fields import described_by
 from stickslip.friction import Coulomb
 from stickslip.machines import PID, Joint
+from stickslip.quantities import at_least, quantity
 
 __all__ = ["servo"]
 
 
 @explains_arguments
 def servo(
-    target: Any = 0.5,
-    kp: Any = 1.0,
-    ki: Any = 2.0,
-    kd: Any = 0.04,
-    sample: Any = None,
-    static: Any = 2.0,
-    compensation: Any = 0.0,
-    backlash: Any = 0.0,
+    target: Annotated[Any, described_by(PID, "target")] = 0.5,
+    kp: Annotated[Any, described_by(PID, "kp")] = 1.0,
+    ki: Annotated[Any, described_by(PID, "ki")] = 2.0,
+    kd: Annotated[Any, described_by(PID, "kd")] = 0.04,
+    sample: Annotated[Any, described_by(PID, "sample")] = None,
+    static: Annotated[Any, quantity("static friction over kinetic friction", "1", "s", example=2.0, rule=at_least(1.0))] = 2.0,
+    compensation: Annotated[Any, quantity("part of the friction that is compensated", "1", "q", example=1.0)] = 0.0,
+    backlash: Annotated[Any, quantity("backlash", "rad", "b", example=0.01)] = 0.0,
 ) -> Joint:
     """A small servo: a geared motor that turns an arm under a PID controller. Its numbers are ours, of the size of a hobby servo.
 
@@ -55,18 +56,9 @@ def servo(
     0.038
     """
     problems, ratio, kinetic = Problems("servo"), 50.0, 0.05
-    rules: dict[str, Any] = {name: (at_least(0.0), "zero or more") for name in ("kp", "ki", "kd")}
-    rules |= {"static": (at_least(1.0), "1 or more"), "compensation": (None, "a finite number")}
-    given = {"kp": kp, "ki": ki, "kd": kd, "static": static, "compensation": compensation}
-    n = {}
-    for name, value in given.items():
-        rule, allowed = rules[name]
-        n[name] = checked_number(name, value, problems, rule, allowed, f"{name}={_SERVO[name]}")
+    n = checked_arguments(servo, {"kp": kp, "ki": ki, "kd": kd, "static": static, "compensation": compensation}, problems)
     problems.check()
     gains = {name: n[name] / ratio for name in ("kp", "ki", "kd")}
     pid = PID(**gains, target=target, sample=sample, feedforward=n["compensation"] * kinetic / ratio)
     friction = Coulomb(mu_plus=kinetic, mu_minus=kinetic, f_plus=n["static"] * kinetic, f_minus=n["static"] * kinetic)
     return Joint(inertia=2e-3, friction=friction, gear_ratio=ratio, motor_inertia=4e-7, backlash=backlash, control=pid)
-
-
-_SERVO = {"kp": 1.0, "ki": 2.0, "kd": 0.04, "static": 2.0, "compensation": 1.0}

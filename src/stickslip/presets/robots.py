@@ -4,42 +4,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
-from stickslip.arguments import explains_arguments
+from stickslip.arguments import checked_arguments, explains_arguments
 from stickslip.batch import labels_together
 from stickslip.drives import Harmonic, PiezoBeam
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of
-from stickslip.fields import at_least, checked_number, describe, everywhere, positive
+from stickslip.fields import describe, described_by, everywhere
 from stickslip.friction import Coulomb, LuGre
+from stickslip.friction.coefficients import F0, MU0, SIGMA0, SIGMA1, SIGMA2, V_S
+from stickslip.quantities import AMPLITUDE, BODY_MASS, FREQUENCY, GRAVITY, INNER_MASS, OMEGA, TILT_DEG, VOLTAGE, quantity
 from stickslip.robot import Robot
 from stickslip.tracks import Incline, Level, fold
 
 __all__ = ["coulomb_robot", "piezo_beam_rig", "piezo_rig"]
 
-#: Masses [kg] and LuGre numbers of the paper's rig (section 4).
-BODY_MASS, INNER_MASS = 62.59e-3, 9.48e-3
 #: The laws of a rig, and the arguments that each has no use for.
 LAWS_HERE = {"lugre": (), "coulomb": ("f0", "sigma0", "sigma1", "sigma2", "v_s"), "coulomb-static": ("sigma0", "sigma1", "sigma2", "v_s")}
-EXAMPLES = {"tilt_deg": "1.7", "amplitude": "5.525e-4", "omega": "205.46", "mu0": "0.18", "f0": "0.21", "gravity": "9.81"}
 
 
 @explains_arguments
 def piezo_rig(
-    tilt_deg: Any,
-    amplitude: Any,
-    omega: Any = 65.4 * math.pi,
-    mu0: Any = 0.18,
-    f0: Any = 0.21,
+    tilt_deg: Annotated[Any, TILT_DEG],
+    amplitude: Annotated[Any, AMPLITUDE],
+    omega: Annotated[Any, OMEGA | {"allowed": ""}] = 65.4 * math.pi,
+    mu0: Annotated[Any, MU0] = 0.18,
+    f0: Annotated[Any, F0] = 0.21,
     law: str = "lugre",
     incline: str = "folded",
-    gravity: Any = 9.81,
-    sigma0: Any = 4e5,
-    sigma1: Any = 100.0,
-    sigma2: Any = 0.04,
-    v_s: Any = 2e-3,
-    body_mass: Any = BODY_MASS,
-    inner_mass: Any = INNER_MASS,
+    gravity: Annotated[Any, GRAVITY] = 9.81,
+    sigma0: Annotated[Any, SIGMA0] = 4e5,
+    sigma1: Annotated[Any, SIGMA1] = 100.0,
+    sigma2: Annotated[Any, SIGMA2] = 0.04,
+    v_s: Annotated[Any, V_S] = 2e-3,
+    body_mass: Annotated[Any, BODY_MASS] = 62.59e-3,
+    inner_mass: Annotated[Any, INNER_MASS] = 9.48e-3,
 ) -> Robot:
     """The paper's piezo-driven robot on its inclined track (sections 3 and 4).
 
@@ -109,13 +108,8 @@ def _friction(law: str, tilt: Any, n: dict[str, Any]) -> Any:
 
 def _numbers(arguments: dict[str, Any]) -> tuple[dict[str, Any], Problems]:
     """The arguments that are numbers, checked one by one; what is wrong with all of them."""
-    problems, numbers = Problems("piezo_rig"), {}
-    rules: dict[str, Any] = {"tilt_deg": (None, "any angle below the friction angle [degrees]")}
-    rules |= dict.fromkeys(("amplitude", "sigma1", "sigma2"), (at_least(0.0), "zero or more"))
-    for name in [name for name in arguments if name not in ("law", "incline")]:
-        rule, allowed = rules.get(name, (positive, "a positive number"))
-        numbers[name] = checked_number(name, arguments[name], problems, rule, allowed, f"{name}={EXAMPLES.get(name, '1.0')}")
-    return numbers, problems
+    problems = Problems("piezo_rig")
+    return checked_arguments(piezo_rig, arguments, problems), problems
 
 
 def _check_shapes(numbers: dict[str, Any], law: str, problems: Problems) -> None:
@@ -145,25 +139,25 @@ def _check_tilt(n: dict[str, Any], law: str, incline: str, problems: Problems) -
 
 @explains_arguments
 def piezo_beam_rig(
-    voltage: Any,
-    frequency: Any,
-    tilt_deg: Any,
+    voltage: Annotated[Any, VOLTAGE],
+    frequency: Annotated[Any, FREQUENCY | {"label": "frequency of the voltage"}],
+    tilt_deg: Annotated[Any, TILT_DEG],
     beam: PiezoBeam | None = None,
-    length: Any = None,
-    thickness: Any = None,
-    patch_length: Any = None,
-    tip_mass: Any = None,
-    damping: Any = None,
-    mu0: Any = 0.18,
-    f0: Any = 0.21,
+    length: Annotated[Any, described_by(PiezoBeam, "length")] = None,
+    thickness: Annotated[Any, described_by(PiezoBeam, "thickness")] = None,
+    patch_length: Annotated[Any, described_by(PiezoBeam, "patch_length")] = None,
+    tip_mass: Annotated[Any, described_by(PiezoBeam, "tip_mass")] = None,
+    damping: Annotated[Any, quantity("damping ratio of the beam", "1", r"\zeta", example=0.02)] = None,
+    mu0: Annotated[Any, MU0] = 0.18,
+    f0: Annotated[Any, F0] = 0.21,
     law: str = "lugre",
     incline: str = "folded",
-    gravity: Any = 9.81,
-    sigma0: Any = 4e5,
-    sigma1: Any = 100.0,
-    sigma2: Any = 0.04,
-    v_s: Any = 2e-3,
-    body_mass: Any = BODY_MASS,
+    gravity: Annotated[Any, GRAVITY] = 9.81,
+    sigma0: Annotated[Any, SIGMA0] = 4e5,
+    sigma1: Annotated[Any, SIGMA1] = 100.0,
+    sigma2: Annotated[Any, SIGMA2] = 0.04,
+    v_s: Annotated[Any, V_S] = 2e-3,
+    body_mass: Annotated[Any, BODY_MASS] = 62.59e-3,
 ) -> Robot:
     """The paper's robot from volts and hertz: the inner mass is the tip of a `PiezoBeam` (section 3.1).
 
@@ -224,7 +218,10 @@ def _noted(problems: Problems, make: Callable[[], Any]) -> Any:
 
 
 @explains_arguments
-def coulomb_robot(alpha_plus: Any, alpha_minus: Any) -> Robot:
+def coulomb_robot(
+    alpha_plus: Annotated[Any, quantity("sliding friction forwards over drive force", "1", r"\alpha_{+}", example=0.5)],
+    alpha_minus: Annotated[Any, quantity("sliding friction backwards over drive force", "1", r"\alpha_{-}", example=1.2)],
+) -> Robot:
     r"""The Coulomb robot without dimensions: :math:`w' = \sin\tau - r` with r = alpha_plus forwards and -alpha_minus backwards.
 
     All its units are 1 (A mu omega = omega = g = 1, mass 1), so velocities are w = v/(A mu omega) and times are omega t.

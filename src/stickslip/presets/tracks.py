@@ -3,35 +3,37 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Annotated, Any
 
-from stickslip.arguments import explains_arguments
+from stickslip.arguments import checked_arguments, explains_arguments
 from stickslip.drives import Harmonic, Sawtooth
 from stickslip.errors import InputError, Problems, is_one_of
-from stickslip.fields import checked_number, positive
 from stickslip.friction import Coulomb, LuGre
+from stickslip.friction.coefficients import MU, SIGMA0, SIGMA1, V_S
 from stickslip.machines import MovingTrack
 from stickslip.maths import cos, sin
+from stickslip.quantities import FREQUENCY, GRAVITY, LOAD, MASS, STROKE, TILT_DEG, Rule, positive, quantity
 
 __all__ = ["conveyor", "stick_slip_stage"]
 
 #: Angles [degrees].
-_BELOW_90, _WITHIN_90 = (lambda angle: (angle > 0) & (angle < 90)), (lambda angle: abs(angle) < 90)
+_BELOW_90 = Rule(lambda angle: (angle > 0) & (angle < 90), "above 0 and below 90 degrees")
+_WITHIN_90 = Rule(lambda angle: abs(angle) < 90, "between -90 and 90 degrees")
 
 
 @explains_arguments
 def stick_slip_stage(
-    stroke: Any = 5e-6,
-    rise: Any = 0.95e-3,
-    fall: Any = 0.05e-3,
-    mass: Any = 0.02,
-    load: Any = 20.0,
-    mu: Any = 0.1,
-    force: Any = 0.0,
+    stroke: Annotated[Any, STROKE | {"label": "stroke of the tip", "example": 5e-6}] = 5e-6,
+    rise: Annotated[Any, quantity("duration of the rise", "s", "t_{r}", example=0.95e-3)] = 0.95e-3,
+    fall: Annotated[Any, quantity("duration of the fall", "s", "t_{f}", example=0.05e-3)] = 0.05e-3,
+    mass: Annotated[Any, MASS] = 0.02,
+    load: Annotated[Any, LOAD | {"example": 20.0}] = 20.0,
+    mu: Annotated[Any, MU] = 0.1,
+    force: Annotated[Any, quantity("external force", "N", "F_{0}", example=0.5)] = 0.0,
     law: str = "coulomb",
-    sigma0: Any = 1e7,
-    sigma1: Any = 100.0,
-    v_s: Any = 2e-3,
+    sigma0: Annotated[Any, SIGMA0] = 1e7,
+    sigma1: Annotated[Any, SIGMA1] = 100.0,
+    v_s: Annotated[Any, V_S] = 2e-3,
 ) -> MovingTrack:
     r"""A piezo stick-slip stage: a slider that a sawtooth carries forwards slowly, and that slips as the tip goes back fast.
 
@@ -78,18 +80,18 @@ def stick_slip_stage(
 
 @explains_arguments
 def conveyor(
-    throw_index: Any = 0.9,
-    angle_deg: Any = 30.0,
-    frequency: Any = 50.0,
-    mu: Any = 0.4,
-    tilt_deg: Any = 0.0,
-    restitution: Any = 0.0,
-    mass: Any = 0.01,
-    gravity: Any = 9.81,
+    throw_index: Annotated[Any, quantity("throw index", "1", r"\Gamma", example=2.5, rule=positive)] = 0.9,
+    angle_deg: Annotated[Any, quantity("angle of the swing", "degrees", r"\beta", example=30.0, rule=_BELOW_90)] = 30.0,
+    frequency: Annotated[Any, FREQUENCY | {"label": "frequency of the swing", "example": 50.0}] = 50.0,
+    mu: Annotated[Any, MU] = 0.4,
+    tilt_deg: Annotated[Any, TILT_DEG | {"rule": _WITHIN_90, "allowed": "", "example": 0.0}] = 0.0,
+    restitution: Annotated[Any, quantity("restitution", "1", "e", example=0.3)] = 0.0,
+    mass: Annotated[Any, MASS] = 0.01,
+    gravity: Annotated[Any, GRAVITY] = 9.81,
     law: str = "coulomb",
-    sigma0: Any = 1e5,
-    sigma1: Any = 10.0,
-    v_s: Any = 2e-3,
+    sigma0: Annotated[Any, SIGMA0] = 1e5,
+    sigma1: Annotated[Any, SIGMA1] = 10.0,
+    v_s: Annotated[Any, V_S] = 2e-3,
 ) -> MovingTrack:
     r"""A vibratory conveyor: a trough that swings along a line which rises at an angle, and carries a part with it.
 
@@ -134,11 +136,8 @@ def conveyor(
     22.453808 mm/s without hops, 130.469302 mm/s with them
     """
     problems, degrees = Problems("conveyor"), math.pi / 180
-    index = checked_number("throw_index", throw_index, problems, positive, "a positive number", "throw_index=2.5")
-    angle = checked_number("angle_deg", angle_deg, problems, _BELOW_90, "above 0 and below 90 degrees", "angle_deg=30.0")
-    f = checked_number("frequency", frequency, problems, positive, "a positive frequency [Hz]", "frequency=50.0")
-    tilt = checked_number("tilt_deg", tilt_deg, problems, _WITHIN_90, "between -90 and 90 degrees", "tilt_deg=0.0")
-    g = checked_number("gravity", gravity, problems, positive, "a positive acceleration [m/s^2]", "gravity=9.81")
+    given = {"throw_index": throw_index, "angle_deg": angle_deg, "frequency": frequency, "tilt_deg": tilt_deg, "gravity": gravity}
+    index, angle, f, tilt, g = checked_arguments(conveyor, given, problems).values()
     problems.check()
     angle, tilt, omega = degrees * angle, degrees * tilt, 2 * math.pi * f
     amplitude = index * g * cos(tilt) / (omega**2 * sin(angle))

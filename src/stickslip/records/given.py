@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.errors import Problems
-from stickslip.fields import between, checked_number, describe, is_array
+from stickslip.fields import checked_number, describe, is_array
+from stickslip.quantities import between
 
 __all__ = ["given_frequency"]
 

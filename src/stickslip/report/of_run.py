@@ -8,22 +8,17 @@ from typing import Any
 from stickslip.errors import InputError
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine import machine_of
-from stickslip.mechanics import lists_parts
+from stickslip.quantities import axis_in, pretty_unit
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg
 from stickslip.report.facts import facts, tables
 from stickslip.report.html import page
 from stickslip.report.moving import moments
 
-__all__ = ["UNITLESS", "meaning_of", "numbers", "numbers_of", "run_page", "sources"]
+__all__ = ["UNITLESS", "numbers", "numbers_of", "run_page", "sources"]
 
 #: The remark on a page about robots whose units are all 1.
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
-#: Numbers of mechanisms whose names mean something else in a robot.
-_OF_MECHANISMS = {
-    "damping": ("damping c", "N s/m"), "load": ("normal force", "N"), "force": ("amplitude of the force F", "N"),
-    "bias": ("constant part of the force F_0", "N"), "length": ("length at rest", "m"), "phases": ("phase of the drive", "rad"),
-}  # fmt: skip
 
 
 def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False) -> str:
@@ -105,35 +100,19 @@ def _equations(model: Any) -> str:
         return ""
 
 
-def numbers(named: Iterable[tuple[str, Any]], units: bool = True, mechanism: bool = False) -> list[tuple[str, str, str]]:
-    """Name, value with its unit, and meaning of the numbers of a robot or mechanism; the unit is that of the docs' page on notation."""
+def numbers(named: Iterable[tuple[str, Any, tuple[str, str] | None]], units: bool = True) -> list[tuple[str, str, str]]:
+    """Name, value with its unit, and meaning of some numbers, of each of which words and unit are given as far as they are known."""
     found = []
-    for name, value in named:
-        meaning, unit = meaning_of(name, mechanism)
-        found.append((name, f"{float(value):.10g} {unit if units else ''}".rstrip(), meaning))
+    for name, value, axis in named:
+        meaning, unit = axis or ("", "")
+        shown = pretty_unit(unit) if units and unit != "1" else ""
+        found.append((name, f"{float(value):.10g} {shown}".rstrip(), meaning))
     return found
 
 
 def numbers_of(model: Any) -> list[tuple[str, str, str]]:
-    """The same of any machine; of one that a user wrote, its own fields have the words and units that their metadata say."""
-    machine, found = machine_of(model), []
-    for name, value in leaves(model):
-        (row,) = numbers([(name, value)], mechanism=machine.drive is None)
-        told = told_by_field(model, name)
-        if "." not in name and lists_parts(model):
-            row = (name, f"{float(value):.10g} {told.get('unit', '')}".rstrip(), str(told.get("label", "")))
-        found.append(row)
-    return found
-
-
-def meaning_of(name: str, mechanism: bool = False) -> tuple[str, str]:
-    """What a number is called and its unit, by its dotted name; nothing where nobody knows."""
-    from stickslip.sweeps.naming import axis_of
-
-    kind = name.rstrip("0123456789.").rpartition(".")[2]
-    own = _OF_MECHANISMS.get(kind) if mechanism and ".drive." not in f".{name}" else None
-    meaning, unit = own or axis_of(name.rstrip("0123456789.")) or ("", "")
-    return meaning, unit if unit != "1" else ""
+    """The same of any machine, as its fields describe them."""
+    return numbers((name, value, axis_in(told_by_field(model, name))) for name, value in leaves(model))
 
 
 def _toml(run: Any) -> str:

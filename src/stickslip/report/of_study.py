@@ -94,7 +94,9 @@ def _numbers(grid: Any) -> list[tuple[str, str, str]]:
     import json
 
     found = json.loads(grid.attrs.get("numbers", "{}"))
-    return numbers(((name, value) for name, value in found.items() if name not in grid.coords), units=bool(speeds(grid)[1]))
+    described = json.loads(grid.attrs.get("described", "{}"))
+    own = {name: value for name, value in found.items() if name not in grid.coords}
+    return numbers(((name, value, described.get(name)) for name, value in own.items()), units=bool(speeds(grid)[1]))
 
 
 def _counted(values: Any) -> list[tuple[str, int, float]]:

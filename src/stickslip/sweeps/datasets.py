@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import platform
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.fields import told_by_field
 from stickslip.jsontext import plain
 from stickslip.machine import machine_of
+from stickslip.naming import axis_of
 from stickslip.presets import DIMENSIONLESS
+from stickslip.quantities import axis_in
 from stickslip.sweeps.axes import Column
 from stickslip.sweeps.columns import COLUMNS, described, dim_of, stacked
-from stickslip.sweeps.naming import axis_of
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.robots import shared_numbers
 
@@ -73,9 +76,18 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
     told = {
         "maker": maker_of(plan.make),
         "fixed": json.dumps(plain(fixed)),
-        "numbers": json.dumps(shared_numbers(plan.make, plan.space)),
+        "numbers": json.dumps(numbers := shared_numbers(plan.make, plan.space)),
+        "described": json.dumps(_described(plan, numbers), ensure_ascii=False),
     }
     return {**words, **told, **_robot_of(plan.make)}
+
+
+def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """What axes and shared numbers are called, and their units, as far as fields and makers say it."""
+    found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
+    if plan.sample is not None:
+        found |= {name: axis_in(told_by_field(plan.sample[0], name)) for name in numbers}
+    return {name: axis for name, axis in found.items() if axis}
 
 
 def _robot_of(make: Any) -> dict[str, str]:
@@ -124,7 +136,8 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
 
     unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
     data = {name: (dims, values, described(name) | unitless) for name, (dims, values) in columns.items()}
-    coords = {name: (column.dims, _label(column.values), _told(name)) for name, column in labels.items()}
+    known = json.loads(attributes.get("described", "{}"))
+    coords = {name: (column.dims, _label(column.values), _told(name, known)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)
 
 
@@ -135,6 +148,6 @@ def _label(values: Array) -> Array:
     return values
 
 
-def _told(name: str) -> dict[str, str]:
-    known = axis_of(name)
-    return {"long_name": known[0], "units": known[1]} if known else {}
+def _told(name: str, known: dict[str, tuple[str, str]]) -> dict[str, str]:
+    found = known.get(name) or axis_of(name)
+    return {"long_name": found[0], "units": found[1]} if found else {}

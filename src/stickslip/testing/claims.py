@@ -11,8 +11,9 @@ from stickslip.arguments import explains_arguments
 from stickslip.benching.probe import Probe
 from stickslip.engine.checks import ARGUMENTS, check_signatures, finite
 from stickslip.errors import InputError, Problems
-from stickslip.fields import between, checked_number, is_array, leaves
+from stickslip.fields import checked_number, example_in, is_array, leaves
 from stickslip.friction.adapter import adapted, mirrored
+from stickslip.quantities import between
 from stickslip.testing.motions import burst, shaken
 from stickslip.testing.reports import Claim, LawReport
 from stickslip.testing.symbol_values import traced
@@ -82,7 +83,7 @@ def check_law(law: Any, load: float = 1.0, raise_: bool = True) -> LawReport:
 
 def _instance(law: Any) -> Any:
     if isinstance(law, type):
-        law = law.example() if hasattr(law, "example") else _from_metadata(law)
+        law = law.example() if hasattr(law, "example") else example_in(law)
     if not dataclasses.is_dataclass(law) or not (hasattr(law, "sliding") or hasattr(law, "rate")):
         raise InputError(
             "check_law", [f"{law!r} is no law; allowed is a dataclass with rate and force or with sliding and breakaway; type "
@@ -112,22 +113,6 @@ def _check_methods(law: Any, load: float) -> None:
 
 def _measured(claim: Claim) -> str:
     return "" if math.isnan(claim.value) else f"{claim.value:.3g} "
-
-
-def _from_metadata(cls: type) -> Any:
-    """A law from the examples in its fields."""
-    if not dataclasses.is_dataclass(cls):
-        raise InputError("check_law", [f"{cls.__name__} is not a dataclass; write @dataclass(frozen=True) above the class"])
-    given = {f.name: float(f.metadata["example"]) for f in dataclasses.fields(cls) if "example" in f.metadata}
-    lacking = [
-        f.name
-        for f in dataclasses.fields(cls)
-        if f.name not in given and f.default is dataclasses.MISSING and f.default_factory is dataclasses.MISSING
-    ]
-    if lacking:
-        numbers = ", ".join(f"{name}=..." for name in lacking)
-        raise InputError("check_law", [f"{cls.__name__} is a class without example numbers; type check_law({cls.__name__}({numbers}))"])
-    return cls(**given)
 
 
 def _points(probe: Probe, count: int = 60) -> list[tuple[float, tuple[float, ...], tuple[int, ...], float]]:
