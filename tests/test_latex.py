@@ -1,18 +1,22 @@
 """Equations as LaTeX: those of a textbook, derived by hand, for machines of one body and of several; and they can be drawn."""
 
+import random
 import re
 from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
-import sympy
 from matplotlib.mathtext import MathTextParser
 
 import stickslip as ss
 from every import DRY, SHAKEN, with_bodies
+from latex_values import value
+from stickslip.engine.formulas import formula, spread, symbol
 from stickslip.engine.latex_motion import _Parts
-from stickslip.engine.tex import bare, indices, letters_of, spread
+from stickslip.engine.tex import indices, letters_of, text_of
 from stickslip.fields import leaves, replace_leaf
+from stickslip.friction import LAWS
+from stickslip.friction.adapter import adapted
 from stickslip.machine import machine_of
 from stickslip.maths import sin
 from stickslip.report.mathml import mathml
@@ -112,16 +116,41 @@ def test_what_is_written_is_what_is_solved(name):
     n = len(parts.bodies)
     q, u = [0.01 * (i + 1) * (-1) ** i for i in range(n)], [0.03 * (i - 1) for i in range(n)]
     R = [0.05 * (i + 1) for i in range(len(parts.contacts))]
-    t = sympy.Symbol("t", real=True)
-    numbers = {bare(letters.symbols[k]): v for k, v in leaves(model)} | {t: 0.004}
-    numbers |= {bare(s): value for of, values in ((parts.x, q), (parts.v, u)) for s, value in zip(of, values, strict=True)}
-    numbers |= {bare(letter): bare(part.force(parts.distance(ends, parts.x), parts.distance(ends, parts.v))).subs(numbers)
-                for ends, part, letter in parts.pulls}  # fmt: skip
+    numbers = {text_of(letters.symbols[k]): v for k, v in leaves(model)} | {"t": 0.004}
+    numbers |= {text_of(s): value for of, values in ((parts.x, q), (parts.v, u)) for s, value in zip(of, values, strict=True)}
+    for ends, part, letter in parts.pulls:
+        numbers[text_of(letter)] = value(text_of(part.force(parts.distance(ends, parts.x), parts.distance(ends, parts.v))), numbers)
     wanted = model.mechanics.accelerations(0.004, q, u, R)
-    found = parts.accelerations(t, parts.x, parts.v, R)
-    for mass, a, value in zip(parts.masses, found, wanted, strict=True):
-        told = spread(bare(mass) * bare(a)).subs(numbers) / bare(mass).subs(numbers)
-        assert float(told) == pytest.approx(float(value), rel=1e-10, abs=1e-12)
+    found = parts.accelerations(symbol("t", 0), parts.x, parts.v, R)
+    for mass, a, expected in zip(parts.masses, found, wanted, strict=True):
+        told = value(text_of(spread(formula(a), mass)), numbers) / value(text_of(mass), numbers)
+        assert told == pytest.approx(float(expected), rel=1e-10, abs=1e-12)
+
+
+WRITTEN = [name for name, law in LAWS.items() if adapted(law.example()).compiles]
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_the_lines_of_a_law_say_what_it_computes(name):
+    """The printed text, read again and evaluated, against the law in plain Python: rounding of some hundred operations."""
+    law = LAWS[name].example()
+    traced, letters = adapted(law), letters_of(law, [n for n, _ in leaves(law)])
+    given = {text_of(letters.symbols[n]): v for n, v in leaves(law)} | {"N": 0.7, "R_{0}": 0.05}
+    many, draw = traced.states > 1, random.Random(1)
+    for v in (3e-3, -3e-3, 7e-5, -7e-5):
+        z = tuple(draw.uniform(0.2, 0.9) * size * (1 if v > 0 else -1) for size in (traced.scale(0.7) if traced.dynamic else ()))
+        mode = tuple(draw.choice((-1, 1)) for _ in range(traced.modes))
+        rates = traced.rate(v, z, 0.7, mode)
+        names = [f"z_{{{i + 1}}}" if many else "z" for i in range(traced.states)]
+        at = given | {"v": v} | dict(zip(names, z, strict=True)) | {rf"\dot{n}": r for n, r in zip(names, rates, strict=True)}
+        at |= {f"m_{{{i + 1}}}": m for i, m in enumerate(mode)}
+        wanted = {"R": traced.force(v, z, rates, 0.7, mode, 0.05)} | {rf"\dot {n}": r for n, r in zip(names, rates, strict=True)}
+        for line in lines(law):
+            left, _, rest = line.partition(" &= ")
+            right, _, side = rest.partition(", && ")
+            if left in wanted and side in ("", "v > 0" if v > 0 else "v < 0"):
+                assert value(right, at) == pytest.approx(float(wanted.pop(left)), rel=1e-11, abs=1e-13)
+        assert not wanted
 
 
 def test_letters_are_told_apart():
@@ -140,7 +169,7 @@ def test_letters_are_told_apart():
             return {("body", None): self.spring}
 
     letters = letters_of(Heavy(), [name for name, _ in leaves(Heavy())])
-    texts = {name: str(bare(letter)) for name, letter in letters.symbols.items()}
+    texts = {name: text_of(letter) for name, letter in letters.symbols.items()}
     assert len(set(texts.values())) == len(texts)
     assert texts["mass"] == "m_{b}" and texts["inner_mass"] == "m" and texts["t"] == r"\mathrm{t}"
     assert {texts["stiffness"], texts["spring.stiffness"]} == {"k", r"k_{\mathrm{spring}}"}

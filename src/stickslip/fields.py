@@ -173,6 +173,7 @@ def checked_number(name: str, value: Any, problems: Problems, rule: Callable[[An
 
     Examples
     --------
+    >>> from stickslip.quantities import positive
     >>> problems = Problems("robot")
     >>> checked_number("mass", 2, problems, positive, "a positive mass [kg]", "mass=0.06"), problems.found
     (2.0, [])
@@ -456,8 +457,8 @@ def told_by_field(record: Any, name: str) -> Mapping[str, Any]:
     Examples
     --------
     >>> import stickslip as ss
-    >>> dict(told_by_field(ss.Chain.example(), "link.stiffness"))
-    {'example': '1200.0'}
+    >>> told_by_field(ss.Chain.example(), "link.stiffness")["label"]
+    'stiffness of the spring'
     """
     told: Mapping[str, Any] = {}
     for place in name.split("."):

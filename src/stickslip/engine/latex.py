@@ -1,4 +1,4 @@
-r"""The equations of a law, a robot or any machine as LaTeX: their plain Python called with SymPy symbols, a law once for each direction."""
+r"""The equations of a law, a robot or any machine as LaTeX: their plain Python called with letters, a law once for each direction."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.arguments import LawOrModel, explains_arguments
+from stickslip.engine.formulas import symbol
 from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.latex_motion import lines_of_motion
-from stickslip.engine.tex import bare, letters_of, symbol, text_of
+from stickslip.engine.tex import letters_of, text_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import is_law
@@ -83,9 +84,6 @@ def written(function: Callable[..., Any], **names: str) -> list[str]:
     \mu_{0} \cos{\left(\theta \right)} - \sin{\left(\theta \right)}
     \mu_{0} \cos{\left(\theta \right)} + \sin{\left(\theta \right)}
     """
-    import sympy
-
     symbols = {name: symbol(text) for name, text in names.items()}
-    slopes = {sympy.sin(s.expression) / sympy.cos(s.expression): sympy.tan(s.expression) for s in symbols.values()}
     found = function(**symbols)
-    return [text_of(bare(value).subs(slopes)) for value in (found if isinstance(found, tuple) else (found,))]
+    return [text_of(value) for value in (found if isinstance(found, tuple) else (found,))]

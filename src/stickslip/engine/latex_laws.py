@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.tex import Tex, subscripted, symbol, text_of
+from stickslip.engine.formulas import Formula, symbol
+from stickslip.engine.tex import subscripted, text_of
 from stickslip.friction.adapter import LawAdapter, adapted
 
 __all__ = ["lines_of_law"]
@@ -13,7 +14,7 @@ __all__ = ["lines_of_law"]
 def lines_of_law(law: Any, load: Any, slip: str, index: str = "") -> list[str]:
     """The lines of a law whose numbers are symbols, under a load, with the letter of its velocity and the index of its contact."""
     traced, R = adapted(law), subscripted("R", index)
-    sides = [_equations(traced, symbol(slip, **{sign: True}), load, index) for sign in ("positive", "negative")]
+    sides = [_equations(traced, symbol(slip, sign), load, index) for sign in (1, -1)]
     lines = []
     for (left, plus), (_, minus) in zip(*sides, strict=True):
         if text_of(plus) == text_of(minus):
@@ -26,13 +27,11 @@ def lines_of_law(law: Any, load: Any, slip: str, index: str = "") -> list[str]:
     return lines
 
 
-def _equations(law: LawAdapter, v: Tex, load: Any, index: str) -> list[tuple[str, Any]]:
+def _equations(law: LawAdapter, v: Formula, load: Any, index: str) -> list[tuple[str, Any]]:
     """Left and right sides on one side of v = 0."""
-    import sympy
-
-    modes = tuple(Tex(sympy.Symbol(subscripted("m", str(i + 1), index), integer=True)) for i in range(law.modes))
+    modes = tuple(symbol(subscripted("m", str(i + 1), index), 0) for i in range(law.modes))
     names = [subscripted("z", str(i + 1) if law.states > 1 else "", index) for i in range(law.states)]
-    z, dots = (tuple(symbol(dot + name, real=True) for name in names) for dot in ("", r"\dot "))
-    force = law.force(v, z, dots, load, modes, symbol(subscripted("R", "0", index), real=True))
+    z, dots = (tuple(symbol(dot + name, 0) for name in names) for dot in ("", r"\dot "))
+    force = law.force(v, z, dots, load, modes, symbol(subscripted("R", "0", index), 0))
     rates = zip(names, law.rate(v, z, load, modes), strict=True)
     return [(subscripted("R", index), force), *((rf"\dot {name}", rate) for name, rate in rates)]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.engine.formulas import Cases, Extreme, Formula, Letter, formula, spread, symbol
 from stickslip.engine.latex_laws import lines_of_law
-from stickslip.engine.tex import Letters, Tex, bare, indices, letters_of, spread, subscripted, symbol, text_of
+from stickslip.engine.tex import Letters, indices, letters_of, subscripted, text_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
@@ -20,10 +21,10 @@ _MANY = 4  # contacts of one block that are listed; of more, the first and the l
 class _Pull:
     """A link or an elastic stop as one symbol, whose formula is written on a line of its own."""
 
-    def __init__(self, letter: Tex):
+    def __init__(self, letter: Formula):
         self.letter = letter
 
-    def force(self, distance: Any, rate: Any) -> Tex:
+    def force(self, distance: Any, rate: Any) -> Formula:
         """The symbol of its tension."""
         return self.letter
 
@@ -68,43 +69,43 @@ def lines_of_motion(model: Any) -> list[str]:
         raise InputError("latex", [f"{why}; for a law alone type ss.latex(law)"]) from None
 
 
-def _states(own: list[str]) -> tuple[tuple[Tex, ...], tuple[Tex, ...]]:
+def _states(own: list[str]) -> tuple[tuple[Formula, ...], tuple[Formula, ...]]:
     """Symbols of positions and velocities."""
-    x, v = (tuple(symbol(subscripted(letter, index), real=True) for index in own) for letter in ("x", "v"))
+    x, v = (tuple(symbol(subscripted(letter, index), 0) for index in own) for letter in ("x", "v"))
     return x, v
 
 
-def _pull(index: dict[str, str], ends: tuple[str, str | None], before: list[Any]) -> Tex:
+def _pull(index: dict[str, str], ends: tuple[str, str | None], before: list[Any]) -> Formula:
     """The symbol of a tension; a prime tells a second part between the same ends from the first."""
     between = [index[end] for end in ends if end is not None]
     joined = "".join(between) if all(len(each) == 1 for each in between) else ",".join(between)
-    return symbol(subscripted("F" + "'" * before.count(ends), joined), real=True)
+    return symbol(subscripted("F" + "'" * before.count(ends), joined), 0)
 
 
 def _of_bodies(mechanics: Any) -> list[str]:
     """Newton's law, one line for each coordinate, and the known jumps of velocities."""
-    own, t = indices(mechanics.bodies), symbol("t", real=True)
+    own, t = indices(mechanics.bodies), symbol("t", 0)
     x, v = _states(own)
-    R = tuple(symbol(subscripted("R", index), real=True) for index in indices(mechanics.contacts))
+    R = tuple(symbol(subscripted("R", index), 0) for index in indices(mechanics.contacts))
     lines = []
     q, u = _of_coordinates(mechanics, x), _of_coordinates(mechanics, v)
     moved = mechanics.accelerations(t, q, u, R, _held(mechanics))
     for c, (mass, acceleration) in enumerate(zip(mechanics.masses, moved, strict=True)):
-        lines.append(f"{_inertia(mechanics, c, own)} &= {text_of(spread(bare(mass) * bare(acceleration)))}")
+        lines.append(f"{_inertia(mechanics, c, own)} &= {text_of(spread(formula(acceleration), mass))}")
     for instant, jumps in mechanics.jumps:
         lines += [
             rf"\Delta {subscripted('v', index)} &= {text_of(jumps[mechanics.coordinate_of(name)])}, && t = {text_of(instant)}"
             for name, index in zip(mechanics.bodies, own, strict=True)
-            if bare(jumps[mechanics.coordinate_of(name)]) != 0
+            if formula(jumps[mechanics.coordinate_of(name)]) != 0
         ]
     return lines
 
 
-def _held(mechanics: Any) -> tuple[Tex, ...]:
+def _held(mechanics: Any) -> tuple[Formula, ...]:
     """Symbols of what controllers hold."""
     own = mechanics.controllers
     return tuple(
-        symbol(subscripted(rf"\mathrm{{{state}}}", index), real=True)
+        symbol(subscripted(rf"\mathrm{{{state}}}", index), 0)
         for states, index in zip(own.states, indices(own.names), strict=True)
         for state in states
     )
@@ -112,9 +113,9 @@ def _held(mechanics: Any) -> tuple[Tex, ...]:
 
 def _of_controllers(mechanics: _Parts) -> list[str]:
     """Rates of what controllers hold, and what a sample makes of it; of one that samples, what is held has no rate."""
-    z, t, q, u = _held(mechanics), symbol("t", real=True), mechanics.x, mechanics.v
+    z, t, q, u = _held(mechanics), symbol("t", 0), mechanics.x, mechanics.v
     rates = zip(z, mechanics.control_rates(t, q, u, z), strict=True)
-    lines = [rf"\dot {text_of(state)} &= {text_of(rate)}" for state, rate in rates if bare(rate) != 0]
+    lines = [rf"\dot {text_of(state)} &= {text_of(rate)}" for state, rate in rates if formula(rate) != 0]
     if mechanics.controllers.sample is None:
         return lines
     when = rf"t = k \, {text_of(mechanics.controllers.sample)}"
@@ -122,7 +123,7 @@ def _of_controllers(mechanics: _Parts) -> list[str]:
     return [*lines, *(rf"{text_of(state)}^+ &= {text_of(new)}, && {when}" for state, new in after if new is not state)]
 
 
-def _of_coordinates(mechanics: Any, values: tuple[Tex, ...]) -> tuple[Tex, ...]:
+def _of_coordinates(mechanics: Any, values: tuple[Formula, ...]) -> tuple[Formula, ...]:
     """One symbol for each coordinate: that of the first body that moves with it."""
     moves_with = [mechanics.coordinate_of(name) for name in mechanics.bodies]
     return tuple(values[moves_with.index(c)] for c in range(mechanics.coordinates))
@@ -134,12 +135,12 @@ def _inertia(mechanics: Any, c: int, own: list[str]) -> str:
     terms = []
     for name, index in zip(mechanics.bodies, own, strict=True):
         if mechanics.coordinate_of(name) == c:
-            mass = bare(mechanics.masses[c] if parts is None else parts[name].mass)
+            mass = formula(mechanics.masses[c] if parts is None else parts[name].mass)
             factor = (
                 ""
                 if mass == 1
                 else rf"\left({text_of(mass)}\right) "
-                if mass.is_Add
+                if mass.is_sum
                 else text_of(mass) + (r" \, " if "mathrm" in text_of(mass) else " ")
             )
             terms.append(rf"{factor}\ddot {subscripted('x', index)}")
@@ -148,7 +149,7 @@ def _inertia(mechanics: Any, c: int, own: list[str]) -> str:
 
 def _of_links(mechanics: _Parts) -> list[str]:
     """Tensions, prescribed distances and hits."""
-    t = symbol("t", real=True)
+    t = symbol("t", 0)
     lines = []
     for ends, part, letter in mechanics.pulls:
         distance, rate = mechanics.distance(ends, mechanics.x), mechanics.distance(ends, mechanics.v)
@@ -162,33 +163,31 @@ def _of_links(mechanics: _Parts) -> list[str]:
             " - ".join(rf"{subscripted('v', mechanics.index[end])}^{sign}" for end in stop.ends if end is not None) for sign in ("+", "-")
         )
         given = before if stop.ends[1] is None else rf"\left({before}\right)"
-        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * bare(stop.part.gap))}"
+        where = f"{text_of(mechanics.distance(stop.ends, mechanics.x))} = {text_of(stop.part.side * formula(stop.part.gap))}"
         lines.append(f"{after} &= - {text_of(stop.restitution)} {given}, && {where}")
     return lines
 
 
 def _tension(part: Any, distance: Any, rate: Any, letter: str) -> list[str]:
     """The formula of a tension; where it distinguishes cases, in the distance d, which has a line of its own."""
-    import sympy
-
-    force = bare(part.force(distance, rate))
-    if not force.has(sympy.Piecewise):
+    force = formula(part.force(distance, rate))
+    if not any(isinstance(atom, (Cases, Extreme)) for atom in force.atoms):
         return [f"{letter} &= {text_of(force)}"]
     marks = letter[1:].lstrip("'")
-    d, moving = (symbol(own + marks, real=True) for own in ("d", r"\dot d"))
+    d, moving = (symbol(own + marks, 0) for own in ("d", r"\dot d"))
     return [f"{letter} &= {text_of(part.force(d, moving))}", f"{text_of(d)} &= {text_of(distance)}"]
 
 
 def _of_contacts(mechanics: Any, letters: Letters) -> list[str]:
     """Slips, loads and laws; what differs in the numbers of its symbols alone stands once, with the index i."""
-    own, t, bodies = indices(mechanics.contacts), symbol("t", real=True), indices(mechanics.bodies)
+    own, t, bodies = indices(mechanics.contacts), symbol("t", 0), indices(mechanics.bodies)
     x, v = _states(bodies)
     given = list(zip(mechanics.laws, mechanics.slips(t, v), mechanics.loads(t, x), own, strict=True))
     blocks = []
     for lines_of in (_slip_lines, _load_lines, _law_lines):
         found = dict[str, tuple[list[str], list[str]]]()
         for law, slip, load, index in given:
-            alone = lines_of(law.law, bare(slip), bare(load), index, v)
+            alone = lines_of(law.law, formula(slip), formula(load), index, v)
             turned = _states(["i" if each == index else each for each in bodies])[1]
             generic = lines_of(*_renumbered(letters, law.law, slip, load, index), turned)
             found.setdefault("\n".join(generic) if index else "", (alone, []))[1].append(index)
@@ -221,29 +220,29 @@ def _told_once(blocks: list[tuple[list[str], list[str]]]) -> list[str]:
 
 def _renumbered(letters: Letters, law: Any, slip: Any, load: Any, index: str) -> tuple[Any, Any, Any, str]:
     """Law, slip and load of a contact, with i for its index and for the number that its symbols share."""
-    numbers = {name: bare(value) for name, value in leaves(law)}
+    numbers = dict(leaves(law))
     new = letters.renumbered([load, slip, *numbers.values()], "i")
-    new |= {bare(s): bare(i) for (s, i) in zip(_states([index])[1], _states(["i"])[1], strict=True)}
-    turned = replace_leaf(law, {name: Tex(value.xreplace(new)) for name, value in numbers.items()})
-    return turned, bare(slip).xreplace(new), bare(load).xreplace(new), "i"
+    new |= {Letter(subscripted("v", index), 0): symbol(subscripted("v", "i"), 0)}
+    turned = replace_leaf(law, {name: formula(value).at(new) for name, value in numbers.items()})
+    return turned, formula(slip).at(new), formula(load).at(new), "i"
 
 
-def _velocity_letter(slip: Any, index: str, v: tuple[Tex, ...]) -> str:
+def _velocity_letter(slip: Any, index: str, v: tuple[Formula, ...]) -> str:
     """The letter of a law's velocity: that of the body whose velocity the slip is, else w."""
-    return str(slip) if any(slip == bare(each) for each in v) else subscripted("w", index)
+    return text_of(slip) if slip in v else subscripted("w", index)
 
 
-def _slip_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Tex, ...]) -> list[str]:
+def _slip_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
     letter = _velocity_letter(slip, index, v)
-    return [] if letter == str(slip) else [f"{letter} &= {text_of(slip)}"]
+    return [] if letter == text_of(slip) else [f"{letter} &= {text_of(slip)}"]
 
 
-def _load_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Tex, ...]) -> list[str]:
+def _load_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
     N = subscripted("N", index)
-    return [] if load == 1 or str(load) == N else [f"{N} &= {text_of(load)}"]
+    return [] if load == 1 or text_of(load) == N else [f"{N} &= {text_of(load)}"]
 
 
-def _law_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Tex, ...]) -> list[str]:
+def _law_lines(law: Any, slip: Any, load: Any, index: str, v: tuple[Formula, ...]) -> list[str]:
     """Under a load of one the coefficients are forces."""
-    N = Tex(load) if load == 1 else symbol(subscripted("N", index))
+    N = load if load == 1 else symbol(subscripted("N", index))
     return lines_of_law(law, N, _velocity_letter(slip, index, v), index)

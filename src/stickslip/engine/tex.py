@@ -1,15 +1,32 @@
-"""SymPy expressions that stand for numbers while plain Python is called, and the letters of a record's numbers."""
+"""Formulas as LaTeX, and the letters of a record's numbers."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
+from stickslip.engine.formulas import (
+    Atom,
+    Both,
+    Call,
+    Cases,
+    Extreme,
+    Factors,
+    Formula,
+    Group,
+    Letter,
+    Power,
+    expanded,
+    formula,
+    order_of,
+    symbol,
+)
 from stickslip.fields import told_by_field
 
-__all__ = ["Letters", "Tex", "bare", "indices", "letters_of", "spread", "subscripted", "symbol", "text_of"]
+__all__ = ["Letters", "indices", "letters_of", "subscripted", "text_of"]
 
 _NAMES = {"plus": "+", "minus": "-", "load": "N"}
 _GREEK = ("mu", "sigma", "alpha", "beta", "gamma", "tau", "kappa", "omega", "theta")
@@ -21,150 +38,118 @@ _LETTERS = {
     "cosines": "a", "sines": "b",
 }  # fmt: skip
 _TAKEN = ("t", "x", "v", "R", "w", "F")  # the letters of an equation of motion
+_SIGNS = {">": ">", "<": "<", ">=": r"\geq", "<=": r"\leq"}
+_FRACTIONS = (2, 3)  # denominators that stay; others are decimals where these are short
+_NAMED = ("sin", "cos", "tan", "sinh", "cosh", "tanh", "log")
 
 
-class Tex:
-    """A SymPy expression with the hooks of `stickslip.maths`."""
+# ---- formulas ----
+def text_of(value: Any) -> str:
+    r"""LaTeX of a formula or a number; words such as ``\mathrm{head}`` stand apart from their neighbours.
 
-    def __init__(self, expression: Any):
-        self.expression = expression
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__ss_") and name.endswith("__"):
-            import sympy
-
-            function = getattr(sympy, name[5:-2])
-            return lambda: Tex(function(self.expression))
-        raise AttributeError(name)
-
-    def __abs__(self) -> Tex:
-        import sympy
-
-        return Tex(sympy.Abs(self.expression))
-
-    def __ss_power__(self, exponent: Any) -> Tex:
-        import sympy
-
-        return Tex(sympy.Abs(self.expression) ** bare(exponent))
-
-    def __neg__(self) -> Tex:
-        return Tex(-self.expression)
-
-    def __bool__(self) -> bool:
-        raise TypeError("a symbol is neither true nor false; write stickslip.maths.where for a case distinction")
-
-
-class _Case:
-    """A SymPy condition: decided where the side of v decides it, else a case distinction."""
-
-    def __init__(self, condition: Any):
-        self.condition = condition
-
-    def __ss_where__(self, yes: Any, no: Any) -> Tex:
-        import sympy
-
-        return Tex(sympy.Piecewise((bare(yes), self.condition), (bare(no), True)))
-
-    def __and__(self, other: _Case) -> _Case:
-        return _Case(self.condition & other.condition)
-
-    def __or__(self, other: _Case) -> _Case:
-        return _Case(self.condition | other.condition)
-
-    def __invert__(self) -> _Case:
-        return _Case(~self.condition)
-
-    def __bool__(self) -> bool:
-        if self.condition in (True, False):
-            return bool(self.condition)
-        raise TypeError("a symbol is neither true nor false; write stickslip.maths.where for a case distinction")
-
-
-def bare(value: Any) -> Any:
-    """The SymPy expression of a value; a float as the fraction or multiple of pi that it is near."""
-    import sympy
-
-    if isinstance(value, float):
-        return sympy.nsimplify(value, [sympy.pi])
-    return sympy.sympify(value.expression if isinstance(value, Tex) else value)
-
-
-def _binary(name: str) -> Any:
-    def method(self: Tex, other: Any) -> Tex:
-        return Tex(getattr(self.expression, name)(bare(other)))
-
-    return method
-
-
-for _name in ("add", "radd", "sub", "rsub", "mul", "rmul", "truediv", "rtruediv", "pow", "rpow"):
-    setattr(Tex, f"__{_name}__", _binary(f"__{_name}__"))
-for _name in ("gt", "ge", "lt", "le"):
-    setattr(Tex, f"__{_name}__", (lambda n: lambda self, other: _Case(getattr(self.expression, n)(bare(other))))(f"__{_name}__"))
-
-
-def symbol(text: str, **assumptions: bool) -> Tex:
-    """A symbol that prints as `text`; positive if nothing else is said."""
-    import sympy
-
-    return Tex(sympy.Symbol(text, **(assumptions or {"positive": True})))
-
-
-def text_of(expression: Any) -> str:
-    r"""LaTeX of an expression; words such as ``\mathrm{head}`` stand apart from their neighbours."""
-    import sympy
-
-    text = str(sympy.latex(_decimal(_with_maxima(bare(expression)))))
+    Examples
+    --------
+    >>> v, N = symbol("v", 0), symbol("N")
+    >>> print(text_of(N * v / (v + 1.2) - 0.8 * v**2))
+    \frac{N v}{v + 1.2} - 0.8 v^{2}
+    """
+    text = _sum(formula(value))
     text = re.sub(r"(\\mathrm\{[^{}]*\}(?:_\{(?:[^{}]|\{[^{}]*\})*\})?) (?=[\\A-Za-z])(?!\\le|\\ge)", r"\1 \\, ", text)
     return re.sub(r"(?<=[\w}]) (?=\\mathrm)", r" \\, ", text)
 
 
-def _decimal(expression: Any) -> Any:
-    """Factors and terms such as 4/5 as 0.8; exponents, and fractions that are no short decimals, stay."""
-    import sympy
-
-    if expression.is_Rational and not expression.is_Integer and expression.q not in (2, 3):
-        return sympy.Float(sympy.N(expression)) if 10**9 % expression.q == 0 else expression
-    if expression.is_Pow:
-        return _decimal(expression.base) ** expression.exp
-    return expression.func(*map(_decimal, expression.args)) if expression.args else expression
+def _sum(value: Formula) -> str:
+    """Terms by their letters, numbers last."""
+    terms = sorted(
+        (not factors, [order_of(atom) for atom, _ in factors], _term(factors, number)) for factors, number in value.terms.items()
+    )
+    text = " + ".join(term for *_, term in terms).replace("+ -", "-")
+    return (text.replace("- ", "-", 1) or "0") if value.is_number else text
 
 
-def _with_maxima(expression: Any) -> Any:
-    """Case distinctions that mean the larger of a value and zero written as that; sums in the arguments of functions multiplied out."""
-    import sympy
-
-    def larger(cases: Any) -> Any:
-        (value, condition), *others = cases.args
-        zero = len(others) == 1 and others[0].expr == 0 and isinstance(condition, (sympy.Gt, sympy.Lt, sympy.Ge, sympy.Le))
-        sides = condition.gts - condition.lts if zero else None
-        return sympy.Max(value, 0, evaluate=False) if zero and sympy.expand(sides - value) == 0 else cases
-
-    found = expression.replace(lambda e: isinstance(e, sympy.Piecewise), larger)
-    periodic = (sympy.sin, sympy.cos)
-    return found.replace(lambda e: isinstance(e, periodic), lambda e: e.func(sympy.expand(e.args[0])))
+def _term(factors: Factors, number: Fraction) -> str:
+    above, below = _decimal(abs(number))
+    over, under = ([pair for pair in factors if (pair[1] > 0) is up] for up in (True, False))
+    top = _joined(above, over)
+    if under or below != "1":
+        top = rf"\frac{{{top}}}{{{_joined(below, [(atom, -e) for atom, e in under])}}}"
+    return f"- {top}" if number < 0 else top
 
 
-def spread(expression: Any) -> Any:
-    """A sum in which brackets of fractions are multiplied out, so that what stands before such a bracket may cancel.
+def _decimal(number: Fraction) -> tuple[str, str]:
+    """A number as what stands above and below a line."""
+    if number.denominator in (1, *_FRACTIONS) or 10**12 % number.denominator:
+        return str(number.numerator), str(number.denominator)
+    return repr(float(number)), "1"
 
-    Examples
-    --------
-    >>> import sympy
-    >>> M, m, a, b = sympy.symbols("M m a b")
-    >>> print(spread((M + m) * (a / (M + m) + b)))
-    a + b*(M + m)
-    """
-    import sympy
 
-    found = 0
-    for term in sympy.Add.make_args(bare(expression)):
-        sums = [s for s in sympy.Mul.make_args(term) if s.is_Add and any(sympy.fraction(part)[1] != 1 for part in s.args)]
-        if not sums:
-            found += term
-            continue
-        rest = term / sums[0]
-        found += sum((spread(rest * part) for part in sums[0].args), sympy.Integer(0))
-    return found
+def _joined(number: str, factors: Iterable[tuple[Atom, Fraction]]) -> str:
+    """Factors side by side; a bracket alone needs no brackets."""
+    found = list(factors)
+    if number == "1" and len(found) == 1 and isinstance(found[0][0], Group) and found[0][1] == 1:
+        return _sum(found[0][0].sum)
+    return " ".join([number] * (number != "1" or not found) + [_text(atom, exponent) for atom, exponent in found])
+
+
+def _text(atom: Atom, exponent: Fraction) -> str:
+    """A factor with its power."""
+    if exponent == Fraction(1, 2):
+        return rf"\sqrt{{{_sum(atom.sum) if isinstance(atom, Group) else _text(atom, Fraction(1))}}}"
+    raised = "" if exponent == 1 else f"^{{{_sum(formula(exponent))}}}"
+    if isinstance(atom, Letter):
+        return atom.text if not raised else f"{{{atom.text}}}{raised}" if "^" in atom.text else atom.text + raised
+    if isinstance(atom, Group):
+        return _bracketed(atom.sum) + raised
+    if isinstance(atom, Call):
+        return _called(atom, raised, exponent)
+    if isinstance(atom, Power):
+        return f"{_based(atom.base)}^{{{_sum(atom.exponent if exponent == 1 else atom.exponent * exponent)}}}"
+    return (_extreme(atom) if isinstance(atom, Extreme) else _cases(atom)) + raised
+
+
+def _bracketed(value: Formula) -> str:
+    return rf"\left({_sum(value)}\right)"
+
+
+def _based(base: Formula) -> str:
+    """What is raised to a power: a letter or a size as it stands, anything else in brackets."""
+    text = _sum(base)
+    return text if not base.is_sum and re.fullmatch(r"\\?\w+(_\{.*\})?|\\left\|.*\\right\|", text) else rf"\left({text}\right)"
+
+
+def _called(call: Call, raised: str, exponent: Fraction) -> str:
+    inner = _sum(expanded(call.argument) if call.name in ("sin", "cos") else call.argument)
+    if call.name == "exp":
+        return f"e^{{{_sum(call.argument * exponent)}}}"
+    if call.name == "abs":
+        return rf"\left|{{{inner}}}\right|{raised}"
+    name = rf"\{call.name}" if call.name in _NAMED else rf"\operatorname{{{call.name}}}"
+    return rf"{name}{raised}{{\left({inner} \right)}}"
+
+
+def _extreme(atom: Any) -> str:
+    two = sorted((atom.one, atom.other), key=lambda value: not value.is_number)
+    return rf"\{atom.name}\left({_sum(two[0])}, {_sum(two[1])}\right)"
+
+
+def _cases(atom: Any) -> str:
+    lines, rest = [], formula(1) * Formula.of(atom)
+    while (cases := _only_cases(rest)) is not None:
+        lines.append(rf"{_sum(cases.yes)} & \text{{for}}\: {_condition(cases.condition)}")
+        rest = cases.no
+    return r"\begin{cases} " + r" \\".join([*lines, rf"{_sum(rest)} & \text{{otherwise}}"]) + r" \end{cases}"
+
+
+def _only_cases(value: Formula) -> Cases | None:
+    """The case distinction that a formula is, if it is one."""
+    (atom,) = found if len(found := [a for factors in value.terms for a, _ in factors]) == 1 else [None]
+    return atom if isinstance(atom, Cases) and value == Formula.of(atom) else None
+
+
+def _condition(condition: Any) -> str:
+    if isinstance(condition, Both):
+        return rf"{_condition(condition.one)} {condition.joined} {_condition(condition.other)}"
+    return f"{_sum(condition.left)} {_SIGNS[condition.sign]} {_sum(condition.right)}"
 
 
 # ---- letters ----
@@ -216,17 +201,15 @@ def indices(names: Iterable[str]) -> list[str]:
 class Letters:
     """The symbols of a record's numbers by their dotted names, and those that are one of several by their number."""
 
-    symbols: dict[str, Tex]
-    numbered: dict[Any, tuple[str, str]]  # of a symbol: how it prints with %s for its number, and its number
+    symbols: dict[str, Formula]
+    numbered: dict[Atom, tuple[str, str]]  # of a symbol: how it prints with %s for its number, and its number
 
     def renumbered(self, expressions: Iterable[Any], index: str) -> dict[Any, Any]:
         """What puts an index for the number that all numbered symbols of some expressions share; nothing if they share none."""
-        import sympy
-
-        found = {s for expression in expressions for s in bare(expression).free_symbols if s in self.numbered}
+        found = {s for expression in expressions for s in formula(expression).atoms if s in self.numbered}
         if len({self.numbered[s][1] for s in found}) != 1:
             return {}
-        return {s: sympy.Symbol(self.numbered[s][0].replace("%s", index), positive=True) for s in found}
+        return {s: symbol(self.numbered[s][0].replace("%s", index)) for s in found}
 
 
 def letters_of(record: Any, names: Iterable[str]) -> Letters:
@@ -242,8 +225,9 @@ def letters_of(record: Any, names: Iterable[str]) -> Letters:
             is_own = list(tried.values()).count(text) == 1 and text not in _TAKEN and text not in _printed(chosen, ways)
             if name not in chosen and (is_own or place == 2):
                 chosen[name] = ways[name][0][place]
-    symbols = {name: symbol(form.replace("%s", ways[name][1])) for name, form in chosen.items()}
-    numbered = {bare(symbols[name]): (chosen[name], number) for name, (_, number) in ways.items() if number}
+    texts = {name: form.replace("%s", ways[name][1]) for name, form in chosen.items()}
+    symbols = {name: symbol(text) for name, text in texts.items()}
+    numbered = {Letter(texts[name]): (chosen[name], number) for name, (_, number) in ways.items() if number}
     return Letters(symbols, numbered)
 
 
@@ -258,10 +242,10 @@ def _ways(record: Any, name: str) -> tuple[tuple[str, str, str], str]:
     words, number = [p for p in places if not p.isdigit()], ",".join(str(int(p) + 1) for p in places if p.isdigit())
     place = "%s" if number else ""
     own = str(told_by_field(record, name).get("symbol", ""))
-    letter, index = _own_letter(own) if own else _letter(words[-1])
+    stem, index = _own_letter(own) if own else _letter(words[-1])
     owner = _upright(" ".join(words[:-1])) if words[:-1] else ""
     return (
-        subscripted(letter, index, place),
-        subscripted(letter, index, place, owner),
+        subscripted(stem, index, place),
+        subscripted(stem, index, place, owner),
         subscripted(_upright(" ".join(words)), place),
     ), number

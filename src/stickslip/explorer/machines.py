@@ -105,7 +105,7 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
     >>> import stickslip as ss
     >>> first = next(numbers_of(ss.Chain.example()))
     >>> first.name, first.label, first.unit, (round(first.low, 6), round(first.high, 6))
-    ('modules.0.body_mass', 'mass of the body M', 'kg', (0.006259, 0.156475))
+    ('modules.0.body_mass', 'mass of the body', 'g', (0.01, 0.2))
     """
     for name, value in leaves(model):
         told, value = told_by_field(model, name), float(value)
