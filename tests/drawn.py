@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 import stickslip as ss
+from registries import examples
 from stickslip.friction.adapter import adapted
 
 EXPONENTS = (0.5, 1.0, 1.5, 2.0, 3.0)
 DRIVES = tuple(ss.DRIVES)
-LAWS = (*(name for name, law in ss.LAWS.items() if not adapted(law.example()).dynamic), "sum")
+LAWS = (*(name for name, law in examples(ss.LAWS).items() if not adapted(law).dynamic), "sum")
 
 
 def drive(rng, name):

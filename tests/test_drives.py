@@ -8,6 +8,7 @@ import pytest
 
 import stickslip as ss
 from coasting import Coasting
+from registries import examples
 from stickslip.analysis.closed_form import three_phase, two_phase
 from stickslip.engine.symbols import Graph
 from stickslip.engine.values import values_of
@@ -17,7 +18,7 @@ from stickslip.maths import within
 G = 9.81
 MU, PLUS, MINUS = 0.1315, 0.15, 0.25
 DRIVES = {
-    **{name: cls.example() for name, cls in ss.DRIVES.items()},
+    **examples(ss.DRIVES),
     "bangbang, stronger first": ss.BangBang(a1=60.0, a2=7.0, frequency=11.0),
     "threephase, a jerk": ss.ThreePhase(stroke=0.005, w1=18.0, w2=1e7, w3=18.0),
     "trapezoid, fast first": ss.Trapezoid(u1=0.4, u2=0.1, ramp=0.004, stroke=0.01),

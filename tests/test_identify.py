@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from registries import examples
 from stickslip.errors import InputError
+from stickslip.friction.adapter import adapted
 from stickslip.identifying.driven import Motion, driven_force, motion_of
 from stickslip.identifying.targets import target
 from stickslip.identifying.words import rounded
@@ -517,16 +519,13 @@ def test_the_commands_do_what_the_functions_do(tmp_path, capsys):
 
 def fittable():
     """Every law with a kinetic coefficient that the compiled solvers take."""
-    from stickslip.friction import LAWS
-
-    with_mu = [law for law in LAWS.values() if isinstance(law._example.get("mu_plus"), float) and not getattr(law, "scalar_only", False)]
-    return [pytest.param(law, id=law.__name__) for law in with_mu]
+    return [law for law in examples(ss.LAWS).values() if isinstance(getattr(law, "mu_plus", None), float) and adapted(law).compiles]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", fittable())
+@pytest.mark.parametrize("law", fittable(), ids=lambda law: type(law).__name__)
 def test_the_friction_of_every_law_is_found(law):
-    robot = rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law(**law._example))
+    robot = rig(tilt_deg=1.7, amplitude=6e-4).replace(friction=law)
     true = robot.friction.mu_plus
     rec = ss.virtual_rig(robot, noise=1e-4, seed=1, rtol=1e-7)
     fit = ss.identify(rec, robot, free={"friction.mu_plus": (0.7 * true, 1.15 * true)}, starts=8, rtol=1e-7)

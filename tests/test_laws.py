@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from registries import examples
 from stickslip.benching.contact import Contact
 from stickslip.benching.probe import Probe
 from stickslip.benching.setup import Setup
@@ -25,7 +26,7 @@ from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken
 
 #: Every law, and sums of each kind: set-valued, with a state, with memory.
-EVERY = {name: cls.example() for name, cls in ss.LAWS.items()} | {
+EVERY = examples(ss.LAWS) | {
     "dry and oil": ss.Stribeck.example() + ss.Viscous.example(),
     "bristle and oil": ss.Viscous.example() + ss.LuGre.example(),
     "elements and oil": ss.GMS.example() + ss.Viscous.example(),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from registries import examples
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.fields import leaves, replace_leaf
 from stickslip.tracks import TRACKS, fold
@@ -48,7 +49,7 @@ def test_a_study_file_keeps_every_track(track):
 
 
 @every_track
-@pytest.mark.parametrize("drive", [cls.example() for cls in ss.DRIVES.values()], ids=ss.DRIVES)
+@pytest.mark.parametrize("drive", examples(ss.DRIVES).values(), ids=examples(ss.DRIVES))
 def test_the_load_can_be_written_down_and_repeats(track, drive):
     robot = rig(track).replace(drive=drive)
     graph = Graph()
@@ -109,7 +110,7 @@ def test_a_run_uphill_is_a_negative_tilt():
 
 
 @every_track
-@pytest.mark.parametrize("drive", [cls.example() for cls in ss.DRIVES.values()], ids=ss.DRIVES)
+@pytest.mark.parametrize("drive", examples(ss.DRIVES).values(), ids=examples(ss.DRIVES))
 @pytest.mark.parametrize("law", ["coulomb", "lugre"])
 def test_a_mirrored_robot_obeys_mirrored_equations(track, drive, law):
     robot = rig(track, law).replace(drive=drive)

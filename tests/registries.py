@@ -1,0 +1,59 @@
+"""What is registered, asked in one way: an entry that is not finished takes no test module away, and one sentence says what it lacks."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+
+from house import ROOT
+from stickslip.fields import is_number_field, is_tuple_field
+
+
+def examples(registry):
+    """The example of every entry that has one; `test_recipes.py` says what the others lack."""
+    return {name: made for name, cls in registry.items() if (made := example(cls)) is not None}
+
+
+def example(cls):
+    """The example of a class; None where it gives none, whatever the reason."""
+    try:
+        return cls.example()
+    except Exception:
+        return None
+
+
+def lacking(name, cls, needs, section=""):
+    """Sentences on what a new law or drive lacks, by the steps of CONTRIBUTING."""
+    found = []
+    if not (dataclasses.is_dataclass(cls) and cls.__dataclass_params__.frozen):
+        return [f"{cls.__name__}: write @dataclass(frozen=True, eq=False) above the class"]
+    for field in dataclasses.fields(cls):
+        found += _of_field(cls, field)
+    if example(cls) is None:
+        found.append(f"{cls.__name__}.example() gives no {cls.__name__}: give its fields examples, or write the classmethod example")
+    found += [f"{cls.__name__}: write its method or property {need}" for need in needs if not hasattr(example(cls) or cls, need)]
+    if name != cls.__name__.lower():
+        found.append(f"{cls.__name__}: its name in the registry is {name!r}; allowed is {cls.__name__.lower()!r}")
+    for page, words in ((f"docs/{section}", cls.__name__), ("docs/api.md", f"stickslip.{cls.__name__}")):
+        if words not in text_of(page):
+            found.append(f"{cls.__name__}: write about it in {page}")
+    if f"{cls.__name__} as {cls.__name__}" not in text_of("src/stickslip/__init__.pyi"):
+        found.append(f"{cls.__name__}: name it in src/stickslip/__init__.pyi")
+    return found
+
+
+def _of_field(cls, field):
+    if not (is_number_field(field) or is_tuple_field(field)) or field.name == "notes":
+        return []
+    wanted = [key for key in ("label", "unit", "example") if key not in field.metadata]
+    kind = getattr(field.type, "__name__", field.type)
+    typed = f'{field.name}: {kind} = field(metadata=quantity("what it is", "its unit", example=1.0))'
+    return [f"{cls.__name__}.{field.name} has no {', '.join(wanted)}; type {typed}"] if wanted else []
+
+
+@functools.cache
+def text_of(place):
+    """The text of a page, or of all pages of a folder."""
+    path = ROOT / place
+    pages = sorted(path.glob("*.md")) if path.is_dir() else [path]
+    return "\n".join(page.read_text(encoding="utf-8") for page in pages)
