@@ -10,10 +10,10 @@ import numpy as np
 from stickslip.analysis.motion import motion
 from stickslip.analysis.steady import mean_velocity
 from stickslip.errors import InputError, StickslipError
-from stickslip.explorer.around import RTOL, TYPES, Stop, Stopped, map_of, strip_of
+from stickslip.explorer.around import TYPES, Stop, Stopped, map_of, strip_of
 from stickslip.explorer.asked import Message, State
 from stickslip.explorer.code import python
-from stickslip.explorer.effort import affordable
+from stickslip.explorer.effort import RTOL, affordable
 from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import Kernels, compiling
 from stickslip.explorer.machines import Shown, picture

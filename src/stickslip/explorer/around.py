@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.dynamics.mapping import at_rest, coordinates, strobe_map
 from stickslip.errors import InputError
 from stickslip.explorer.asked import Message, Plane, State
-from stickslip.explorer.effort import effort, too_much
+from stickslip.explorer.effort import RTOL, effort, too_much
 from stickslip.explorer.kernels import Kernels, compiling
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.solvers import solve
@@ -27,7 +27,6 @@ PATIENCE = 8.0
 #: Drive periods of a map at most; of a strip before its points, and how many points it has.
 FINE, SETTLE, KEPT = 200, 48, 16
 #: Loose enough for the quick method, tight enough for four digits.
-RTOL = 1e-4
 
 
 class Stopped(Exception):

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.explorer.effort import affordable
+from stickslip.explorer.effort import RTOL, affordable
 from stickslip.explorer.parameters import Parameter
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine import is_machine, machine_of
@@ -145,7 +145,6 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
 
 
 def _solved(shown: Shown, model: Any, fine: bool, progress: Callable[[int, int], None] | None = None) -> Any:
-    from stickslip.explorer.around import RTOL
     from stickslip.solvers import solve
 
     run = solve(model, **shown.length(model, fine), rtol=RTOL, keep="trajectory", progress=progress)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.plot.style import SHADE, WIDTH, publication
+from stickslip.report.drawn import svg
 
 __all__ = ["COULOMB", "LUGRE", "MEASURED", "Picture", "curve", "render", "shade_rest"]
 
@@ -65,20 +65,7 @@ def render(folder: Path, key: str, panels: Sequence[Panel], height: float = 2.2,
         for file in files:
             whole.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else {})
             whole.set_layout_engine("none")  # the second file is laid out as the first: half of the work
-        return Picture(key=key, files=files, panels=tuple(_alone(draw, height, f"{key}-{i}") for i, draw in enumerate(panels)), **texts)
-
-
-def _alone(draw: Panel, height: float, salt: str) -> str:
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    mpl.rcParams["svg.hashsalt"] = salt
-    figure = Figure(figsize=(WIDTH, height))
-    draw(figure.subplots())
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
+        return Picture(key=key, files=files, panels=tuple(svg(draw, WIDTH, height, f"{key}-{i}") for i, draw in enumerate(panels)), **texts)
 
 
 def curve(run: Any, periods: int, points: int = 900) -> dict[str, Any]:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.paper.amplitudes import Amplitudes
-from stickslip.paper.table import Row
-
-__all__ = ["Erratum", "errata"]
+__all__ = ["Erratum"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,25 +32,3 @@ class Erratum:
     proof: str
     holds: bool | None = None
     numbers: dict[str, Any] = field(default_factory=dict)
-
-
-def errata(table: tuple[Row, ...], amplitudes: Amplitudes) -> tuple[Erratum, ...]:
-    """Every erratum, in the order of the paper."""
-    from stickslip.paper import errata_checks as check
-
-    checks: tuple[Callable[[], Erratum], ...] = (
-        check.at_rest,
-        check.beam_equation,
-        check.patch_moment,
-        check.transient,
-        lambda: check.weight(table),
-        lambda: check.incline(table),
-        check.figure_numbers,
-        lambda: check.third_type(table),
-        check.steady_velocity,
-        lambda: check.missing_amplitudes(amplitudes),
-        check.letter,
-        check.third_ratio,
-        check.ratios,
-    )
-    return tuple(make() for make in checks)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import numpy as np
 
@@ -13,10 +14,7 @@ from stickslip.paper.runs import batch
 from stickslip.paper.table import Row
 from stickslip.paper.words import listed, millimetres, percent, plain, speed
 
-__all__ = [
-    "at_rest", "beam_equation", "figure_numbers", "incline", "letter", "missing_amplitudes", "patch_moment", "ratios", "steady_velocity",
-    "third_ratio", "third_type", "transient", "weight",
-]  # fmt: skip
+__all__ = ["errata"]
 
 # Units as exponents of kg, m, s, A.
 KG, METRE, SECOND, AMPERE = np.eye(4, dtype=int)
@@ -250,3 +248,23 @@ def ratios() -> Erratum:
         bool(equal),
         {"figures": equal},
     )
+
+
+def errata(table: tuple[Row, ...], amplitudes: Amplitudes) -> tuple[Erratum, ...]:
+    """Every erratum, in the order of the paper."""
+    checks: tuple[Callable[[], Erratum], ...] = (
+        at_rest,
+        beam_equation,
+        patch_moment,
+        transient,
+        lambda: weight(table),
+        lambda: incline(table),
+        figure_numbers,
+        lambda: third_type(table),
+        steady_velocity,
+        lambda: missing_amplitudes(amplitudes),
+        letter,
+        third_ratio,
+        ratios,
+    )
+    return tuple(make() for make in checks)

@@ -16,11 +16,13 @@ from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import Amplitudes, infer
 from stickslip.paper.around import Around
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
-from stickslip.paper.claims import VERDICTS, Claim, Study, claims, study_of
+from stickslip.paper.claims import VERDICTS, Claim, Study
 from stickslip.paper.coexistence import Coexistence
 from stickslip.paper.drawing import Picture
 from stickslip.paper.equations import Equation, equations
-from stickslip.paper.errata import Erratum, errata
+from stickslip.paper.errata import Erratum
+from stickslip.paper.errata_checks import errata
+from stickslip.paper.judging import claims, study_of
 from stickslip.paper.motions import Motion
 from stickslip.paper.runs import Runs, Tell, solve_all
 from stickslip.paper.table import Row, rows

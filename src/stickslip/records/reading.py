@@ -18,6 +18,7 @@ from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
+from stickslip.records.roles import OURS, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance
@@ -26,7 +27,6 @@ __all__ = ["read", "read_bytes", "remarks"]
 
 _TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
-_LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
 
 
 @explains_arguments
@@ -109,7 +109,7 @@ def _record(
     problems.check()
     channels = _channels(raw, rate, roles)
     source = {"path": path, "format": raw.format, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest(), **raw.info}
-    ours = set(_OURS) <= {c.name for c in channels}
+    ours = set(OURS) <= {c.name for c in channels}
     notes = ["the columns are those of a run of stickslip: computed, not measured"] if ours else []
     if said := SYNTHETIC in raw.info.get("preamble", ""):
         notes.append("the file says that it is a synthetic record: computed, not measured")
@@ -253,7 +253,7 @@ def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Chann
     for c in raw.columns:
         for part in (c, c.axis) if c.axis else (c,):
             part.values.setflags(write=False)  # nobody else has these arrays: channels share them
-    named, found = _roles([c for c in raw.columns if id(c) not in used], roles), []
+    named, found = roles_of([c for c in raw.columns if id(c) not in used], roles), []
     for c in raw.columns:
         if id(c) in used:
             continue
@@ -302,92 +302,3 @@ def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
 def _rises(values: Any) -> bool:
     steps = np.diff(values)
     return bool(len(steps)) and bool(np.mean(steps > 0) > 0.99)
-
-
-_ROLE_WORDS = (
-    (r"absolute.*", "absolute velocity", ("velocity",)),
-    (r"convected.*|body velocity", "velocity", ("velocity",)),
-    (r"normal.*|load|.*normal force.*", "load", ("force",)),
-    (r"drive.*|relative velocity|xi_rate", "drive", ("velocity", "position", "acceleration", "voltage")),
-    (r"friction.*|force|kraft", "force", ("force",)),
-    (r"v|velocity|vel|geschwindigkeit", "velocity", ("velocity",)),
-    (r"x|position|pos|displacement|weg", "position", ("position",)),
-)
-#: The columns of a run that we wrote, and what they are for; a table that has all of these is one.
-_OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi": None, "xi_rate": "drive", "friction_force": "force"}
-
-
-def _roles(columns: list[Column], typed: dict[str, str]) -> dict[str, str | None]:
-    """What channels are for: as typed, else as the file says, else where name and unit leave no doubt.
-
-    A name says more than a unit, and what is typed most.
-    """
-    alias = {"convected velocity": "velocity"}
-    ours = set(_OURS) <= {c.name for c in columns}
-    found = {c.name: (_OURS.get(c.name), True) if ours and c.role is None else _role_and_why(c) for c in columns}
-    named = {role for role, by_name in found.values() if by_name}
-    roles = {name: None if role in named and not by_name else role for name, (role, by_name) in found.items()}
-    given = {name: alias.get(role, role) for name, role in typed.items()}
-    return {name: None if role in given.values() else role for name, role in roles.items()} | given
-
-
-def _role_and_why(c: Column) -> tuple[str | None, bool]:
-    """What a channel is for, and whether its name (or the file) says so."""
-    if c.role is not None:
-        return c.role or None, True
-    quantity = quantity_of(c.unit)
-    for pattern, role, wanted in _ROLE_WORDS:
-        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or quantity in wanted):
-            return role, True
-    return (quantity if quantity in ("velocity", "position", "force", "acceleration", "pressure", "voltage") else None), False
-
-
-def remarks(channels: list[Channel]) -> list[str]:
-    """What a user must know about these channels before using them."""
-    notes: list[str] = []
-    bare = [c.name for c in channels if c.unit is None]
-    if bare:
-        shown = ", ".join(repr(n) for n in bare[:6]) + (", ..." if len(bare) > 6 else "")
-        notes.append(f'no unit in the file for {shown}; type units={{"{bare[0]}": "m/s"}} with the right one')
-    for c in channels:
-        if c.unit is not None and unit_of(c.unit) is None:
-            notes.append(f"the unit {c.unit!r} of {c.name!r} is kept but not understood")
-        if c.unit == "g":
-            notes.append(f'{c.name!r} is in "g", read as grams; if it is multiples of gravity, type units={{"{c.name}": "g0"}}')
-    axes = {id(c.t): c for c in channels}
-    for c in axes.values():
-        if c.over_time and c.axis_unit is None and c.axis_name != "sample":
-            notes.append(f'no unit in the file for the time axis {c.axis_name!r}; type units={{"{c.axis_name}": "s"}} with the right one')
-        _remark_axis(c, notes)
-    for c in channels:
-        _remark_values(c, notes)
-    return notes
-
-
-def _remark_axis(c: Channel, notes: list[str]) -> None:
-    steps = np.diff(c.t)
-    back, missing = int((steps <= 0).sum()), int((~np.isfinite(c.t)).sum())
-    if back:
-        first = int(np.flatnonzero(steps <= 0)[0])
-        notes.append(f"{c.axis_name} does not rise at {back} places, the first after {c.t[first]:.9g}")
-    if missing:
-        notes.append(f"{c.axis_name} is missing at {missing} samples")
-    if c.gaps:
-        longest = max(c.gaps, key=lambda g: g.length)
-        count, unit = f"{len(c.gaps)} gap{'' if len(c.gaps) == 1 else 's'}", f" {c.axis_unit}" if c.axis_unit else ""
-        notes.append(f"{count} in {c.axis_name}: the longest is {longest.length:.6g}{unit}, after {longest.start:.9g}{unit}")
-
-
-def _remark_values(c: Channel, notes: list[str]) -> None:
-    missing, infinite = np.isnan(c.values), np.isinf(c.values)
-    if missing.any():
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], missing, [False]]).astype(int)))
-        notes.append(
-            f"{c.name}: {int(missing.sum())} values are missing (NaN), the longest run has {int((edges[1::2] - edges[::2]).max())}"
-        )
-    if infinite.any():
-        notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
-    size = abs(c.values[~missing & ~infinite])
-    strange = int(np.sum((size > _LARGEST) | ((size > 0) & (size < _LEAST))))
-    if strange:
-        notes.append(f"{c.name}: {strange} values have sizes that no sensor gives: the file may be damaged, or its byte order wrong")

@@ -67,11 +67,11 @@ class Record:
     def of(cls, t: Numbers, columns: Mapping[str, Numbers], roles: dict[str, str] | None = None, synthetic: bool = False) -> Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
         from stickslip.records.raw import Column
-        from stickslip.records.reading import _roles
+        from stickslip.records.roles import roles_of
         from stickslip.records.units import heading
 
         channels = {}
-        named = _roles([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
+        named = roles_of([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
         for text, values in columns.items():
             name, unit = heading(text)
             if name in channels:
@@ -138,7 +138,7 @@ class Record:
 
     def _notes_of(self, part: dict[str, Channel]) -> tuple[str, ...]:
         """The notes, those on gaps and missing values as they are in a part of the record."""
-        from stickslip.records.reading import remarks
+        from stickslip.records.roles import remarks
 
         with np.errstate(all="ignore"):  # a damaged record holds any number
             of_all, of_part = remarks(list(self.channels.values())), remarks(list(part.values()))
