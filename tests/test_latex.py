@@ -11,6 +11,7 @@ from matplotlib.mathtext import MathTextParser
 import stickslip as ss
 from every import DRY, SHAKEN, with_bodies
 from latex_values import value
+from registries import examples
 from stickslip.engine.formulas import formula, spread, symbol
 from stickslip.engine.latex_motion import _Parts
 from stickslip.engine.tex import indices, letters_of, text_of
@@ -127,7 +128,7 @@ def test_what_is_written_is_what_is_solved(name):
         assert told == pytest.approx(float(expected), rel=1e-10, abs=1e-12)
 
 
-WRITTEN = [name for name, law in LAWS.items() if adapted(law.example()).compiles]
+WRITTEN = [name for name, law in examples(LAWS).items() if adapted(law).compiles]
 
 
 @pytest.mark.parametrize("name", WRITTEN)

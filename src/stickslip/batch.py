@@ -11,7 +11,9 @@ from stickslip.fields import describe, is_array, leaves, replace_leaf, same
 
 __all__ = [
     "Labels",
+    "cases_of",
     "check_shape",
+    "flat",
     "labels_of",
     "labels_together",
     "made_model",
@@ -22,6 +24,7 @@ __all__ = [
     "some_of",
     "spread",
     "stacked",
+    "with_row",
 ]
 
 
@@ -126,19 +129,37 @@ def numbers_by_name(model: Any, cases: slice = slice(None)) -> dict[str, Any]:
 
 
 def some_of(model: Any, at: Any) -> Any:
-    """Some cases of a batch, by their numbers in C order, as a flat batch.
+    """Some cases of a batch, by their numbers in C order, as a flat batch; a single case stays what it is.
 
     Examples
     --------
     >>> import stickslip as ss
-    >>> some_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4, 7e-4]), [2, 0]).drive.amplitude.tolist()
-    [0.0007, 0.0005]
+    >>> some_of(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4, 7e-4]), [2, 0, 0]).drive.amplitude.tolist()
+    [0.0007, 0.0005, 0.0005]
     """
     import numpy as np
 
+    if not labels_of(model).shape:
+        return model
     names = tuple(name for name, _ in leaves(model))
     table = rows_of(model, names)[at]
     return replace_leaf(model, {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(names)})
+
+
+def with_row(model: Any, names: tuple[str, ...], row: Any) -> Any:
+    """One case: the model with a row of plain floats for its named numbers."""
+    return replace_leaf(model, dict(zip(names, map(float, row), strict=True)))
+
+
+def cases_of(model: Any, cases: slice = slice(None)) -> list[Any]:
+    """Every case of a batch, or some, as a model of its own with plain floats; of a single case that one."""
+    names = tuple(name for name, _ in leaves(model))
+    return [with_row(model, names, row) for row in rows_of(model, names, cases)]
+
+
+def flat(model: Any) -> Any:
+    """A batch with one axis, whatever axes it has."""
+    return replace_leaf(model, numbers_by_name(model))
 
 
 def spread(value: Any, labels: Labels) -> Any:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import labels_of, numbers_by_name
+from stickslip.batch import flat, labels_of
 from stickslip.contact_forces import columns_of_parts
 from stickslip.errors import InputError, Problems
-from stickslip.fields import is_array, leaves, replace_leaf
+from stickslip.fields import is_array, leaves
 from stickslip.friction.adapter import TINY, adapted, is_law, law_of
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
@@ -102,10 +102,10 @@ def inner_start(model: Any, x: Any = 0.0) -> Any:
     cases = math.prod(labels_of(model).shape)
     if not law_of(model).says_start:
         return np.zeros((cases, law_of(model).states))
-    flat = replace_leaf(model, numbers_by_name(model))
-    law = law_of(flat)
+    batch = flat(model)
+    law = law_of(batch)
     try:
-        start = law.start(normal_load(flat, 0.0, x))
+        start = law.start(normal_load(batch, 0.0, x))
         found = np.array([np.broadcast_to(np.asarray(z, float), cases) for z in start]).reshape(len(start), cases).T
     except (TypeError, ValueError, ArithmeticError) as error:
         hint = "it gives as many numbers as the law has inner states; take functions from stickslip.maths"

@@ -11,9 +11,8 @@ import numpy as np
 from stickslip.analysis.contact_modes import FLIGHT, contact_modes
 from stickslip.analysis.steady import mean_velocity
 from stickslip.arguments import Model, Run, explains_arguments
-from stickslip.batch import labels_of, numbers_by_name
+from stickslip.batch import flat, labels_of
 from stickslip.errors import InputError
-from stickslip.fields import replace_leaf
 from stickslip.machine import machine_of
 
 __all__ = ["Hops", "hops", "step_per_cycle", "throw_index"]
@@ -70,10 +69,10 @@ def throw_index(machine: Model) -> Any:
     """
     if machine.period is None:
         raise InputError("throw_index", [f"{type(machine).__name__} has no period, and so no cycle; allowed is a machine with a period"])
-    flat = machine_of(replace_leaf(machine, numbers_by_name(machine)))
-    mechanics, number = flat.mechanics, flat.own.get("contact", 0)
+    batch = machine_of(flat(machine))
+    mechanics, number = batch.mechanics, batch.own.get("contact", 0)
     labels = labels_of(machine)
-    T = np.broadcast_to(np.asarray(flat.model.period, float), (int(np.prod(labels.shape, dtype=int)),))
+    T = np.broadcast_to(np.asarray(batch.model.period, float), (int(np.prod(labels.shape, dtype=int)),))
 
     def load(phase: Any) -> Any:
         return np.broadcast_to(np.asarray(mechanics.loads(phase * T, mechanics.start)[number], float), T.shape)
@@ -86,12 +85,12 @@ def throw_index(machine: Model) -> Any:
         falls = load(a) > load(b)
         low, high = np.where(falls, a, low), np.where(falls, high, b)
     least = np.minimum(load(0.5 * (low + high)), looks.min(axis=0))
-    return (1.0 - least / _mean(load, flat, T)).reshape(labels.shape)[()]
+    return (1.0 - least / _mean(load, batch, T)).reshape(labels.shape)[()]
 
 
-def _mean(load: Any, flat: Any, T: Any) -> Any:
+def _mean(load: Any, batch: Any, T: Any) -> Any:
     """Mean load over a period, by Gauss's rule between the instants at which it is not smooth [N]."""
-    cuts = [np.broadcast_to(np.asarray(s, float), T.shape) / T for s in flat.unsorted_breaks]
+    cuts = [np.broadcast_to(np.asarray(s, float), T.shape) / T for s in batch.unsorted_breaks]
     edges = np.sort(np.array([*cuts, *(np.full(T.shape, k / _PARTS) for k in range(_PARTS + 1))]), axis=0)
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     total = np.zeros(T.shape)

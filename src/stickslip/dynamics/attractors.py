@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import some_of
 from stickslip.dynamics.diagrams import UNDONE, own_attrs, periods_of, state_attrs, steady_velocity, whole_motions
-from stickslip.dynamics.many import Report, picked, shared
+from stickslip.dynamics.many import Report, shared
 from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.shifted import shifted
@@ -202,7 +203,7 @@ def settled_points(
     points, ways, good = np.full((cases, _POINTS, d), np.nan), np.full((cases, _POINTS), np.nan), np.full(cases, UNDONE)
 
     def ended(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array, Array]:
-        model = picked(batch, part)
+        model = some_of(batch, part)
         end = strobe_map(model, states[part], settle, rtol)
         tell(0.5)
         kept, made = strobe_orbit(model, end.state, _POINTS, rtol)

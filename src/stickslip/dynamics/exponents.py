@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import some_of
 from stickslip.dynamics.closed import resting
 from stickslip.dynamics.generic import STRETCHES, Lyapunov, error_of_mean, gathered
-from stickslip.dynamics.many import Report, picked, shared
+from stickslip.dynamics.many import Report, shared
 from stickslip.dynamics.mapping import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed
@@ -237,7 +238,7 @@ def largest_exponents(
     >>> largest_exponents(robot, periods=20, settle=50)[0].round(4).tolist()
     [-2.4189]
     """
-    from stickslip.batch import labels_of
+    from stickslip.batch import labels_of, some_of
 
     needs_model("largest_exponents", model, batch=True, flows=True)
     problems = Problems("largest_exponents")
@@ -251,7 +252,7 @@ def largest_exponents(
     means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
 
     def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
-        some = picked(model, part)
+        some = some_of(model, part)
         begun = strobe_map(some, state[part], settle, max(rtol, 1e-8)).state if settle else state[part]
         tell(settle / (settle + 3.0 * (_ALIGN + periods)))
         return _apart_by(some, begun, at, periods, rtol, apart, tell)
@@ -278,7 +279,7 @@ def _states_given(start: Any, model: Any, names: tuple[str, ...]) -> Array:
 def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
     """The mean growth of the distance of two neighbours per drive period, and its error, for some cases."""
     cases = len(state)
-    both = picked(model, np.tile(np.arange(cases), 2))
+    both = some_of(model, np.tile(np.arange(cases), 2))
     d = at.smooth
     scales = at.scales[:d]
     away, other = np.tile(apart * scales / np.sqrt(d), (cases, 1)), state[:, d:]

@@ -9,12 +9,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from stickslip import pool
-from stickslip.batch import labels_of, rows_of
-from stickslip.fields import leaves, replace_leaf
 from stickslip.pool import Cancelled
 from stickslip.sweeps.progress import Progress, Watch
 
-__all__ = ["Report", "parts_of", "picked", "shared"]
+__all__ = ["Report", "parts_of", "shared"]
 
 Array = Any
 T = TypeVar("T")
@@ -32,22 +30,6 @@ def parts_of(cases: int, size: int = PART) -> list[slice]:
     [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
     """
     return [slice(i, min(i + size, cases)) for i in range(0, cases, size)]
-
-
-def picked(model: Any, at: Any) -> Any:
-    """Some cases of a batch, by a slice or by their numbers (which may repeat), as a batch of one dimension.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> picked(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[4e-4, 5e-4, 6e-4]), [2, 0, 0]).drive.amplitude.tolist()
-    [0.0006, 0.0004, 0.0004]
-    """
-    if not labels_of(model).shape:
-        return model
-    names = tuple(name for name, _ in leaves(model))
-    rows = rows_of(model, names)[at]
-    return replace_leaf(model, {name: np.ascontiguousarray(rows[:, k]) for k, name in enumerate(names)})
 
 
 def shared(

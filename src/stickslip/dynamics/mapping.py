@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import labels_of
+from stickslip.batch import cases_of, labels_of
 from stickslip.dynamics.order import Order, numbered, order_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
@@ -352,7 +352,8 @@ def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
 
 def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
     """Any other method: a run for each case."""
-    cases = cases_of(model, len(states))
+    cases = cases_of(model)
+    cases = cases * (len(states) // len(cases))
     runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
     ends = np.array([strobe_states(run)[-1] for run in runs])
     way = np.array([way_of(run)[-1] - way_of(run)[0] for run in runs])
@@ -361,16 +362,6 @@ def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
         return Ends(ends, way, np.zeros(len(runs), int), none, none)
     top, low = (np.array([extreme(run.v) for run in runs]) for extreme in (np.max, np.min))
     return Ends(ends, way, np.zeros(len(runs), int), top, low)
-
-
-def cases_of(model: Any, count: int) -> list[Any]:
-    """Every case of a batch as a model of its own."""
-    from stickslip.batch import rows_of
-
-    names = tuple(name for name, _ in leaves(model))
-    rows = rows_of(model, names)
-    rows = np.broadcast_to(rows, (count, len(names)))
-    return [replace_leaf(model, dict(zip(names, map(float, row), strict=True))) for row in rows]
 
 
 def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any:

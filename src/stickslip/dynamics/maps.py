@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
+from stickslip.batch import some_of
 from stickslip.dynamics.diagrams import UNDONE, periods_of, steady_velocity
 from stickslip.dynamics.exponents import largest_exponents
 from stickslip.dynamics.family import Family, family
-from stickslip.dynamics.many import Report, picked, shared
+from stickslip.dynamics.many import Report, shared
 from stickslip.dynamics.mapping import coordinates, spread_over, strobe_map, strobe_orbit
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.orbits import states_of
@@ -138,19 +139,19 @@ def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, per
     exponent, error = np.full(cases, np.nan), np.full(cases, np.nan)
     tell(0.5)
     if len(late):
-        some = picked(model, late)
+        some = some_of(model, late)
         settled = strobe_map(some, state[late], settle - first, rtol).state if settle > first else state[late]
         period[late], state[late], velocity[late] = _repeats(some, settled, at.scales, _POINTS, rtol)
         tell(0.7)
     for p in np.unique(period[period > 0]):
         members = np.flatnonzero(period == p)
         if followed:
-            exponent[members], error[members] = _by_multipliers(picked(model, members), state[members], int(p), at.scales, rtol)
+            exponent[members], error[members] = _by_multipliers(some_of(model, members), state[members], int(p), at.scales, rtol)
     wild = np.flatnonzero((period == 0 if followed else period >= 0) & np.isfinite(state).all(axis=1))
     tell(0.8)
     if len(wild):
         exponent[wild], error[wild] = largest_exponents(
-            picked(model, wild), periods, settle=0, start=state[wild], rtol=rtol, apart=max(1e-7, 100 * rtol)
+            some_of(model, wild), periods, settle=0, start=state[wild], rtol=rtol, apart=max(1e-7, 100 * rtol)
         )
     return period, exponent, error, velocity
 

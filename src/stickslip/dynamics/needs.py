@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.batch import cases_of
 from stickslip.dynamics.duals import slopes_of, variables
-from stickslip.dynamics.many import picked
-from stickslip.dynamics.mapping import cases_of, coordinates, largest
+from stickslip.dynamics.mapping import coordinates, largest
 from stickslip.dynamics.order import order_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves
@@ -63,7 +63,7 @@ def _drifts(model: Any) -> bool:
 
     Of a batch the first case is asked.
     """
-    order, one = order_of(model), cases_of(picked(model, [0]), 1)[0]
+    order, one = order_of(model), cases_of(model, slice(1))[0]
     mechanics, random = machine_of(one).mechanics, np.random.default_rng(20261122)
     if mechanics.stops:
         return False

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name
-from stickslip.dynamics.many import picked
+from stickslip.batch import numbers_by_name, some_of
 from stickslip.dynamics.mapping import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
@@ -162,7 +161,7 @@ def jacobian_of(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12,
 def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-12, span: Any = None, order: int = 0) -> Array:
     """The same for each case of a batch, or for several states of one: array (cases, states, states)."""
     cases, d = len(states), coordinates(model).smooth
-    each = picked(model, np.repeat(np.arange(cases), d))
+    each = some_of(model, np.repeat(np.arange(cases), d))
     found = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
     return found.change.reshape(cases, d, d).transpose(0, 2, 1)
 

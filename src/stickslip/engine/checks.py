@@ -13,7 +13,6 @@ import numpy as np
 
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
-from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.machine import machine_of
 
@@ -96,10 +95,9 @@ def check_numbers(model: Any) -> None:
 
 
 def _check_numbers(model: Any) -> None:
-    from stickslip.batch import rows_of
+    from stickslip.batch import cases_of
 
-    names = tuple(name for name, _ in leaves(model))
-    case: Any = replace_leaf(model, dict(zip(names, (float(c) for c in rows_of(model, names)[0]), strict=True)))
+    case = cases_of(model, slice(1))[0]
     machine = machine_of(case)
     mechanics, speed = machine.mechanics, max(float(machine.velocity_scale), 1e-9)
     for law, load in zip(mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import platform
 from collections.abc import Callable
 from functools import partial
@@ -52,7 +51,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
             "rows": comparison.to_table(),
             "unit": {"velocity": "m/s"}.get(comparison.kind, "m"),
             "notes": comparison.notes,
-            "picture": _drawn(comparison.plot),
+            "picture": _drawn(comparison.plot, "comparison"),
             "text": str(comparison),
         },
         ranking=None
@@ -86,7 +85,7 @@ def _told(fit: Any) -> dict[str, Any]:
     for i in range(min(len(fit.problem.targets), _SHOWN)):
         if fit.problem.targets[i].kind == "mean" and i > 0:
             continue
-        drawn = (_drawn(partial(plot.fitted, fit, i)), _drawn(partial(plot.residuals, fit, i)))
+        drawn = (_drawn(partial(plot.fitted, fit, i), f"fitted {i}"), _drawn(partial(plot.residuals, fit, i), f"residuals {i}"))
         pictures.append((*drawn, fit.quality[i], unit_of_kind(fit.quality[i].kind)))
     table = fit.correlations.tolist()
     return {
@@ -110,17 +109,9 @@ def _source(number: int, rec: Any) -> dict[str, Any]:
     return {"number": number, "summary": str(rec.summary), "source": told}
 
 
-def _drawn(draw: Callable[[Any], Any]) -> str:
+def _drawn(draw: Callable[[Any], Any], salt: str) -> str:
     """What `draw` puts on the axes, as SVG."""
-    from matplotlib.figure import Figure
-
-    from stickslip.plot import publication
     from stickslip.plot.style import WIDTH
+    from stickslip.report.drawn import svg
 
-    with publication():
-        figure = Figure(figsize=(1.3 * WIDTH, 2.5), layout="constrained")
-        draw(figure.subplots())
-        buffer = io.StringIO()
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    return svg(draw, 1.3 * WIDTH, 2.5, salt, layout="constrained")

@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import rows_of
+from stickslip.batch import rows_of, with_row
 from stickslip.engine import rk4 as engine
 from stickslip.errors import InputError, SolveError, is_whole
-from stickslip.fields import replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.pieces import PolynomialPieces
 from stickslip.pool import shared
@@ -189,7 +188,7 @@ def _parts(todo: Request, kernel: engine.Kernel, rows: Any, steps: int) -> Itera
     """Raw results case by case; the compiled loop lets go of the lock, so threads help."""
 
     def work(i: int) -> dict[str, Any]:
-        model = replace_leaf(todo.model, dict(zip(kernel.names, map(float, rows[i]), strict=True)))
+        model = with_row(todo.model, kernel.names, rows[i])
         result = _summary(todo, _March(model, kernel, rows[i], todo.start[i], steps, thinned=False))
         if todo.progress is not None:
             todo.progress(i + 1, len(rows))

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, numbers_by_name, spread
+from stickslip.batch import Labels, flat, spread
 from stickslip.errors import Problems, did_you_mean
-from stickslip.fields import number, replace_leaf
+from stickslip.fields import number
 from stickslip.machine import machine_of
 
 __all__ = ["start_of_parts"]
@@ -20,8 +20,8 @@ _EXAMPLE = {name: f"{name}={{name: {value}}}" for name, value in (("x", 0.0), ("
 
 def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -> Array:
     """A table (cases, 2 coordinates + inner states + memories): coordinates, their velocities, and what laws and controllers hold."""
-    flat = replace_leaf(model, numbers_by_name(model))
-    mechanics, cases = machine_of(flat).mechanics, int(np.prod(labels.shape, dtype=np.int64))
+    batch = flat(model)
+    mechanics, cases = machine_of(batch).mechanics, int(np.prod(labels.shape, dtype=np.int64))
     laws = mechanics.laws
     given = dict(start) if isinstance(start, dict) else {}
     if start is not None and not isinstance(start, dict):

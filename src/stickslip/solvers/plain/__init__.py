@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from stickslip.batch import rows_of
+from stickslip.batch import cases_of
 from stickslip.errors import SolveError
-from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
@@ -39,8 +38,8 @@ def solve(todo: Request) -> Trajectory | Summary:
 
 def _case(todo: Request, i: int) -> Any:
     """One case of the batch, its numbers plain floats."""
-    names = tuple(name for name, _ in leaves(todo.model))
-    return replace_leaf(todo.model, dict(zip(names, map(float, rows_of(todo.model, names)[i]), strict=True)))
+    (case,) = cases_of(todo.model, slice(i, i + 1))
+    return case
 
 
 def _nothing(model: Any) -> dict[str, Any]:
