@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from runs import coulomb_run, lugre_run, unit_robot
 from stickslip.analysis.steady import velocity_range
+from stickslip.machine import machine_of
 
 ALPHAS = [(0.5, 1.2), (0.7, 0.9), (0.4, 0.8), (0.4, 0.5)]
 
@@ -71,3 +74,67 @@ def test_the_numbers_of_a_body_that_slides_by_itself_fit_together(law):
     assert any("slides by itself" in note and "1.557 of the load" in note for note in run.notes)
     assert any("slides by itself" in note for note in robot.replace({"track.tilt": -1.0}).notes)
     assert any("slides by itself" in note for note in robot.replace({"track.tilt": np.array([0.0, 1.0])}).notes)
+
+
+TWO_MASSES = ss.Robot(0.06, (0.006, 0.003), (ss.Harmonic(6e-4, omega=200.0), ss.Harmonic(3e-4, omega=400.0)), ss.Coulomb(0.15, 0.21))
+#: Machine, how long, what it loses beside its contacts. The tilts are those whose work must stand apart.
+MACHINES = {
+    "two_modules": (ss.presets.two_modules(), {"periods": 60}, {"module 1-module 2"}),
+    "worm": (ss.presets.worm(), {"periods": 20}, set()),
+    "worm, gliding": (ss.presets.worm(frequency=6.0, mu_plus=0.15, mu_minus=0.25), {"periods": 20}, set()),
+    "capsubot on a slope": (ss.presets.capsubot().replace(track=ss.Incline(tilt=-0.02)), {"periods": 60}, {"inner-body"}),
+    "capsule": (ss.presets.capsule(), {"periods": 60}, {"inner-body", "inner-body (stop)"}),
+    "stick_slip_stage": (ss.presets.stick_slip_stage(force=-0.5), {"periods": 20}, set()),
+    "conveyor on a slope": (ss.presets.conveyor(throw_index=2.5, tilt_deg=-3.0, restitution=0.3), {"periods": 40}, set()),
+    "servo": (ss.presets.servo(), {"duration": 10.0}, set()),
+    "several inner masses": (TWO_MASSES, {"periods": 20}, set()),
+}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_energy_of_every_preset_is_balanced_to_rounding_with_a_loss_for_each_part(name):
+    """Exact runs: some hundred steps in a period, each to rounding of works that are up to ten times what is left."""
+    model, length, links = MACHINES[name]
+    run = ss.solve(model, **length)
+    balance = ss.energy(run)
+    assert run.method == "exact" and balance.worst < 1e-11
+    assert set(balance.friction_of) == set(run.contacts) and set(balance.damping_of) == links
+    assert sum(balance.friction_of.values()) == pytest.approx(balance.friction, rel=1e-14) and (balance.friction > 0).any()
+    assert sum(balance.damping_of.values(), 0.0 * balance.damping) == pytest.approx(balance.damping, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", ["capsubot on a slope", "conveyor on a slope"])
+def test_gravity_of_a_machine_is_the_weight_of_each_body_times_its_way_down(name):
+    """The ways come from the strobe points, and the work from the forces between them."""
+    model, length, _ = MACHINES[name]
+    run = ss.solve(model, **length)
+    weights = [float(body.mass) * 9.81 for body in machine_of(model).mechanics.parts.values()]
+    slope = np.sin(model.tilt if isinstance(model, ss.MovingTrack) else model.track.tilt)
+    assert ss.energy(run).gravity == pytest.approx(np.diff(run._strobe[0], axis=0) @ weights * slope, rel=1e-10, abs=1e-15)
+
+
+def test_what_prescribes_distances_gives_what_friction_takes():
+    """A worm of equal feet that hands over: in each period every foot is dragged the same way, and each pays a third."""
+    balance = ss.energy(ss.solve(ss.presets.worm(), periods=20))
+    taken = 0.05 * 9.81 * 0.1 * 3 * 2e-3  # each foot goes 3 a in a period, and never back where one always holds
+    assert balance.drive[-1] == pytest.approx(3 * taken, rel=1e-12) and balance.kinetic[-1] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_what_moves_bodies_apart_is_found_beside_gravity_and_springs():
+    """A force that a link gives is a force of the machine: a told distance against a spring stores in it what it gives."""
+
+    @dataclass(frozen=True, eq=False)
+    class Press(ss.Machine):
+        period = 0.5
+
+        def bodies(self):
+            return {"a": ss.Body(0.1), "b": ss.Body(0.1)}
+
+        def contacts(self):
+            return {"a": ss.Contact("a", ss.Coulomb(5.0, 5.0))}
+
+        def links(self):
+            return {("b", "a"): (ss.Harmonic(amplitude=1e-3, frequency=2.0), ss.Spring(800.0))}
+
+    balance = ss.energy(ss.solve(Press(), duration=0.125))
+    assert balance.potential[-1] == pytest.approx(0.5 * 800.0 * 1e-6, rel=1e-12) and balance.worst < 1e-12

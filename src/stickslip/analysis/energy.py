@@ -11,7 +11,6 @@ from stickslip import forces
 from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
-from stickslip.errors import InputError
 from stickslip.machine import machine_of
 from stickslip.pieces import HarmonicArcs
 from stickslip.sealing import sealed
@@ -35,10 +34,10 @@ class Energy:
     ----------
     drive : array (periods,)
         W_d, work that comes in [J]: of the inertial drive force -m d²xi/dt² with its impulses, of the pulled end of a spring,
-        of the motor of a belt, of a given force. Of a machine that lists its bodies that of all applied forces, gravity among them, and
-        of what moves the ground under a contact.
+        of the motor of a belt, of a given force. Of a machine that lists its bodies that of all applied forces but gravity, of what moves
+        the ground under a contact, and of what prescribes distances.
     gravity : array (periods,)
-        W_g, work of gravity along the track [J].
+        W_g, work of gravity along the track [J]; of a machine that lists its bodies that of what they say is `gravity`.
     friction : array (periods,)
         W_f, work that friction takes at the contact, or at all of them [J].
     damping : array (periods,)
@@ -109,7 +108,7 @@ def energy(run: Run) -> Energy:
     [0.0]
     """
     several = hasattr(run, "model") and not machine_of(run.model).is_single
-    run = _balanced(run) if several else needs_run("energy", run, "it balances the friction of one contact")
+    run = run.parted if several else needs_run("energy", run, "it balances the friction of one contact")
     borders, x, v = _borders(run)
     edges, index, owner = _cut(run, borders)
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ARC if isinstance(run.pieces, HarmonicArcs) else NODES_STEP)
@@ -189,7 +188,7 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     column, model, none = run._forces_at(t, index, x, v, z), run.model, np.zeros_like(t)
     if not machine_of(model).is_single:
         found = works_of_parts.powers(machine_of(model).mechanics, run._within(t, index), x, v, z, column)
-        return found | {"gravity": none, "actuator": none}
+        return found | {"actuator": none}
     R = column["friction_force"]
     friction = {"friction": R * model.contact_velocity(v)}
     if machine_of(model).drive is None:
@@ -197,16 +196,6 @@ def _powers(run: Any, t: Array, index: Array) -> dict[str, Array]:
     gravity = forces.offered_force(model, t, x) - column["drive_force"]
     works = {"drive": column["drive_force"] * v, "gravity": gravity * v, **friction, "damping": none}
     return works | {"actuator": column["actuator_power"]}
-
-
-def _balanced(run: Any) -> Any:
-    """A run of a machine whose energy can be balanced; `InputError` of one in which forces work that no part says."""
-    why = works_of_parts.unbalanced(machine_of(run.model).mechanics)
-    if why:
-        raise InputError(
-            "energy", [f"{type(run.model).__name__} {why}; type run.friction_force and run.slip for the power of each contact"]
-        )
-    return run.parted
 
 
 def _of_mechanism(model: Any, t: Array, x: Array, v: Array, R: Array) -> dict[str, Array]:

@@ -8,19 +8,9 @@ import numpy as np
 
 from stickslip.contact_forces import held_by_controllers
 
-__all__ = ["at_landings", "kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers", "unbalanced"]
+__all__ = ["at_landings", "kinetic", "label_of_stop", "lost_at_hits", "names_of_links", "powers"]
 
 Array = Any
-_INSTANTS = 7  # of a period, at which a prescribed distance is asked whether it moves
-
-
-def unbalanced(mechanics: Any) -> str:
-    """Why the energy of a machine cannot be balanced, as a sentence about it; "" where it can."""
-    T = 1.0 if mechanics.period is None else float(mechanics.period)
-    for (first, second), link in mechanics.told:
-        if any(link.velocity(T * k / _INSTANTS) != 0.0 for k in range(_INSTANTS)):
-            return f"prescribes the distance of {first} and {second}, and no part says which force does that and so what work comes in"
-    return ""
 
 
 def kinetic(mechanics: Any, v: Array) -> Array:
@@ -34,19 +24,25 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
     Returns
     -------
     dict
-        drive: of forces, controllers and what moves the ground; friction: R w of each contact (n, contacts); potential: into links and
-        elastic stops, under the force that they have at rest; damping: what else each of them takes, (n, links).
+        drive: of forces, controllers, what moves the ground and what prescribes distances; gravity: of what bodies say is gravity;
+        friction: R w of each contact (n, contacts); potential: into links and elastic stops, under the force that they have at rest;
+        damping: what else each of them takes, (n, links).
     """
     none = np.zeros_like(t)
     R, slip = column["friction_force"], column["slip"]
-    stored, damped = none, []
+    stored, damped, applied = none, [], _applied(mechanics, t, x, v, held_by_controllers(mechanics, z))
+    net = applied - R @ np.array(mechanics.slips_of)
     for ends, link in mechanics.elastic:
         distance, rate = mechanics.distance(ends, x.T), mechanics.distance(ends, v.T)
-        still = link.force(distance, 0.0 * rate)
+        force, still = link.force(distance, rate), link.force(distance, 0.0 * rate)
         stored = stored + still * rate
-        damped.append((link.force(distance, rate) - still) * rate + none)
-    drive = _applied(mechanics, t, x, v, held_by_controllers(mechanics, z)) + _of_the_ground(mechanics, v, R, slip)
-    return {"drive": drive + none, "friction": R * slip, "potential": stored, "damping": np.array(damped).reshape(-1, len(t)).T}
+        damped.append((force - still) * rate + none)
+        net = net - np.outer(force + none, [float(name == ends[0]) - float(name == ends[1]) for name in mechanics.bodies])
+    weight = sum(body.weight_at(t, x[:, i], v[:, i]) * v[:, i] for i, body in enumerate(mechanics.parts.values()))
+    told = _of_distances(mechanics, t, column["acceleration"], net) if mechanics.told else none
+    drive = (applied * v).sum(axis=1) - weight + _of_the_ground(mechanics, v, R, slip) + told
+    damping = np.array(damped).reshape(-1, len(t)).T
+    return {"drive": drive, "gravity": weight + none, "friction": R * slip, "potential": stored, "damping": damping}
 
 
 def names_of_links(mechanics: Any) -> list[str]:
@@ -67,11 +63,22 @@ def _links(mechanics: Any) -> list[str]:
 
 
 def _applied(mechanics: Any, t: Array, x: Array, v: Array, held: Any) -> Array:
-    """Power of the applied forces, those of controllers among them [W]."""
+    """Applied force on each body, with those of controllers (n, bodies) [N]."""
     at, moving = (dict(zip(mechanics.bodies, of.T, strict=True)) for of in (x, v))
-    own: Array = sum(body.applied(t, at[name], moving[name]) * moving[name] for name, body in mechanics.parts.items())
-    forces = [*mechanics.model.forces(t, at, moving).items(), *mechanics.controllers.forces(t, at, moving, held)]
-    return own + sum(force * moving[name] for name, force in forces)
+    on = {name: body.applied(t, at[name], moving[name]) + 0.0 * t for name, body in mechanics.parts.items()}
+    for name, force in [*mechanics.model.forces(t, at, moving).items(), *mechanics.controllers.forces(t, at, moving, held)]:
+        on[name] = on[name] + force
+    return np.array(list(on.values())).T
+
+
+def _of_distances(mechanics: Any, t: Array, acceleration: Array, net: Array) -> Array:
+    """Power of what prescribes distances [W]: force that a body's acceleration asks for beyond all others, times velocity about its group.
+
+    Within a group these forces add up to zero, so that only the velocities about its centre of mass count.
+    """
+    masses = np.array([float(body.mass) for body in mechanics.parts.values()])
+    about = np.array([mechanics.velocities(when, (0.0,) * mechanics.coordinates) for when in t.tolist()])
+    return ((acceleration * masses - net) * about).sum(axis=1)
 
 
 def _of_the_ground(mechanics: Any, v: Array, R: Array, slip: Array) -> Array:

@@ -11,6 +11,7 @@ from stickslip.drives.adapter import drive_of
 from stickslip.drives.shifted import begun_at
 from stickslip.errors import Problems
 from stickslip.fields import everywhere, replace_leaf
+from stickslip.forces import offered_force
 from stickslip.machine import machine_of
 from stickslip.machines.bodies import Bodies
 from stickslip.machines.machine import Machine
@@ -74,7 +75,10 @@ class Chain(Machine):
         elif self.phases is not None and len(self.phases) != count:
             problems.add(f"phases has {len(self.phases)} numbers for {count} modules; type phases={(0.0,) * count}")
         if isinstance(self.link, tuple) and len(self.link) != count - 1:
-            problems.add(f"link has {len(self.link)} links for {count} bodies; allowed is one link, or one for each pair of neighbours")
+            problems.add(
+                f"link has {len(self.link)} links for {count} bodies; allowed is one link, or one for each pair of neighbours; type "
+                "link=ss.Spring(stiffness=1200.0, damping=0.4)"
+            )
         if isinstance(self.link, (list, type)) or self.link is None:
             listed = "a list is no tuple, and a tuple means several links; " if isinstance(self.link, list) else ""
             problems.add(f"link = {self.link!r}; {listed}allowed is a link; type link=ss.Spring(stiffness=1200.0, damping=0.4)")
@@ -201,7 +205,11 @@ def _body(module: Any, place: Any) -> Body:
     def force(t: Any, x: Any, v: Any) -> Any:
         return module.total_mass * module.acceleration(t, x, v, 0.0)
 
-    return Body(module.total_mass, force=force, position=place, jumps=machine.impulses, breaks=machine.unsorted_breaks)
+    def gravity(t: Any, x: Any, v: Any) -> Any:
+        return offered_force(module, t, x) + machine.whole_inner_mass * machine.drive.acceleration(t)
+
+    breaks = machine.unsorted_breaks
+    return Body(module.total_mass, force=force, position=place, jumps=machine.impulses, breaks=breaks, gravity=gravity)
 
 
 def _contact(name: str, module: Any) -> Contact:

@@ -145,7 +145,10 @@ class BodyAndMass:
         def on_inner(t: Any, x: Any, v: Any) -> Any:
             return force.at(t) + robot.inner_mass * along
 
-        return {"body": Body(robot.body_mass, force=on_body), "inner": Body(robot.inner_mass, force=on_inner)}
+        return {
+            "body": Body(robot.body_mass, force=on_body, gravity=robot.body_mass * along),
+            "inner": Body(robot.inner_mass, force=on_inner, gravity=robot.inner_mass * along),
+        }
 
     def contacts(self) -> Mapping[str, Any]:
         """That of the body, which bears both masses."""

@@ -233,7 +233,11 @@ class Joint(Machine):
 
     def bodies(self) -> Mapping[str, Any]:
         """The joint, and the motor where the gear is elastic; its angle is that over the gear ratio."""
-        gravity = {"force": lambda t, x, v: -self.gravity_torque * sin(x)}
+
+        def pull(t: Any, x: Any, v: Any) -> Any:
+            return -self.gravity_torque * sin(x)
+
+        gravity: dict[str, Any] = {"force": pull, "gravity": pull}
         if not self.is_elastic:
             return {"joint": Body(self.whole_inertia, position=self.angle, **gravity)}
         motor = Body(self._of_motor, position=self.angle)

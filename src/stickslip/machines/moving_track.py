@@ -161,7 +161,8 @@ class MovingTrack(Machine):
 
     def bodies(self) -> Mapping[str, Any]:
         """The mass."""
-        return {"mass": Body(self.mass, force=self.mass * self.gravity * sin(self.tilt) + self.force)}
+        down = self.mass * self.gravity * sin(self.tilt)
+        return {"mass": Body(self.mass, force=down + self.force, gravity=down)}
 
     def contacts(self) -> Mapping[str, Any]:
         """Its contact with the track."""

@@ -33,6 +33,8 @@ class Body(Frozen):
     breaks : tuple of float, optional
         Instants in (0, period) at which the force is not smooth [s]; conditions on time that are written with
         `stickslip.maths.where` are found without being named.
+    gravity : float or callable, optional
+        What of the applied force is gravity's, as `force` is given [N]; `stickslip.energy` counts its work apart from that of the drive.
 
     Examples
     --------
@@ -46,10 +48,20 @@ class Body(Frozen):
     position: float = field(default=0.0, metadata=quantity("position at the start", "m", "x_{0}", example=0.0))
     jumps: Any = ()
     breaks: Any = ()
+    gravity: Any = 0.0
 
     def applied(self, t: Any, x: Any, v: Any) -> Any:
-        """Applied force [N]."""
-        return self.force(t, x, v) if callable(self.force) else self.force
+        """Applied force, with gravity [N]."""
+        return _told(self.force, t, x, v)
+
+    def weight_at(self, t: Any, x: Any, v: Any) -> Any:
+        """What of it is gravity's [N]."""
+        return _told(self.gravity, t, x, v)
+
+
+def _told(force: Any, t: Any, x: Any, v: Any) -> Any:
+    """A number, or what a function says."""
+    return force(t, x, v) if callable(force) else force
 
 
 @dataclass(frozen=True, eq=False)

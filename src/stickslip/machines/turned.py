@@ -167,8 +167,11 @@ def _body(body: Any) -> Body:
     def force(t: Any, x: Any, v: Any) -> Any:
         return -body.applied(t, -x, -v)
 
+    def gravity(t: Any, x: Any, v: Any) -> Any:
+        return -body.weight_at(t, -x, -v)
+
     jumps = tuple((instant, -jump) for instant, jump in body.jumps)
-    return Body(body.mass, force=force, position=-body.position, jumps=jumps, breaks=body.breaks)
+    return Body(body.mass, force=force, position=-body.position, jumps=jumps, breaks=body.breaks, gravity=gravity)
 
 
 def _contact(contact: Any) -> Contact:
