@@ -232,6 +232,21 @@ def test_periodic_orbit_of_a_sampled_joint_has_the_multipliers_of_differences():
     assert abs(orbit.multipliers).max() < 1.0
 
 
+def test_exponents_of_a_sampled_joint_are_the_logarithms_of_its_multipliers():
+    """QR of the tangent in every period against Newton's orbit. What the last sample held is forgotten: the torque or the error."""
+    joint = sampled()
+    spectrum, multipliers = ss.lyapunov(joint, periods=50).spectrum, abs(ss.periodic_orbit(joint).multipliers)
+    kept = multipliers > 1e-12
+    assert np.allclose(spectrum[kept], np.log(multipliers[kept]), rtol=1e-6) and np.isneginf(spectrum[~kept]).all() and 0 < kept.sum() < 5
+    assert ss.verdict(joint, periods=50, settle=100).kind == "periodic"
+
+
+def test_the_strobe_point_at_the_end_of_a_run_is_that_of_a_longer_one():
+    """A sample that falls on the end of the run is taken, as an impulse is that does."""
+    short, long = (ss.solve(sampled(), periods=periods) for periods in (2, 3))
+    assert np.allclose(short._strobe_inner[-1], long._strobe_inner[2], rtol=1e-9, atol=1e-12, equal_nan=True)
+
+
 def ends(joint, name, value, at=None, **how):
     run = ss.solve(joint.replace({name: value}), **how)
     k = -1 if at is None else np.flatnonzero(run.t <= at)[-1]

@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
+from stickslip.contact_forces import held_by_controllers
 from stickslip.errors import InputError
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
 from stickslip.friction.adapter import law_of
@@ -400,7 +401,7 @@ class Trajectory:
 
     @cached_property
     def _strobe(self) -> tuple[Any, Any, Any, Any]:
-        """States and memories at the strobe times, after an impulse that falls on one."""
+        """States and memories at the strobe times, after an impulse or a sample that falls on one."""
         t, nodes = self.strobe_times, self.pieces.t
         index = self._index(t + 1e-12 * self.period_time)
         x, v, z = self._states_at(np.maximum(t, nodes[index]), index)
@@ -409,7 +410,22 @@ class Trajectory:
         if memory.shape[1] and np.any(jump):
             z[-1], memory[-1] = self._thrown(float(t[-1]), x[-1], v[-1], z[-1], memory[-1], jump)
         v[-1] += jump
+        if t[-1] >= nodes[-1]:
+            z[-1:] = self._sampled(t[-1:], x[-1:], v[-1:], z[-1:])
         return x, v, z, memory
+
+    def _sampled(self, t: Any, x: Any, v: Any, z: Any) -> Any:
+        """Inner states after a sample of the controllers at the end of the run, where one falls on it."""
+        mechanics: Any = machine_of(self.model).mechanics
+        every = mechanics.controllers.sample
+        if every is None or abs(t[0] / every - np.rint(t[0] / every)) > 1e-9 * t[0] / every:
+            return z
+        q, u = mechanics.coordinates_of(tuple(x.T)), mechanics.coordinates_of(tuple(v.T))
+        told, z = (np.ravel(new) for new in mechanics.control_sampled(t, q, u, held_by_controllers(mechanics, z))), z.copy()
+        for i, count in enumerate(mechanics.controllers.counts):
+            for k in range(count):
+                z[:, len(mechanics.contacts) + i, k] = next(told)
+        return z
 
     def _thrown(self, t: float, x: Any, v: Any, z: Any, memory: Any, jump: Any) -> tuple[Any, Any]:
         """Inner states and memories after an impulse, which may carry the slip through zero."""

@@ -49,7 +49,8 @@ def lyapunov(
     """All Lyapunov exponents of the motion that a robot settles on, per drive period (natural logarithm).
 
     Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
-    a body that comes to rest forgets its velocity: the exponent is -inf, and `note` says so. The 0 of the cyclic position is left out.
+    a body that comes to rest forgets its velocity, and a controller at a sample what it held: the exponent is -inf, and `note` says so. The
+    0 of the cyclic position is left out.
     Directions that shrink below rounding within a period, as stiff bristles do, have an equal part each of what the volume leaves over.
 
     Parameters
@@ -146,7 +147,10 @@ def _told(logs: Array) -> Lyapunov:
         found = gathered(logs[:, ~dead], 1.0, "drive period")
         spectrum, errors = np.append(found.spectrum, lost), np.append(found.errors, np.zeros(len(lost)))
         record = np.column_stack([found.record, np.tile(lost, (len(found.record), 1))])
-    note = "at rest, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0"
+    note = (
+        "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
+        "beside it one below 1e-12 in a period"
+    )
     return Lyapunov(spectrum, errors, record, "drive period", float(len(logs)), note)
 
 
@@ -184,11 +188,15 @@ def _most_at_rest(run: Any) -> Array:
 
 
 def _grown(logs: Array, volume: float, rests: int) -> Array:
-    """The growth in a period: -inf of what rest ends, and of what is lost below rounding an equal part of what the volume leaves over."""
+    """The growth in a period: -inf of what rest ends, and of what is lost below rounding an equal part of what the volume leaves over.
+
+    A volume that is lost leaves nothing over: then what is lost below rounding is so for good.
+    """
+    lost = logs < logs[0] + np.log(_ROUNDING)
     if rests or np.isneginf(volume):
         logs[-max(int(rests), 1) :] = -np.inf
+        logs[lost & np.isneginf(volume)] = -np.inf
         return logs
-    lost = logs < logs[0] + np.log(_ROUNDING)
     if lost.any() and np.isfinite(volume):
         logs[lost] = (volume - logs[~lost].sum()) / lost.sum()
     return logs

@@ -95,12 +95,6 @@ def with_volume(system: System) -> System:
     It knows what no change itself can show: a stiff bristle forgets by e^-1000 in a period. At a switch the volume grows by the determinant
     of D = R_x + u g_x^T / (g_x f- + g_t), u = f+ - R_x f- - R_t.
     """
-    if system.sampled:
-        raise InputError(
-            "exponents",
-            ["the machine has a controller that takes samples: it forgets what it held at each, and how a volume of starts grows is then "
-             "minus infinity; allowed are controllers that act continuously; type sample=None, or ss.periodic_orbit for its multipliers"],
-        )  # fmt: skip
     graph, (rows, rates), count = system.graph, _rows(system), system.states - system.passive
     found, volume = tangent(system, ()), graph.variable("volume")
     trace = graph.constant(0.0)
@@ -111,7 +105,13 @@ def with_volume(system: System) -> System:
     for k in _switching(system):
         grown = volume + _grown(system, k, _crossing(system, k, rows, rates), count)
         switches[k] = replace(switches[k], states=(*switches[k].states[:-1], grown))
-    return replace(found, switches=switches)
+    held = {found.states - 1: volume + _logarithm(_size(_resampled(system)))} if system.sampled else {}
+    return replace(found, switches=switches, sampled=found.sampled | held)
+
+
+def _resampled(system: System) -> Sym:
+    """The determinant of what a sample makes of the states of controllers, by what they were."""
+    return _determinant([[system.graph.derivative(new, system.y[j]) for j in system.sampled] for new in system.sampled.values()])
 
 
 def _grown(system: System, k: int, at: _Crossing, count: int) -> Sym:
