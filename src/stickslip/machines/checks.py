@@ -54,6 +54,7 @@ def check_parts(machine: Any, problems: Problems) -> None:
         _check_controller(name, part, bodies, problems)
     if not problems.found:
         _check_groups(machine, problems)
+        _check_stops(machine.mechanics, problems)
         _check_controllers(machine, problems)
 
 
@@ -201,4 +202,24 @@ def _check_groups(machine: Any, problems: Problems) -> None:
         if not any(row):
             problems.add(
                 f"contacts()[{name!r}] is between two bodies whose distance is prescribed, so that nothing decides its slip; leave it out"
+            )
+
+
+def _check_stops(mechanics: Any, problems: Problems) -> None:
+    """Note stops between bodies whose distance is prescribed, and two that leave no way between them."""
+    for name, stop in mechanics.named_stops:
+        if not any(stop.direction):
+            problems.add(
+                f"stops() has {name}, between two bodies whose distance is prescribed, so that nothing could be stopped; leave it out, or "
+                "join them by a spring"
+            )
+    for (first, one), (second, other) in itertools.combinations(mechanics.named_stops, 2):
+        if set(one.ends) != set(other.ends) or (one.part.side == other.part.side) == (one.ends == other.ends):
+            continue
+        room, elastic = one.part.gap + other.part.gap, one.part.restitution is None and other.part.restitution is None
+        if not everywhere(room >= 0 if elastic else room > 0):
+            least = "zero or more" if elastic else "more than zero"
+            problems.add(
+                f"stops() has {first} and {second}, which face one another and overlap: their gaps add up to {describe(room)} m; "
+                f"allowed is {least}; type gap=0.01 for both"
             )

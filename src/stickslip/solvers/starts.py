@@ -39,6 +39,7 @@ def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -
     _check_distances(mechanics, x, q, v, u, problems)
     _check_stops(mechanics, q, problems)
     loads = mechanics.loads(0.0, tuple(q.T))
+    _check_loads(mechanics, loads, problems)
     begun = [state for law, load in zip(laws, loads, strict=True) for state in law.start(load)]
     z = _filled("z", given.get("z"), inner, _columns(begun, cases), labels, problems)
     memory = _filled("memory", given.get("memory"), memories, np.zeros((cases, sum(memories.values()))), labels, problems)
@@ -97,11 +98,22 @@ def _check_distances(mechanics: Any, x: Array, q: Array, v: Array, u: Array, pro
             problems.add(f"start {what} of {name!r} {why}; give {what} for all bodies that it joins")
 
 
+def _check_loads(mechanics: Any, loads: Any, problems: Problems) -> None:
+    """Note contacts that nothing presses together at the start of any case and that do not fly; of some cases the status says it."""
+    for name, law, load in zip(mechanics.contacts, mechanics.laws, loads, strict=True):
+        if not law.flies and np.all(np.asarray(load, float) <= 0.0):
+            told = f"the load of the contact {name!r} is {float(np.max(load)):.4g} N at the start, so there is no contact"
+            problems.add(f"{told}; allowed is more than zero; give another load=, or restitution=0.0 for a body that flies and lands")
+
+
 def _check_stops(mechanics: Any, q: Array, problems: Problems) -> None:
     """Note stops with restitution beyond which all cases begin; of some cases the status says it."""
     size = np.max(abs(q), initial=0.0)
     for stop in mechanics.stops:
         gap = np.asarray(stop.gap(0.0, tuple(q.T)), float)
         if np.all(gap < -_SAME * max(size, 1e-300)):
-            told = f"the run begins beyond the stop {stop.name}, by {-float(np.max(gap)):.3g} m"
-            problems.add(f"{told}; allowed is a gap that is open or closed; give another start, or a larger gap")
+            told, first = f"the run begins beyond the stop {stop.name}, by {-float(np.max(gap)):.3g} m", stop.ends[0]
+            x = _columns(mechanics.positions(0.0, tuple(q.T)), len(q))[0, mechanics.bodies.index(first)]
+            touching = float(x + stop.part.side * np.broadcast_to(gap, len(q))[0])
+            hint = f'type start={{"x": {{"{first}": {touching:.6g}}}}}, where they touch, or a larger gap'
+            problems.add(f"{told}; allowed is a gap that is open or closed; {hint}")
