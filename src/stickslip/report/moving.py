@@ -28,7 +28,8 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     -------
     dict
         t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
-        track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass; rows with the
+        track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass, and lift, how
+        high a body is above its track [mm], None of one that cannot fly; rows with the
         name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed, 3 flight) and hits, or landings; links,
         pairs of bodies with whether they give way; lengths and speeds, the units of x and v, which about an axis are mrad and mrad/s.
     """
@@ -37,12 +38,13 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     start, end = shown_span(run) if span is None else span
     factor, unit = (1e3, "ms") if run.model.period is not None else (1.0, "s")
     at = run.parted.at(np.linspace(start, end, _MOMENTS))
+    lifts = _lifts(run, at)
     return {
         "t": _plain(factor * (at["t"] - start)),
         "unit": unit,
         "lengths": f"m{unit_of('x', run.model)}",
         "speeds": f"m{unit_of('v', run.model)}",
-        "bodies": [_body(part, x, v, at) for part, x, v in _columns(run, at)],
+        "bodies": [_body(part, x, v, at) | {"lift": lifts.get(part["name"])} for part, x, v in _columns(run, at)],
         "rows": _rows(run, start, end, factor),
         "links": _links(run.model),
     }
@@ -129,6 +131,14 @@ def _columns(run: Any, at: dict[str, Any]) -> Iterator[tuple[dict[str, Any], Any
 def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str, Any]:
     first = at["x"][0] if v is None else x[0]
     return {**part, "x": _plain(1e3 * (x - first)), "v": None if v is None else _plain(1e3 * v)}
+
+
+def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
+    """How high each body that can fly is above its track [mm]."""
+    from stickslip.analysis.tracks import gaps
+
+    joints = {} if machine_of(run.model).is_single else machine_of(run.model).mechanics.joints
+    return {joints[name].body: _plain(1e3 * gap) for name, gap in gaps(run, at).items()}
 
 
 def _links(model: Any) -> list[list[int]]:

@@ -29,8 +29,9 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     const slots = Math.max(...m.bodies.map((b) => b.place[0])) + 1, storeys = Math.max(...m.bodies.map((b) => b.place[1]));
     const slot = W / slots, most = Math.min(180, 0.6 * slot), heaviest = Math.max(...m.bodies.map((b) => b.mass));
     const wide = (b) => Math.max(most * Math.sqrt(b.mass / heaviest), 22), high = (b) => (wide(b) * 46) / most;
-    const reach = Math.max(...m.bodies.flatMap((b) => b.x.map(Math.abs))) || 1, ground = 76 + STOREY * storeys;
-    zoom = Math.min(0.5 * (slot - most) * (slots > 1 ? 0.85 : 0.5), 110) / reach;
+    const reach = Math.max(...m.bodies.flatMap((b) => b.x.map(Math.abs))) || 1, highest = Math.max(0, ...m.bodies.flatMap((b) => b.lift ?? []));
+    zoom = Math.min(Math.min(0.5 * (slot - most) * (slots > 1 ? 0.85 : 0.5), 110) / reach, highest > 0 ? TALL / highest : Infinity);
+    const ground = 76 + STOREY * storeys + zoom * highest;
     stage.setAttribute("viewBox", `0 0 ${W} ${ground + 16}`);
     stage.setAttribute("aria-label", `${m.bodies.map((b) => b.name).join(", ")} on the track`);
     stage.replaceChildren();
@@ -40,7 +41,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
       make("line", { x1: home(b), x2: home(b), y1: b.place[1] ? mid(b) - 0.5 * high(b) - 10 : ground, y2: b.place[1] ? mid(b) - 0.5 * high(b) - 2 : ground + 9, class: "ink" }, stage);
       const shape = make("rect", { x: -0.5 * wide(b), width: wide(b), y: mid(b) - 0.5 * high(b), height: high(b), rx: 5, class: "bodybox" }, stage);
       shape.style.fill = colour(i);
-      return { shape, at: (k) => home(b) + zoom * b.x[k], half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
+      return { shape, at: (k) => home(b) + zoom * b.x[k], lift: (k) => (b.lift ? zoom * b.lift[k] : 0), half: 0.5 * wide(b), up: 0.5 * high(b), y: mid(b), storey: b.place[1] };
     });
     shapes.springs = m.links.map(([a, b, gives]) => [a, b, gives, make("polyline", { class: "spring" }, stage)]);
     const one = zoom > 0 ? 10 ** Math.floor(Math.log10(120 / zoom)) : 1;
@@ -107,12 +108,12 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
 
   // ---- one instant ----
   function spring([a, b, gives, path]) {
-    const k = Number(when.value), ends = [a, b].filter((i) => i >= 0).map((i) => shapes[i]).sort((p, q) => p.at(k) - q.at(k)), [p, q] = ends;
-    let x0 = 0, y0 = p.y, x1 = p.at(k) - p.half, y1 = p.y; // from the wall at the left
-    if (q && p.storey === q.storey) [x0, y0, x1, y1] = [p.at(k) + p.half, p.y, q.at(k) - q.half, q.y];
+    const k = Number(when.value), ends = [a, b].filter((i) => i >= 0).map((i) => shapes[i]).sort((p, q) => p.at(k) - q.at(k)), [p, q] = ends, y = (s) => s.y - s.lift(k);
+    let x0 = 0, y0 = y(p), x1 = p.at(k) - p.half, y1 = y(p); // from the wall at the left
+    if (q && p.storey === q.storey) [x0, y0, x1, y1] = [p.at(k) + p.half, y(p), q.at(k) - q.half, y(q)];
     else if (q) {
       const [low, high] = p.storey < q.storey ? [p, q] : [q, p];
-      [x0, y0, x1, y1] = [low.at(k), low.y - low.up, high.at(k), high.y + high.up];
+      [x0, y0, x1, y1] = [low.at(k), y(low) - low.up, high.at(k), y(high) + high.up];
     }
     const way = Math.hypot(x1 - x0, y1 - y0) || 1, [nx, ny] = [(y0 - y1) / way, (x1 - x0) / way];
     path.setAttribute("points", Array.from({ length: 13 }, (_, i) => {
@@ -122,7 +123,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   }
 
   function at(k) {
-    for (const s of shapes) s.shape.setAttribute("transform", `translate(${s.at(k)} 0)`);
+    for (const s of shapes) s.shape.setAttribute("transform", `translate(${s.at(k)} ${-s.lift(k)})`);
     shapes.springs.forEach(spring);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
     out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(b.v[k])).join(", ")} ${m.speeds}`;
