@@ -19,7 +19,7 @@ def _number(microseconds: float) -> str:
     return f"{microseconds:.{digits}f}"
 
 
-def _cell(curve: Curve, target: float, ours: Curve | None) -> str:
+def cell(curve: Curve, target: float, ours: Curve | None) -> str:
     """Cost at the target and its ratio to ours, or the best error that was reached."""
     cost = curve.cost(target)
     if cost is None:
@@ -39,7 +39,7 @@ def _row(curves: list[Curve], ours: list[Curve], targets: tuple[float, ...]) -> 
         if curve.missing:
             cells.append(f"{curve.missing:{len(targets) * WIDTH + 7}s}")
             continue
-        cells.append(f"{curve.cases:>5d}  " + "".join(f"{_cell(curve, t, mine if mine.points else None):{WIDTH}s}" for t in targets))
+        cells.append(f"{curve.cases:>5d}  " + "".join(f"{cell(curve, t, mine if mine.points else None):{WIDTH}s}" for t in targets))
     return f"{name} " + "".join(cells)
 
 
