@@ -38,6 +38,26 @@ def test_two_masses_have_the_mean_velocity_that_is_known(alpha, known):
         assert ss.mean_velocity(ss.solve(robot, periods=60, method="dop853", rtol=1e-12)) == pytest.approx(known, rel=1e-10)
 
 
+def test_two_masses_slip_and_stick_when_independent_codes_say():
+    run = ss.solve(dimensionless(0.3, 0.0), periods=60)
+    last = [(event.t / run.period_time - 59, event.after) for event in run.events if event.t > 59 * run.period_time]
+    assert [t for t, _ in last] == pytest.approx([0.1733571103, 0.6654870957, 0.6947070919], abs=1e-10)
+    assert [after for _, after in last] == [1, 0, -1]
+
+
+@pytest.mark.parametrize(("a1", "a2", "phi", "ratio"), [(1.0, 1.0, 0.0, 1.0), (1.0, 1.0, 0.7, 2.0), (1.0, 0.5, -2.0, 1.5)])
+def test_of_little_friction_the_velocity_is_a_quantile_of_the_vibration(a1, a2, phi, ratio):
+    """Averaging: friction balances where -V is the quantile of -a1 cos t - a2/2 cos(2t + phi) at mu+/(mu+ + mu-), of any drive.
+
+    Three sizes of friction extrapolated to none, with a remainder of the third order: 8 alpha^3 = 8e-6 times what is about one.
+    """
+    alphas = np.array([0.04, 0.02, 0.01])
+    found = [ss.periodic_orbit(dimensionless(0.3, phi, ss.Coulomb(a, a * ratio), a1, a2)).mean_velocity for a in alphas]
+    t = 2 * math.pi * (np.arange(100_000) + 0.5) / 100_000
+    limit = -np.quantile(-a1 * np.cos(t) - 0.5 * a2 * np.cos(2 * t + phi), 1 / (1 + ratio))
+    assert np.polyval(np.polyfit(alphas, found, 2), 0.0) == pytest.approx(limit, abs=1e-4)
+
+
 @pytest.mark.parametrize("phi", [0.0, 0.7, -2.0])
 def test_two_masses_are_one_mass_with_two_harmonics(phi):
     robot = dimensionless(0.3, phi)

@@ -128,7 +128,10 @@ def test_the_power_of_two_modules_in_antiphase():
     assert balance.friction[-1] == pytest.approx(2 * 1.0293e-4, rel=1e-4)
     assert balance.damping[-1] == pytest.approx(4.5525075e-5, rel=1e-7)
     assert balance.drive[-1] == pytest.approx(2.51393012e-4, rel=1e-8)
-    assert balance.drive[-1] / run.period_time == pytest.approx(8.220551e-3, rel=1e-6)
+    power, weight = balance.drive[-1] / run.period_time, 2 * (problems.BODY + problems.INNER) * 9.81
+    assert power == pytest.approx(8.220551e-3, rel=1e-6)
+    assert power / ss.mean_velocity(run) == pytest.approx(0.739265142, rel=1e-8)  # J/m
+    assert power / ss.mean_velocity(run) / weight == pytest.approx(0.522813389, rel=1e-8)  # cost of transport
 
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, math.pi])
