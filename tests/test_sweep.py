@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
 from dataclasses import dataclass
@@ -386,3 +387,13 @@ def test_a_bar_and_plain_lines():
         "50 %, 50 of 100 cases, 10 per second, 5 s left",
         "100 %, 100 of 100 cases, 10 per second, 0 s left",
     ]
+
+
+def test_every_number_of_every_preset_can_be_an_axis():
+    """None has the name of a result or of an option, under which a dataset could not hold both."""
+    from stickslip.presets import PRESETS
+    from stickslip.sweeps.columns import COLUMNS
+    from stickslip.sweeps.planning import _ARGUMENTS
+
+    taken = {*COLUMNS, *_ARGUMENTS} - {"alpha_plus", "alpha_minus"}  # of the dimensionless robot axis and result are the same number
+    assert not {(name, each) for name, preset in PRESETS.items() for each in inspect.signature(preset).parameters if each in taken}

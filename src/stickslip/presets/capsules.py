@@ -20,7 +20,7 @@ __all__ = ["capsubot", "capsule"]
 @explains_arguments
 def capsubot(
     pulse: Annotated[Any, quantity("force of the pulses", "N", "A", example=1.25)] = 1.25,
-    period: Annotated[Any, PERIOD | {"label": "period of the pulses", "example": 0.06}] = 0.06,
+    pulse_period: Annotated[Any, PERIOD | {"label": "period of the pulses", "example": 0.06}] = 0.06,
     duty: Annotated[Any, quantity("part of the period for which the force is on", "1", "d", example=0.35)] = 0.35,
     stiffness: Annotated[Any, STIFFNESS] = 256.23,
     damper: Annotated[Any, DAMPING] = 0.0,
@@ -38,7 +38,7 @@ def capsubot(
     ----------
     pulse : float or array
         Force of the coil on the magnet while it is on, forwards [N].
-    period : float or array
+    pulse_period : float or array
         Period of the pulses [s].
     duty : float or array
         Part of the period for which it is on, between 0 and 1 [-].
@@ -61,7 +61,7 @@ def capsubot(
     >>> print(f"{ss.mean_velocity(ss.solve(capsubot(), periods=200)) * 1e3:.6f} mm/s")
     -9.192936 mm/s
     """
-    drive = Forced(Pulses(pulse, period=period, duty=duty), stiffness=stiffness, damping=damper)
+    drive = Forced(Pulses(pulse, period=pulse_period, duty=duty), stiffness=stiffness, damping=damper)
     return Robot(body_mass, inner_mass, drive, Coulomb(mu_plus=mu, mu_minus=mu), gravity=gravity)
 
 
