@@ -126,7 +126,7 @@ def _moreau(problem: Machines, steps: int) -> Outcome:
 
 
 def _scipy(problem: Machines, width: float) -> Outcome:
-    """LSODA on smooth equations; friction reverses over this part of the typical velocity."""
+    """LSODA on smooth equations."""
     return _each(problem, lambda value: _smooth(problem.plain(value), width))
 
 
@@ -134,26 +134,30 @@ def _smooth(m: Plain, width: float) -> float:
     """The way by `solve_ivp`, from one jump of the drive to the next."""
     from scipy.integrate import solve_ivp
 
-    count, swing = len(m.mass), 2 * math.pi / (m.period * width)
+    count = len(m.mass)
     borders = [m.period * (n + part) for n in range(m.periods) for part in (0.0, *m.breaks)] + [m.period * m.periods]
     y = np.concatenate([np.zeros(count), m.rates])
     scale = np.concatenate([np.full(count, m.speed * m.period), np.full(count, m.speed)])
-    flow = partial(_flow, m, width * m.speed, swing)
     for start, end in pairwise(borders):
         inside = start + 1e-9 * (end - start), end - 1e-9 * (end - start)  # on this side of what jumps
-        done = solve_ivp(flow, inside, y, method="LSODA", rtol=1e-3 * width, atol=1e-3 * width * scale, max_step=m.period / 20)
+        most = {"rtol": 1e-3 * width, "atol": 1e-3 * width * scale, "max_step": m.period / 50}  # longer steps pass over landings
+        done = solve_ivp(partial(_flow, m, width), inside, y, method="LSODA", **most)
         y = done.y[:, -1]
     return float(m.weights @ y[:count])
 
 
-def _flow(m: Plain, width: float, swing: float, t: float, y: np.ndarray) -> np.ndarray:
-    """Rates of positions and velocities; stops are stiff springs with critical damping that do not pull."""
+def _flow(m: Plain, part: float, t: float, y: np.ndarray) -> np.ndarray:
+    """Rates of positions and velocities.
+
+    Friction reverses over a part of the typical velocity, and rises to that of rest over the root of it. Stops are stiff springs that do
+    not pull, so strongly damped that a landing hardly rebounds: the velocity of parting is 1/(2 zeta)^2 of that of approach.
+    """
     q, u = np.split(y, 2)
-    pressed = np.array([max(-(h @ q) * swing**2 - 2 * swing * (h @ u), 0.0) if h @ q < 0 else 0.0 for h in m.stops]) * m.mass[-1]
-    w = m.rows @ u + m.offset(t, m.numbers)
+    swing, zeta = 2 * math.pi / (m.period * part), 0.5 / math.sqrt(part)
+    pressed = np.array([max(-(h @ q) * swing**2 - 2 * zeta * swing * (h @ u), 0.0) if h @ q < 0 else 0.0 for h in m.stops]) * m.mass[-1]
+    w = (m.rows @ u + m.offset(t, m.numbers)[: len(m.rows)]) / (part * m.speed)
     N = np.array([m.load(t, m.numbers)[i] if stop < 0 else pressed[stop] for i, stop in enumerate(m.pressing)])
-    rise = 1 + (m.static - 1) * np.exp(-((w / (3 * width)) ** 2))
-    R = np.where(w > 0, m.mu[:, 0], m.mu[:, 1]) * rise * N * np.tanh(w / width)
+    R = np.where(w > 0, m.mu[:, 0], m.mu[:, 1]) * (1 + (m.static - 1) * np.exp(-part * w**2)) * N * np.tanh(w)
     push = m.force(t, q, u, m.numbers) - m.rows.T @ R + (m.stops.T @ pressed if len(m.stops) else 0.0)
     return np.concatenate([u, push / m.mass])
 

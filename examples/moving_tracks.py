@@ -1,5 +1,7 @@
-"""The figures of the pages on moving tracks: a piezo stage and a conveyor. Run: python examples/moving_tracks.py"""
+"""The figures of the pages on moving tracks: a piezo stage and a conveyor. Run: python examples/moving_tracks.py [stage_laws ...]"""
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -9,7 +11,7 @@ import stickslip as ss
 from stickslip.plot.style import COLOURS, INK, publication
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
-MICRO, MILLI = 1e6, 1e3
+NANO, MICRO, MILLI = 1e9, 1e6, 1e3
 
 
 def cycles(ax: plt.Axes) -> None:
@@ -37,6 +39,49 @@ def by_stroke(ax: plt.Axes) -> None:
     ax.set_ylabel("step in a cycle (µm)")
     ax.legend(loc="upper left")
     ax.set_title("step against stroke")
+
+
+PRESLIDING = {"sigma0": 1e7, "v_s": 2e-3, "f_plus": None, "f_minus": None}
+#: Laws with one friction coefficient, and but for Coulomb's with one stiffness of the contact.
+LAWS = {
+    "Coulomb": ss.Coulomb(0.1, 0.1),
+    "LuGre": ss.LuGre(0.1, 0.1, sigma1=100.0, sigma2=0.0, **PRESLIDING),
+    "elasto-plastic": ss.ElastoPlastic(0.1, 0.1, sigma1=100.0, sigma2=0.0, z_ba=1.4e-7, **PRESLIDING),
+    "GMS": ss.GMS(0.1, 0.1, attraction=1e5, **PRESLIDING),
+}
+
+
+def smooth(stroke: np.ndarray | float) -> ss.MultiHarmonic:
+    """Two harmonics, sin u - sin 2u / 4 times an amplitude, from -stroke/2 to stroke/2; largest where cos u = (1 - sqrt 3) / 2."""
+    turn = (1 - np.sqrt(3)) / 2
+    amplitude = 0.5 * stroke / (np.sqrt(1 - turn**2) * (1 - turn / 2))
+    return ss.MultiHarmonic(frequency=1000.0, amplitudes=(amplitude, 0.25 * amplitude), phases=(0.0, np.pi))
+
+
+def steps(ax: plt.Axes, tip: Callable[[np.ndarray], object], title: str, most: float, laws: int) -> None:
+    """Step against the stroke of a waveform under the first of the laws."""
+    strokes = np.linspace(most / 40, most, 40)
+    for (name, law), colour in list(zip(LAWS.items(), COLOURS, strict=False))[:laws]:
+        grid = ss.solve(ss.MovingTrack(mass=0.02, along=tip(strokes), friction=law, load=20.0), periods=120, keep="summary")
+        ax.plot(strokes * MICRO, grid.mean_velocity * 1e-3 * MICRO, color=colour, label=name)
+    ax.set_xlabel("stroke $L$ (µm)")
+    ax.set_ylabel("step in a cycle (µm)")
+    ax.legend(loc="upper left")
+    ax.set_title(title)
+
+
+def loops(ax: plt.Axes) -> None:
+    """Friction against how far the slider is from the tip, in a small stroke that makes no step."""
+    t = np.linspace(40.0, 41.0, 2000) * 1e-3
+    for (name, law), colour in list(zip(LAWS.items(), COLOURS, strict=False))[1:]:
+        run = ss.solve(ss.MovingTrack(mass=0.02, along=smooth(1e-6), friction=law, load=20.0), periods=42)
+        at = run.at(t)
+        apart = at["x"] - run.model.along.position(t)
+        ax.plot((apart - apart.mean()) * NANO, at["friction_force"], color=colour, label=name)
+    ax.set_xlabel("slider from tip, about the mean (nm)")
+    ax.set_ylabel("friction force (N)")
+    ax.legend(loc="upper left")
+    ax.set_title("smooth waveform, stroke 1 µm")
 
 
 def closed(load: np.ndarray, against: float) -> np.ndarray:
@@ -103,9 +148,28 @@ def by_angle(ax: plt.Axes) -> None:
     ax.set_title("speed against angle")
 
 
+def presliding(ax: plt.Axes) -> None:
+    """Steps of a sawtooth."""
+    steps(ax, lambda stroke: ss.Sawtooth(stroke, rise=0.95e-3, fall=0.05e-3), "sawtooth", 2e-6, 3)
+
+
+def rounded(ax: plt.Axes) -> None:
+    """Steps of the smooth waveform."""
+    steps(ax, smooth, "smooth waveform", 10e-6, 4)
+
+
+FIGURES = {
+    "stage": (cycles, by_stroke, by_load),
+    "stage_laws": (presliding, rounded, loops),
+    "conveyor": (hop, by_index, by_angle),
+}
+
+
 def main() -> None:
-    """Draw both figures."""
-    for name, panels in (("stage", (cycles, by_stroke, by_load)), ("conveyor", (hop, by_index, by_angle))):
+    """Draw the figures, or those that are named."""
+    for name, panels in FIGURES.items():
+        if sys.argv[1:] and name not in sys.argv[1:]:
+            continue
         with publication():
             figure, axes = plt.subplots(1, 3, figsize=(10.2, 3.0), layout="constrained")
             for ax, panel in zip(axes, panels, strict=True):

@@ -62,6 +62,29 @@ def test_a_batch_of_stages_is_each_of_them():
     assert many.mean_velocity * 1e-3 == pytest.approx(np.array(expected), rel=1e-11)
 
 
+@pytest.mark.slow  # the judge's steps, not ours
+@pytest.mark.parametrize("name", ["Coulomb", "LuGre", "elasto-plastic", "GMS"])
+def test_smooth_waveforms_walk_back_where_their_stroke_is_small(name):
+    """Two harmonics that rise slowly and fall fast; steps over ten cycles from rest by lanes and by the judge, each to 1e-8 in a step."""
+    contact = {"sigma0": 1e7, "v_s": 2e-3, "f_plus": None, "f_minus": None}
+    law = {
+        "Coulomb": ss.Coulomb(0.1, 0.1),
+        "LuGre": ss.LuGre(0.1, 0.1, sigma1=100.0, sigma2=0.0, **contact),
+        "elasto-plastic": ss.ElastoPlastic(0.1, 0.1, sigma1=100.0, sigma2=0.0, z_ba=1.4e-7, **contact),
+        "GMS": ss.GMS(0.1, 0.1, attraction=1e5, **contact),
+    }[name]
+    A = np.array([7e-6 if name == "Coulomb" else 4.5e-6, 10e-6]) * 0.385
+    tip = ss.MultiHarmonic(frequency=1000.0, amplitudes=(A, A / 4), phases=(0.0, np.pi))
+    stage = ss.MovingTrack(mass=0.02, along=tip, friction=law, load=20.0)
+    found = ss.solve(stage, periods=10, settle=0, keep="summary", rtol=1e-8).displacement
+    alone = [stage.replace({"along.amplitudes": (a, a / 4)}) for a in A]
+    method = "radau" if name in ("LuGre", "elasto-plastic") else "dop853"
+    judged = [np.diff(ss.solve(each, periods=10, settle=0, method=method, rtol=1e-9).x[[0, -1]])[0] for each in alone]
+    assert found == pytest.approx(np.array(judged), rel=1e-5, abs=1e-12)
+    steps = ss.solve(stage, periods=40, keep="summary").mean_velocity
+    assert steps[0] < 0 < steps[1]
+
+
 # ---- conveyors -------------------------------------------------------------------------------------------------------
 def test_a_conveyor_without_hops_has_its_speed():
     run = ss.solve(ss.presets.conveyor(throw_index=0.9), periods=60)
