@@ -322,6 +322,16 @@ def test_the_moving_picture_of_a_machine_has_its_bodies_contacts_and_stops(machi
         assert sign == 2 and depth[1] > 0 and abs(depth[[0, 2]]).max() < 1e-5 * run.model.gap  # at six digits of a time
 
 
+def test_a_body_that_flies_is_lifted_in_the_moving_picture():
+    run = ss.solve(ss.presets.conveyor(throw_index=2.5), periods=40)
+    (body,) = moments(run)["bodies"]
+    lift, aloft = np.array(body["lift"]), ss.hops(run)
+    # 480 instants of a period: a parabola is missed at its top by the square of half the step over that of half the flight
+    assert lift.max() == pytest.approx(1e3 * aloft.height, rel=(0.5 / 480 / (0.5 * aloft.fraction)) ** 2 + 1e-5)
+    assert lift.min() == 0.0 and (lift > 0).mean() == pytest.approx(aloft.fraction, abs=2 / 480)
+    assert moments(ss.solve(ss.presets.stick_slip_stage(), periods=4))["bodies"][0]["lift"] is None
+
+
 def test_a_forced_oscillator_has_a_page():
     law = ss.Coulomb(0.2, 0.2)
     run = ss.solve(ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=law), periods=20)
