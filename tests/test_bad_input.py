@@ -343,3 +343,75 @@ def test_changes_of_records_are_checked_again():
 
 def test_lints_are_notes_and_no_errors():
     assert "sigma1 = 100" in rig().notes[0] and rig(law="coulomb").notes == []
+
+
+@dataclass(frozen=True, eq=False)
+class Pair(ss.Machine):
+    """Two bodies, and what a test puts between them."""
+
+    parts: object = None
+    between: object = None
+    walls: object = None
+    load: object = None
+
+    period = 0.06
+
+    def bodies(self):
+        return {"a": ss.Body(0.1), "b": ss.Body(0.1)}
+
+    def contacts(self):
+        return {"a": ss.Contact("a", ss.Coulomb(0.15, 0.21), load=self.load)}
+
+    def links(self):
+        return self.between or {}
+
+    def stops(self):
+        return self.walls or {}
+
+
+AHEAD, BEHIND = ss.Stop(-0.2, restitution=0.5), ss.Stop(0.1, restitution=0.5, side=-1)
+SOFT = ss.Stop(-0.2, stiffness=9.0)
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        ({"walls": {("a", "b"): (BEHIND, AHEAD)}}, "a-b 1 and a-b 2, which face one another and overlap: .* -0.1 m; allowed is more than"),
+        (
+            {"walls": {("a", "b"): ss.Stop(-0.2, stiffness=9.0), ("b", "a"): ss.Stop(0.1, stiffness=9.0)}},
+            "a-b and b-a, .* zero or more; type",
+        ),
+        ({"walls": {("a", None): (BEHIND, AHEAD)}}, "stops.. has a 1 and a 2, which face one another .* type gap=0.01 for both"),
+        ({"walls": {("a", "b"): AHEAD}, "between": {("a", "b"): ss.Rigid()}}, "a-b, between two bodies whose distance is prescribed"),
+    ],
+)
+def test_stops_that_could_never_be_kept_are_said(made, said):
+    with pytest.raises(ss.InputError, match=said):
+        Pair(**made)
+
+
+def test_stops_that_touch_without_play_are_a_gear_and_allowed():
+    flanks = (ss.Stop(0.0, stiffness=9.0), ss.Stop(0.0, stiffness=9.0, side=-1))
+    assert Pair(walls={("a", "b"): flanks}).stops() == {("a", "b"): flanks}
+
+
+def test_a_start_beyond_a_stop_says_where_they_touch():
+    with pytest.raises(ss.InputError, match=r"stop a-b, by 0.2 m; .* type start=\{.x.: \{.a.: -0.2\}\}, where they touch"):
+        ss.solve(Pair(walls={("a", "b"): AHEAD}), periods=2)
+    run = ss.solve(Pair(walls={("a", "b"): AHEAD}), periods=2, start={"x": {"a": -0.2}})
+    assert run.status == "finished"
+
+
+@pytest.mark.parametrize("method", ["auto", "dop853"])
+@pytest.mark.parametrize("load", [-1.0, 0.0])
+def test_a_load_that_is_not_there_at_the_start_is_said_by_every_method(load, method):
+    pair = Pair(load=lambda t, x: load + 0.0 * x)
+    with pytest.raises(
+        ss.InputError, match=rf"the load of the contact 'a' is -?{abs(load):g} N at the start, .* restitution=0.0 for a body"
+    ):
+        ss.solve(pair, periods=2, method=method)
+
+
+def test_a_chain_without_links_says_what_to_type():
+    with pytest.raises(ss.InputError, match=r"link has 0 links for 2 bodies; .* type link=ss.Spring"):
+        ss.Chain((robot(), robot()), link=())
