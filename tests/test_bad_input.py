@@ -412,6 +412,43 @@ def test_a_load_that_is_not_there_at_the_start_is_said_by_every_method(load, met
         ss.solve(pair, periods=2, method=method)
 
 
+@dataclass(frozen=True)
+class Away:
+    """A distance that grows by a centimetre in each second."""
+
+    period = 0.5
+
+    def position(self, t):
+        return 0.01 * t
+
+    def velocity(self, t):
+        return 0.01 + 0.0 * t
+
+    def acceleration(self, t):
+        return 0.0 * t
+
+
+def test_a_gait_whose_distances_do_not_close_is_said():
+    bodies = ss.Bodies(mass=0.05, count=3, friction=ss.Coulomb(0.1, 0.3))
+    with pytest.raises(ss.InputError, match=r"'body 2'\)\] prescribes a distance that does not close: it changes by 0.005 m in the period"):
+        ss.Chain(bodies, link=ss.Gait(Away(), lag=2.0))
+
+
+@pytest.mark.parametrize(
+    ("part", "said"),
+    [
+        (
+            {"load": lambda t: 1.0},
+            r"load = .*: too many positional arguments; allowed is a positive force \[N\], or a function of time and",
+        ),
+        ({"load": "heavy"}, r"load: 'heavy' is not a number; allowed is a positive force \[N\]"),
+    ],
+)
+def test_a_load_that_is_neither_number_nor_function_of_time_and_place_is_said(part, said):
+    with pytest.raises(ss.InputError, match=said):
+        Pair(**part)
+
+
 def test_a_chain_without_links_says_what_to_type():
     with pytest.raises(ss.InputError, match=r"link has 0 links for 2 bodies; .* type link=ss.Spring"):
         ss.Chain((robot(), robot()), link=())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
 from typing import Any
 
@@ -16,6 +17,7 @@ from stickslip.quantities import positive
 __all__ = ["check_parts"]
 
 _SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
+_CLOSED = 1e-6  # of how far a prescribed distance goes: how well it has to come back after the period
 _EXAMPLES = {
     "bodies": '{"head": ss.Body(mass=0.07)}',
     "contacts": '{"head": ss.Contact("head", ss.Coulomb(mu_plus=0.15, mu_minus=0.21))}',
@@ -62,9 +64,22 @@ def _check_body(name: Any, body: Any, problems: Problems) -> None:
     if not isinstance(body, Body):
         problems.add(f"bodies()[{name!r}] = {body!r}; allowed is a Body; type {name!r}: ss.Body(mass=0.07)")
         return
-    if not callable(body.force):
-        allowed = "a force [N], or a function of time, position and velocity"
-        checked_number(f"bodies()[{name!r}].force", body.force, problems, None, allowed, "force=lambda t, x, v: sin(t)")
+    for what in ("force", "gravity"):
+        takes, example = ("time", "position", "velocity"), f"{what}=lambda t, x, v: sin(t)"
+        _check_told(f"bodies()[{name!r}].{what}", getattr(body, what), takes, problems, None, "a force [N]", example)
+
+
+def _check_told(where: str, value: Any, takes: tuple[str, ...], problems: Problems, rule: Any, allowed: str, example: str) -> None:
+    """Note what is neither a number as it should be, nor a function of so many arguments."""
+    if not callable(value):
+        checked_number(where, value, problems, rule, f"{allowed}, or a function of {' and '.join(takes)}", example)
+        return
+    try:
+        inspect.signature(value).bind(*takes)
+    except TypeError as error:
+        problems.add(f"{where} = {value!r}: {error}; allowed is {allowed}, or a function of {' and '.join(takes)}; type {example}")
+    except ValueError:  # one that does not say what it takes
+        return
 
 
 def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Problems) -> None:
@@ -82,8 +97,9 @@ def _check_contact(name: Any, contact: Any, bodies: dict[str, Any], problems: Pr
     elif contact.on is not None and not all(callable(getattr(contact.on, name, None)) for name in ("velocity", "acceleration")):
         allowed = "the name of a body, a speed [m/s], or a motion with position, velocity and acceleration"
         checked_number(f"{where}.on", contact.on, problems, None, allowed, "on=0.1")
-    if contact.load is not None and not callable(contact.load):
-        checked_number(f"{where}.load", contact.load, problems, positive, "a positive force [N]", "load=1.0")
+    if contact.load is not None:
+        example = "load=lambda t, x: 1.0" if callable(contact.load) else "load=1.0"
+        _check_told(f"{where}.load", contact.load, ("time", "position"), problems, positive, "a positive force [N]", example)
     own = Problems(problems.what)
     check_law(contact.friction, own)
     for sentence in own.found:
@@ -198,6 +214,14 @@ def _check_groups(machine: Any, problems: Problems) -> None:
     joined = sum(len(group) - 1 for group in mechanics.groups)
     if joined < len(mechanics.told):
         problems.add("links() prescribes distances in a closed loop; allowed is one way from body to body; leave one of them out")
+    for ends, link in mechanics.told if machine.period is not None else ():
+        begun, back = link.position(0.0), link.position(machine.period)
+        reach = abs(link.position(machine.period / 3) - begun) + abs(link.position(machine.period / 2) - begun)
+        if not everywhere(abs(back - begun) <= _CLOSED * (reach + abs(begun))):
+            problems.add(
+                f"links()[{ends!r}] prescribes a distance that does not close: it changes by {describe(back - begun)} m in the period of "
+                f"{describe(machine.period)} s; allowed is a motion that comes back; type ss.Harmonic(amplitude=2e-3, frequency=2.0)"
+            )
     for name, row in zip(mechanics.contacts, mechanics.directions, strict=True):
         if not any(row):
             problems.add(
