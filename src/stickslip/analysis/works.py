@@ -31,7 +31,7 @@ def powers(mechanics: Any, t: Array, x: Array, v: Array, z: Array, column: dict[
     none = np.zeros_like(t)
     R, slip = column["friction_force"], column["slip"]
     stored, damped, applied = none, [], _applied(mechanics, t, x, v, held_by_controllers(mechanics, z))
-    net = applied - R @ np.array(mechanics.slips_of)
+    net = applied - R @ np.array(mechanics.slips_of, float).reshape(-1, len(mechanics.bodies))
     for ends, link in mechanics.elastic:
         distance, rate = mechanics.distance(ends, x.T), mechanics.distance(ends, v.T)
         force, still = link.force(distance, rate), link.force(distance, 0.0 * rate)
