@@ -45,6 +45,7 @@ def test_two_masses_slip_and_stick_when_independent_codes_say():
     assert [after for _, after in last] == [1, 0, -1]
 
 
+@pytest.mark.slow  # a kernel of its own
 @pytest.mark.parametrize(("a1", "a2", "phi", "ratio"), [(1.0, 1.0, 0.0, 1.0), (1.0, 1.0, 0.7, 2.0), (1.0, 0.5, -2.0, 1.5)])
 def test_of_little_friction_the_velocity_is_a_quantile_of_the_vibration(a1, a2, phi, ratio):
     """Averaging: friction balances where -V is the quantile of -a1 cos t - a2/2 cos(2t + phi) at mu+/(mu+ + mu-), of any drive.

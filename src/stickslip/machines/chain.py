@@ -201,12 +201,13 @@ def _check_periods(driven: dict[str, Any], problems: Problems) -> None:
 
 def _body(module: Any, place: Any) -> Body:
     machine = machine_of(module)
+    drive: Any = machine.drive
 
     def force(t: Any, x: Any, v: Any) -> Any:
         return module.total_mass * module.acceleration(t, x, v, 0.0)
 
     def gravity(t: Any, x: Any, v: Any) -> Any:
-        return offered_force(module, t, x) + machine.whole_inner_mass * machine.drive.acceleration(t)
+        return offered_force(module, t, x) + machine.whole_inner_mass * drive.acceleration(t)
 
     breaks = machine.unsorted_breaks
     return Body(module.total_mass, force=force, position=place, jumps=machine.impulses, breaks=breaks, gravity=gravity)

@@ -137,8 +137,8 @@ def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
     """How high each body that can fly is above its track [mm]."""
     from stickslip.analysis.tracks import gaps
 
-    joints = {} if machine_of(run.model).is_single else machine_of(run.model).mechanics.joints
-    return {joints[name].body: _plain(1e3 * gap) for name, gap in gaps(run, at).items()}
+    mechanics: Any = machine_of(run.model).mechanics
+    return {mechanics.joints[name].body: _plain(1e3 * gap) for name, gap in gaps(run, at).items()}
 
 
 def _links(model: Any) -> list[list[int]]:
