@@ -12,6 +12,7 @@ from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.mechanics import normal_load
+from stickslip.part_notes import APART
 from stickslip.position import knows_position
 
 __all__ = [
@@ -30,8 +31,7 @@ STEADINESS: dict[int, str] = {
 }
 
 
-_APART = 1e-3  # of the free velocity: bodies whose mean velocities differ by more may drift apart ...
-_ALIKE = 0.1  # ... if their distance grows evenly, to this part
+_ALIKE = 0.1  # bodies drift apart if their distance grows evenly, to this part
 
 
 @dataclass(frozen=True)
@@ -276,7 +276,7 @@ def drifting_apart(run: Any) -> str:
     grown = [x[-1 - k * quarter] - x[-1 - (k + 1) * quarter] for k in (0, 1)]
     speeds = grown[0] / (quarter * float(run.model.period))
     last, before = (np.ptp(each) for each in grown)
-    if not (np.ptp(speeds) > _APART * float(machine_of(run.model).free_velocity) and abs(last - before) < _ALIKE * last):
+    if not (np.ptp(speeds) > APART * float(machine_of(run.model).free_velocity) and abs(last - before) < _ALIKE * last):
         return ""
     fast, slow = names[int(np.argmax(speeds))], names[int(np.argmin(speeds))]
     told = f"{fast} and {slow} drift apart, by {np.ptp(speeds):.3g} m/s: the mean velocity is that of the centre of mass"

@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.errors import did_you_mean
 from stickslip.mechanics import declares_parts
+from stickslip.part_notes import notes_of_cases
 from stickslip.sealing import sealed
 from stickslip.status import STATUS
 from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_note
@@ -90,8 +91,10 @@ class Summary:
 
     @property
     def notes(self) -> list[str]:
-        """A sentence on the cases whose mean velocity is not that of a steady motion, and what to type; none where all are."""
-        return unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", []))
+        """Sentences on cases that are not steady, and what to type, whose bodies moved apart, or in which forces at rest are not told."""
+        told = notes_of_cases(self.model, self.columns)
+        of_parts = [f"{count} of {np.size(self.columns['status'])} cases: {sentence}" for sentence, count in told.items()]
+        return unsettled_note(self.columns.get("steadiness", []), self.columns.get("settling_error", [])) + of_parts
 
     def to_xarray(self) -> xr.Dataset:
         """The columns as an `xarray.Dataset` with units, names and the batch's own labels."""

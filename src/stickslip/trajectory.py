@@ -18,6 +18,7 @@ from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, no
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
+from stickslip.part_notes import shared_at_rest
 from stickslip.part_runs import BodyRun, ContactRun, ControllerRun
 from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.sealing import sealed
@@ -470,8 +471,9 @@ class Trajectory:
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the machine's numbers, on a motion that has not settled, and on bodies that drift apart."""
-        return [*machine_of(self.model).notes, *(note for note in (self._settled, drifting_apart(self.parted)) if note)]
+        """Remarks on the machine's numbers, a motion that has not settled, bodies that drift apart, and friction that is not determined."""
+        found = (self._settled, drifting_apart(self.parted), shared_at_rest(self))
+        return [*machine_of(self.model).notes, *(note for note in found if note)]
 
     @property
     def _settled(self) -> str:

@@ -23,6 +23,7 @@ class Assembly:
         self.scales: list[Sym | None] = []
         self.modes: list[Sym] = []
         self.first_modes: list[Sym] = []
+        self.memories: dict[int, list[tuple[int, Sym]]] = {}  # modes that a law with inner states remembers, by number of the contact
         self.events: list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]] = []  # guard, new modes, new states, status
         self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by number of the contact
         self.contacts: list[Contact] = []

@@ -26,7 +26,7 @@ def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     guard = next(k for k, known in enumerate(graph.guards) if known is slip)
     names = [f"z{k}" if m.single else f"z{i}_{k}" for k in range(law.states)]
     z = tuple(map(graph.variable, names))
-    own = [parts.mode(graph.constant(0.0)) for _ in range(law.modes)]
+    own = parts.memories[i]
     modes = tuple(mode for _, mode in own)
     zdot = tuple(map(m.lift, law.rate(slip, z, load, modes)))
     applied = _applied(m, i) if law.needs_applied else None
@@ -111,9 +111,11 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
 def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
     """All contacts of a machine; those under laws that rest exactly in groups of which each decides for itself, a mode for each contact."""
     m = parts.m
-    for law in m.laws:
+    for i, law in enumerate(m.laws):
         if not law.dynamic:
             parts.mode(m.graph.constant(0.0))
+        else:
+            parts.memories[i] = [parts.mode(m.graph.constant(0.0)) for _ in range(law.modes)]
     pressed_stops(parts)
     for i, law in enumerate(m.laws):
         if law.dynamic:

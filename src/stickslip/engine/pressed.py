@@ -4,7 +4,8 @@ A stop with restitution whose gap h closes at the rate -r throws its ends back, 
 and are all over after the time 2 e r m/(lambda (1 - e)), where m is the mass that the hit feels. Where that is a
 moment the stop stays closed: a mode of it is 1 from there on, h' = 0, and the sign of lambda = -(h'' without it) m says when it opens.
 
-One of the ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end.
+Under laws with inner states forces follow from the states, and what a closed stop does from them. Under laws that rest exactly one of the
+ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end.
 """
 
 from __future__ import annotations
@@ -33,14 +34,14 @@ class Pressed:
     number: int  # of its mode
     closed: Sym  # the mode: 1 while it is closed, else 0
     row: tuple[float, ...]  # what its gap takes of each coordinate
-    follower: int  # the coordinate that has no contact
+    follower: int | None  # the coordinate that has no contact; None under laws with inner states
 
     def followed(self, m: Symbolic, a: list[Sym]) -> Sym:
         """Acceleration of the follower with which the gap keeps its rate, from those of the others."""
-        h = self.row[self.follower]
-        return -self._rate(m, [*a[: self.follower], m.graph.constant(0.0), *a[self.follower + 1 :]]) / h
+        k = self.follower or 0
+        return -self.rate(m, [*a[:k], m.graph.constant(0.0), *a[k + 1 :]]) / self.row[k]
 
-    def _rate(self, m: Symbolic, a: Any) -> Sym:
+    def rate(self, m: Symbolic, a: Any) -> Sym:
         """Second derivative of the gap."""
         return sum((h * of for h, of in zip(self.row, a, strict=True) if h), m.lift(self.stop.offset_rate(m.t)))
 
@@ -53,7 +54,7 @@ class Pressed:
 
     def closing(self, m: Symbolic, a: tuple[Sym, ...]) -> tuple[Sym, ...]:
         """Accelerations with the stop closed, from those that the other forces make."""
-        force = -(self.mass(m) * self._rate(m, a))
+        force = -(self.mass(m) * self.rate(m, a))
         return tuple(of if not h else of + force * (h / m.lift(mass)) for of, h, mass in zip(a, self.row, m.equations.masses, strict=True))
 
 
@@ -62,18 +63,19 @@ def pressed_stops(parts: Assembly) -> None:
     m = parts.m
     braked = {c for row in m.directions for c, g in enumerate(row) if g}
     alone = all(sum(map(abs, row)) == 1.0 and m.directions.count(row) == 1 for row in m.directions)
-    alone = alone and not any(law.dynamic for law in m.laws)  # modes of laws with inner states are what these remember
-    for stop in m.equations.stops if alone else ():
-        follower = next((c for c, h in enumerate(stop.direction) if h and c not in braked), None)
-        if follower is not None:
+    told = all(law.dynamic for law in m.laws)
+    for stop in m.equations.stops if alone or told else ():
+        follower = None if told else next((c for c, h in enumerate(stop.direction) if h and c not in braked), None)
+        if told or follower is not None:
             number, closed = parts.mode(m.graph.constant(0.0))
             m.pressed.append(Pressed(stop, number, closed, tuple(stop.direction), follower))
 
 
 def closes(parts: Assembly, p: Pressed, sides: dict[int, Sym]) -> Sym:
     """How strongly a closed stop is pressed [N], with contacts that slide or rest as `sides` say; negative where it would open."""
-    m = parts.m
-    k = p.follower
+    m, k = parts.m, p.follower
+    if k is None:
+        return -(p.mass(m) * p.rate(m, m.accelerations(parts.forces, closed=None)))
     apart = m.accelerations(parts.forces, closed=None)[k]
     held = p.followed(m, [_closed(parts, p, c, sides) for c in range(len(m.y))])
     return (held - apart) * (m.lift(m.equations.masses[k]) / p.row[k])
@@ -96,9 +98,10 @@ def add_pressed(parts: Assembly, p: Pressed) -> None:
     m, graph, k = parts.m, parts.m.graph, p.follower
     one, zero = graph.constant(1.0), graph.constant(0.0)
     now = {i: parts.modes[i] for i, law in enumerate(m.laws) if not law.dynamic}
-    others = [parts.f[c] if parts.f[c] is not None else m.accelerations(parts.forces)[c] for c in range(len(m.y))]
-    open_ = others[k] if parts.f[k] is not None else m.accelerations(parts.forces, closed=None)[k]
-    parts.f[k] = graph.select(p.closed, p.followed(m, others), open_)
+    if k is not None:
+        others = [parts.f[c] if parts.f[c] is not None else m.accelerations(parts.forces)[c] for c in range(len(m.y))]
+        open_ = others[k] if parts.f[k] is not None else m.accelerations(parts.forces, closed=None)[k]
+        parts.f[k] = graph.select(p.closed, p.followed(m, others), open_)
     parts.events.append((graph.select(p.closed, closes(parts, p, now), one), {p.number: zero}, {}, 0))
     shut = Substituted(graph, {p.closed.name: one})
     first = {i: shut.of(parts.first_modes[i]) for i in now}

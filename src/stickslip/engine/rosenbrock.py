@@ -276,7 +276,7 @@ class _StepWriter(EventWriter):
             if i in self.eq.positions:  # a position need not be known better than the velocity makes it
                 floor = f"fma({literal(k.velocity_floor)} * {self.scale_v}, _hh, {floor})"
             w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
-            w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
+            w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, {self._smallest(i)}))")
         parts = self._parts()
         if len(parts) == 1:
             self._largest()
@@ -293,6 +293,16 @@ class _StepWriter(EventWriter):
         usual = w.line(w.fresh(), usual)
         creep = w.value(creeps[0], self.start)
         return w.line(w.fresh(), f"{creep} if {creep} < {usual} else {usual}")
+
+    def _smallest(self, i: int) -> str:
+        """An error that no step can be free of: of a velocity that friction lets creep, what it changes by in the shortest step."""
+        creeps = any(contact.state == i and contact.creep_velocity is not None for contact in self.eq.contacts)
+        return f"fma({self._shortest}, abs({self.f[i]}), 1e-290)" if creeps else "1e-290"
+
+    @property
+    def _shortest(self) -> str:
+        """The shortest step: time has digits near 0 that it has not later."""
+        return f"fma(_t, 4.5e-16, 1e-25 * {self.w.value(self.eq.period, self.start)})"
 
     def _largest(self) -> None:
         """The error of one body: the largest of its states' errors."""
@@ -379,10 +389,9 @@ class _StepWriter(EventWriter):
             w.line(f"_on{k}", f"1.0 if (_flip and {mine}) else (0.0 if _acc1 else _on{k})")
         w.line("_nacc", "_nacc + (1.0 if _acc1 else 0.0)")
         w.line("_nrej", "_nrej + (0.0 if _acc1 else 1.0)")
-        shortest = f"fma(_t, 4.5e-16, 1e-25 * {w.value(self.eq.period, self.start)})"  # time has digits near 0 that it has not later
         for name in ended_by(self.eq):
             w.line(f"_{name}", "1.0 * _which if _evA else -1.0")
-        w.line("_bad", f"(not _acc1) and _hh < {shortest}")
+        w.line("_bad", f"(not _acc1) and _hh < {self._shortest}")
         nan = " or ".join(f"_n{i} != _n{i}" for i in range(self.active))
         w.line("_end", f"{Status.TOO_SMALL}.0")
         for k, switch in self.eq.switches.items():

@@ -134,7 +134,7 @@ class System:
     @property
     def memories(self) -> int:
         """How many modes are given with a start."""
-        return len(self.modes) if self.dynamic else min(self.labels, 1)
+        return sum(len(contact.modes) for contact in self.contacts) if self.dynamic else min(self.labels, 1)
 
     @property
     def states(self) -> int:

@@ -107,7 +107,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
     y, f = (*m.y, *parts.inner, *m.held, *places), (*f, *parts.rates, *m.held_rates(), *rates)
     distance = None if m.single or model.period is None else scale * m.period(model) / (2 * pi)
     for i in range(len(m.laws)):
-        if graph.varies(m.loads[i]) and not m.laws[i].flies:
+        if m.loads[i].level >= STATE and not m.laws[i].flies:  # one that jumps at known instants counts too
             parts.events.append((m.loads[i], {}, {}, Status.LOST))
     guards = (*graph.guards, *(guard for guard, *_ in parts.events))
 

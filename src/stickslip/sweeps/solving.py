@@ -14,6 +14,7 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.machine import MachineAdapter, machine_of
+from stickslip.part_notes import notes_of_cases
 from stickslip.pool import Cancelled
 from stickslip.solvers import orbits, parts
 from stickslip.solvers.arcs import handles, reduced
@@ -107,7 +108,7 @@ def columns_of_group(
 ) -> dict[str, Array]:
     """The columns of a group; one that fails as a whole is halved until the cases that fail are alone."""
     try:
-        found = columns_of(group.robot, group.start, options, workers, tell, solver)
+        found = columns_of(group.robot, group.start, options, workers, tell, solver, notes)
         return {
             name: values if len(values) == len(group.at) else np.repeat(values, len(group.at), axis=0) for name, values in found.items()
         }
@@ -151,13 +152,19 @@ def _part(group: Group, at: Array) -> Group:
 
 
 def columns_of(
-    robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any, solver: Solver | None = None
+    robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any, solver: Solver | None = None,
+    notes: dict[str, int] | None = None,
 ) -> dict[str, Array]:
-    """The columns of a batch, or of one robot; and the states in which its cases end, where the solver tells them."""
+    """The columns of a batch, or of one robot; and the states in which its cases end, where the solver tells them.
+
+    Sentences on its parts are counted in `notes`.
+    """
     count = max([1, *shape_of(robot), *(len(v) for v in start.values() if np.ndim(v))])
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from many starts
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
+    for sentence, cases in notes_of_cases(many.model, many.columns).items() if notes is not None else ():
+        notes[sentence] = notes.get(sentence, 0) + cases
     names = machine_of(robot).part_names
     without = _not_of(machine_of(robot))
     found = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}

@@ -100,7 +100,7 @@ def apply_jump(lane, S, row, D):
     before = S[D[F_Y] + lane]
     for j in range(D[COORDINATES]):
         S[D[F_Y] + j * L + lane] += jump_of(lane, j, S, D)
-    if D[MODES] > 0 and D[SET_VALUED] == 0 and before * S[D[F_Y] + lane] < 0.0:
+    if D[KEPT_MODES] > 0 and D[SET_VALUED] == 0 and before * S[D[F_Y] + lane] < 0.0:
         y, clock, mode = np.empty(D[STATES]), np.empty(D[CLOCKS]), np.empty(D[MODES])
         for i in range(D[STATES]):
             y[i] = S[D[F_Y] + i * L + lane]
