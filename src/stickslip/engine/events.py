@@ -69,7 +69,7 @@ class EventWriter:
         w.line("_cr", "_ge < _tiny or _late")
         w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
         w.line("_th", "_te * _gs / (_gs - _ge if _ge < _tiny else 1.0)")
-        w.line("_pre", "_on0 > 0.5 or _g0s <= 0.0")
+        w.line("_pre", self._begins_at_zero(0, f"1e-6 * {self._size(self.eq.guards[0], end)}" if state is None else "-1e4 * _tiny"))
         w.line("_wrong", f"_late or {self._leaves(self.guard_rate[0], '_b0', '_g0e < _tiny')}")
         w.line("_which", "0.0")
         w.line("_size", "0.0")
@@ -117,7 +117,7 @@ class EventWriter:
             w.line("_gp", f"_g{k}s if _g{k}s > 0.0 else 0.0")
             w.line("_tk", f"_te{k} * _gp / (_gp - _ge{k} if _ge{k} < _tiny else 1.0)")
             w.line("_first", f"_cr{k} and _tk < _th")
-            w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
+            w.line("_pre", f"({self._begins_at_zero(k, '-1e4 * _tiny')}) if _first else _pre")
             w.line("_wrong", f"(_late{k} or {self._leaves(self.guard_rate[k], f'_b{k}', f'_ge{k} < _tiny')}) if _first else _wrong")
             values = [("_th", "_tk"), ("_te", f"_te{k}"), ("_which", f"{k}.0"), ("_bg", f"_b{k}")]
             for name, value in (*values, *zip(polynomial, (f"_k{i}_{m}" for m in range(self.degree + 1)), strict=True)):
@@ -145,6 +145,13 @@ class EventWriter:
         w.line(f"_te{suffix}", "_tx if _dip else 1.0")
         w.line(f"_ge{suffix}", f"_low if _dip else {end}")
 
+    def _begins_at_zero(self, k: int, near: str) -> str:
+        """Whether a guard is at its zero where the step begins: it has just flipped there, and is no farther than its event is located.
+
+        A flag that flips because a hit or a reset has moved its guard is not at a zero: what leaves that side in the step crosses later.
+        """
+        return f"(_on{k} > 0.5 and _g{k}s < {near}) or _g{k}s <= 0.0"
+
     def _leaves(self, rate: str, side: str, out: str) -> str:
         """Whether a guard that starts at zero goes to the other side: by its rate, or, where that is zero too, by where the step ends."""
         return f"({rate} * {side} < 0.0 or ({rate} == 0.0 and {out}))"
@@ -156,11 +163,11 @@ class EventWriter:
         w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
         w.line(f"_size{k}", self._size(guard, end))
         if state is None:
-            least, at = f"_g{k}e", "1.0"
+            least, at, near = f"_g{k}e", "1.0", f"1e-6 * _size{k}"
             w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
         else:
             self._dip(state, f"_b{k}", f"_g{k}e", str(k))
-            least, at = f"_ge{k}", f"_te{k}"
+            least, at, near = f"_ge{k}", f"_te{k}", "-1e4 * _tiny"
             w.line("_noise", "1.0 * _tiny")
         # far on the wrong side, a flag that has just flipped itself was moved by the flip of another
         w.line("_late", f"_g{k}s < _noise and (_on{k} < 0.5 or _g{k}s < -1e-6 * _size{k})")
@@ -170,7 +177,7 @@ class EventWriter:
         reached = f"_gp{k} / (_gp{k} - {least} if _out{k} else 1.0)"
         w.line(f"_th{k}", reached if state is None else f"{at} * {reached}")
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
-        w.line("_pre", f"(_on{k} > 0.5 or _g{k}s <= 0.0) if _first else _pre")
+        w.line("_pre", f"({self._begins_at_zero(k, near)}) if _first else _pre")
         w.line("_wrong", f"(_late or {self._leaves(self.guard_rate[k], f'_b{k}', f'_out{k}')}) if _first else _wrong")
         for name, value in (
             ("_gs", f"_gp{k}"),
@@ -226,6 +233,7 @@ class EventWriter:
 
     def _secant(self) -> None:
         w = self.w
+        close = "fma(1e-8, _span, 1e-15 * _size)"
         w.line("_span", "_gs - _ge")
         for name, value in (("_xa", "0.0"), ("_ga", "_gs"), ("_xb", "_te"), ("_gb", "_ge")):
             w.line(name, f"1.0 * {value}")
@@ -241,9 +249,10 @@ class EventWriter:
             w.line("_ga", "1.0 * _pv")
             w.line("_gap", "_gb - _ga")
             w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
-            w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else 0.5 * (_lo + _hi)")
+            w.line("_mid", f"_th if abs(_pv) <= {close} else 0.5 * (_lo + _hi)")  # rounding has no slope
+            w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else _mid")
         w.line("_pv", f"abs({self._guard_at('_th')})")
-        w.line("_conv", "_pv <= fma(1e-8, _span, 1e-15 * _size)")
+        w.line("_conv", f"_pv <= {close}")
 
     def _guard_at(self, theta: str) -> str:
         """Value of the chosen guard on its held side, on the dense output."""
