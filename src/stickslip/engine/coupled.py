@@ -31,12 +31,13 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
     held = {i: -graph.derivative(m.slips[i], m.t) for i in feet}  # acceleration at which the foot's slip stays as it is
     slide = {i: _sums([sliding_both_ways(parts, k) for k in alike[i]]) for i in feet}
     limits = {i: _sums([limits_of(parts, k) for k in alike[i]]) for i in feet}  # backward, forward
+    kinetic = {i: (slide[i][1], slide[i][0]) for i in feet}  # the same of feet that slide
 
     def acceleration(now: dict[int, Sym], at_rest: dict[int, Sym]) -> Sym:
         """With friction forces at rest as given."""
         return m.accelerations({i: graph.by_side(now[i], *slide[i], at_rest[i]) for i in feet})[j]
 
-    def beside(i: int, k: int, same: int) -> Sym:
+    def beside(i: int, k: int, same: int, limits: dict[int, tuple[Sym, Sym]]) -> Sym:
         """Force of a foot k that rests now, if foot i were to rest: it would slip to the side to which its rest moves away."""
         if i == k:
             return limits[k][same]
@@ -49,13 +50,22 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
         sizes = m.y[j] * m.y[j] + parts.velocity_scale * parts.velocity_scale
         return graph.select(m.slips[i] * m.slips[i] - SLIP**2 * sizes, modes[i], zero)
 
-    def decided(now: dict[int, Sym]) -> dict[int, Sym]:
-        """Modes of all feet: those at rest may stay or slip."""
+    def by_limits(now: dict[int, Sym], limits: dict[int, tuple[Sym, Sym]]) -> dict[int, Sym]:
+        """Modes of all feet, of which those at rest stay or slip, if these are the forces at which they do."""
         found = {}
         for i in feet:
-            push = acceleration(now, {k: beside(i, k, 1) for k in feet}) - held[i]
-            pull = held[i] - acceleration(now, {k: beside(i, k, 0) for k in feet})
+            push = acceleration(now, {k: beside(i, k, 1, limits) for k in feet}) - held[i]
+            pull = held[i] - acceleration(now, {k: beside(i, k, 0, limits) for k in feet})
             found[i] = graph.by_side(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
+        return found
+
+    def decided(now: dict[int, Sym]) -> dict[int, Sym]:
+        """Modes of all feet. Where static friction holds none they slide, and if one comes to rest then, kinetic friction says which."""
+        found = by_limits(now, limits)
+        if any(a is not b for i in feet for a, b in zip(limits[i], kinetic[i], strict=True)):
+            holds = [graph.by_side(found[i], zero, zero, one) for i in feet]
+            sliding = by_limits(now, kinetic)
+            found = {i: graph.select(_total(holds), found[i], sliding[i]) for i in feet}
         return all_alike(found)
 
     def all_alike(new: dict[int, Sym]) -> dict[int, Sym]:
