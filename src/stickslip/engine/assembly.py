@@ -35,6 +35,11 @@ class Assembly:
         self.first_modes.append(first)
         return len(self.modes) - 1, self.modes[-1]
 
+    def slip(self, i: int) -> Sym:
+        """The slip of a contact that slides, as its law sees it; at rest zero, and not what rounding makes of a difference."""
+        slip, zero = self.m.slips[i], self.m.graph.constant(0.0)
+        return slip if i in self.m.owner else self.m.graph.by_side(self.modes[i], slip, slip, zero)
+
     def place(self, number: int) -> Sym:
         """A position by its number among the states."""
         zero = self.m.graph.constant(0.0)

@@ -76,9 +76,10 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     one, zero = graph.constant(1.0), graph.constant(0.0)
     sliding: list[Sym] = []
     place, mode = i, parts.modes[i]
+    slides = parts.slip(i)
     for side in (1.0, -1.0):
-        graph.assumed[slip.number] = side
-        sliding.append(m.accelerations({i: law.sliding(slip, load)})[j])
+        graph.assumed[slides.number] = side
+        sliding.append(m.accelerations({i: law.sliding(slides, load)})[j])
     backward, forward = law.breakaway(load)
     owned = m.owner[j] == i
     still = zero if owned else -(slip - m.y[j])

@@ -224,10 +224,10 @@ class _Box:
 
 def sliding_both_ways(parts: Assembly, i: int) -> tuple[Sym, Sym]:
     """Friction force of a contact that slides forwards, and backwards."""
-    m, found = parts.m, []
+    m, found, slip = parts.m, [], parts.slip(i)
     for side in (1.0, -1.0):
-        m.graph.assumed[m.slips[i].number] = side
-        found.append(m.lift(m.laws[i].sliding(m.slips[i], m.loads[i])))
+        m.graph.assumed[slip.number] = side
+        found.append(m.lift(m.laws[i].sliding(slip, m.loads[i])))
     m.graph.assumed.clear()
     return found[0], found[1]
 

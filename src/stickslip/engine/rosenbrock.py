@@ -397,6 +397,7 @@ class _StepWriter(EventWriter):
         for k, switch in self.eq.switches.items():
             if switch.status:  # steps shrink without end where a contact stiffens as it is lost
                 w.line("_end", f"{switch.status}.0 if _g{k}s < 1e-9 * _size{k} else _end")
+                w.line("_code", f"{switch.status}.0 if (_flip0 and _g{k}s < 1e-7 * _size{k}) else _code")  # nothing else matters there
         w.line("_stat", f"1.0 if _fin else (({Status.NOT_A_NUMBER}.0 if ({nan}) else _end) if _bad else _stat)")
         w.line("_stat", "_code if _code > 0.5 else _stat")
         w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")

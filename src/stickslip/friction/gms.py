@@ -139,11 +139,11 @@ class GMS(Law):
     def switches(self, v: Any, z: Any, load: Any, mode: Any) -> list[tuple[Any, Any, Any]]:
         """All elements stick when v passes zero; one slips when its force reaches its share of the Stribeck curve."""
         found: list[tuple[Any, Any, Any]] = [(abs(v), (0,) * self.modes, None)]
-        limit, z = load * fading(self, v), each(z)
+        grip, z = fading(self, v), each(z)
         for i, (kappa, alpha) in enumerate(zip(self.stiffness, self.weights, strict=True)):
-            left = alpha * limit - kappa * self.sigma0 * by_side(v, z[i], -z[i])
+            left = alpha * (load * grip) - kappa * self.sigma0 * by_side(v, z[i], -z[i])
             slips = tuple(1 if j == i else mode[j] for j in range(self.modes))
-            found.append((where(mode[i] > 0, limit, left), slips, None))
+            found.append((where(mode[i] > 0, grip, left), slips, None))  # one that slips already has no event, also without a load
         return found
 
     def scale(self, load: Any) -> Any:

@@ -75,7 +75,8 @@ class ResetIntegrator(Law):
         """Sliding begins where z reaches its bound on the side to which v goes, and ends when v passes zero."""
         forward, backward = self.mu_plus * load / self.sigma0, self.mu_minus * load / self.sigma0
         bounds = by_side(v, forward - z, forward), by_side(v, backward, backward + z)
-        resting = [where(mode[0] > 0, forward, where(mode[0] < 0, backward, left)) for left in bounds]
+        aside = 1.0 / self.sigma0  # of one that slides already: also where the load falls to zero there is no event
+        resting = [where(mode[0] > 0, aside, where(mode[0] < 0, aside, left)) for left in bounds]
         return [
             (abs(v), (0,), where(mode[0] > 0, forward, where(mode[0] < 0, -backward, z))),
             (resting[0], (1,), forward),
