@@ -485,10 +485,11 @@ def test_elasto_plastic_blend(share, alpha):
 def test_elasto_plastic_says_where_it_is_elastic_too_far():
     law = ss.ElastoPlastic(0.2, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1e-3, z_ba=3e-6)
     assert law.notes(1.0) == [
-        "ElastoPlastic for v > 0: z_ba = 3e-06 m is not below mu N / sigma0 = 2e-06 m, so the contact would still be elastic where it "
-        "should slide"
+        "ElastoPlastic for v > 0: z_ba = 3e-06 m is not below mu N / sigma0 = 2e-06 m, so the contact is elastic up to 0.99 of that"
     ]
     assert not law.notes(2.0)
+    assert law.rate(1e-3, 1.97e-6, 1.0) == 1e-3  # elastic
+    assert law.rate(1e-3, 2e-6, 1.0) == 0.0  # it slides
 
 
 # generalised Maxwell slip ----------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from stickslip.errors import Problems
 from stickslip.friction.coefficients import F_MINUS, F_PLUS, MU_MINUS, MU_PLUS, POSITIVE, SIGMA0, SIGMA1, SIGMA2, V_S
 from stickslip.friction.law import Law
 from stickslip.friction.sides import by_side, check_static, fading
-from stickslip.maths import pi, sin, where
+from stickslip.maths import minimum, pi, sin, where
 from stickslip.quantities import at_least, quantity
 
 __all__ = ["ElastoPlastic"]
@@ -19,6 +19,7 @@ _ELASTIC = quantity(
     "deflection below which nothing slips", "m", "z_{ba}", example=2e-7, rule=at_least(0.0), range=(2e-8, 2e-6), shown="µm",
     allowed="zero or more, below mu N / sigma0 [m]",
 )  # fmt: skip
+_MOST = 0.99  # of the deflection at which it slides: up to there the contact may be elastic
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +33,8 @@ class ElastoPlastic(Law):
               \alpha = \tfrac12 + \tfrac12\sin\!\left(\pi\,\frac{s - (z_{ss}+z_{ba})/2}{z_{ss}-z_{ba}}\right) \;(z_{ba} < s < z_{ss}), \quad
               \alpha = 1 \;(s \ge z_{ss}), \qquad s = z\operatorname{sgn} v
 
-    with LuGre's :math:`g_\pm`. Up to the deflection :math:`z_{ba}` the contact is purely elastic: what the body moved it moves back.
+    with LuGre's :math:`g_\pm`. Up to the deflection :math:`z_{ba}` the contact is purely elastic: what the body moved it moves back. Where
+    the load falls so far that it would be elastic beyond sliding, it is elastic up to :math:`0.99\,z_{ss}`.
 
     Parameters
     ----------
@@ -85,7 +87,7 @@ class ElastoPlastic(Law):
     def rate(self, v: Any, z: Any, load: Any) -> Any:
         """Rate of the deflection dz/dt [m/s]."""
         bent, steady = by_side(v, z, -z), load * fading(self, v) / self.sigma0
-        elastic = by_side(v, self.z_ba, self.z_ba if self.z_ba_minus is None else self.z_ba_minus)
+        elastic = minimum(by_side(v, self.z_ba, self.z_ba if self.z_ba_minus is None else self.z_ba_minus), _MOST * steady)
         between = 0.5 + 0.5 * sin(pi * (bent - 0.5 * (steady + elastic)) / (steady - elastic))
         alpha = where(bent > elastic, where(bent > steady, 1.0, between), 0.0)
         return v * (1.0 - alpha * bent / steady)
@@ -113,6 +115,6 @@ class ElastoPlastic(Law):
             if np.any(np.asarray(elastic) >= sliding):
                 found.append(
                     f"ElastoPlastic for v {side} 0: z_ba = {np.max(elastic):.4g} m is not below mu N / sigma0 = {np.min(sliding):.4g} m, "
-                    "so the contact would still be elastic where it should slide"
+                    f"so the contact is elastic up to {_MOST:g} of that"
                 )
         return found
