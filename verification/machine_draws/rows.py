@@ -75,11 +75,15 @@ def row(law: str, d: Draw) -> Any:
     walls = [_walls(d, size, stiffness) for _ in range(count // 2)]
     pairs = tuple(n for n, own in enumerate(walls) for _ in own)
     springs = tuple(ss.Spring(stiffness * d.wide(0.03, 3), damping=mass * omega * d.wide(1e-2, 0.5)) for _ in range(count))
-    riders = tuple(i for i in range(1, count) if d.choice.random() < 0.25)[:2] if not has_states(law) or d.choice.random() < 0.5 else ()
-    bare = tuple(i for i in range(count) if i not in riders and i + 1 not in riders and i and d.choice.random() < 0.2)
+    thrown = {2 * n + 1 for n, own in enumerate(walls) if any(wall.restitution is not None for wall in own)} - (
+        set(range(count)) if has_states(law) else set()
+    )  # the second of each pair that hits: it has no contact, or rebounds that come to an end would end the run
+    riders = tuple(i for i in range(1, count) if not thrown and d.choice.random() < 0.25)[:2]
+    bare = tuple(i for i in range(count) if i in thrown or (not riders and i and d.choice.random() < 0.2))
     belt = velocity * d.uniform(-0.3, 0.3) if d.choice.random() < 0.3 else 0.0 * velocity
     return Row(
-        masses=masses, springs=springs, walls=sum(walls, ()), pairs=pairs, friction=rubs, push=mass * velocity * omega * d.uniform(1.0, 3.0),
+        masses=masses, springs=springs, walls=sum(walls, ()), pairs=pairs, friction=rubs,
+        push=mass * velocity * omega * d.uniform(1.0, 3.0),
         bias=mass * velocity * omega * d.sometimes(d.uniform(-1.0, 1.0)), omega=omega, bare=bare, riders=riders, belt=belt,
     )  # fmt: skip
 

@@ -7,11 +7,12 @@ from typing import Any
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet
 from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_in_flight
-from stickslip.engine.pressed import add_pressed, pressed_stops, settles, shut_at
+from stickslip.engine.pressed import add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
+from stickslip.status import Status
 
 __all__ = ["add_contacts", "add_stop"]
 
@@ -139,11 +140,10 @@ def add_stop(parts: Assembly, stop: Any) -> None:
     graph, one, zero = m.graph, m.graph.constant(1.0), m.graph.constant(0.0)
     p = next((each for each in m.pressed if each.stop is stop), None)
     rate, e, gap = m.lift(stop.rate(m.t, m.v)), m.lift(stop.restitution), m.lift(stop.gap(m.t, m.places))
-    over = (
-        -one
-        if p is None
-        else settles(parts, p, rate, {i: parts.modes[k] for i, k in _deciding(parts).items()} | _thrown(parts, stop, rate, e))
-    )
+    if p is None:
+        over = settled_apart(parts, stop, rate)
+    else:
+        over = settles(parts, p, rate, {i: parts.modes[k] for i, k in _deciding(parts).items()} | _thrown(parts, stop, rate, e))
     impulse = (1.0 + graph.select(over, zero, e)) * rate * _mass_at(parts, stop)
     states = _after(parts, stop, impulse)
     deciding = _deciding(parts)
@@ -153,6 +153,10 @@ def add_stop(parts: Assembly, stop: Any) -> None:
         modes[p.number] = graph.select(over, one, zero)
         place, shut = shut_at(parts, p)
         states[place] = graph.select(over, shut, parts.place(place))
+    else:
+        number, closed = parts.mode(zero)
+        modes[number] = graph.select(over, one, zero)
+        parts.events.append((graph.select(closed, -one, one), {}, {}, Status.CHATTERS))
     parts.hits[stop] = len(parts.events), -impulse
     parts.events.append((gap, modes, states, 0))
 

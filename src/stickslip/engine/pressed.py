@@ -5,7 +5,8 @@ and are all over after the time 2 e r m/(lambda (1 - e)), where m is the mass th
 moment the stop stays closed: a mode of it is 1 from there on, h' = 0, and the sign of lambda = -(h'' without it) m says when it opens.
 
 Under laws with inner states forces follow from the states, and what a closed stop does from them. Under laws that rest exactly one of the
-ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end.
+ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end. Where both have,
+a case ends with a status that says so.
 """
 
 from __future__ import annotations
@@ -126,6 +127,16 @@ def settles(parts: Assembly, p: Pressed, rate: Sym, sides: dict[int, Sym]) -> Sy
     m = parts.m
     e = m.lift(p.stop.restitution)
     return (_MOMENT * m.period(m.model)) * ((1.0 - e) * closes(parts, p, sides)) + 2.0 * (e * (p.mass(m) * rate))
+
+
+def settled_apart(parts: Assembly, stop: Any, rate: Sym) -> Sym:
+    """The same of a stop that has no mode to stay closed in: a run ends there."""
+    m = parts.m
+    now = m.accelerations(parts.forces)
+    p = Pressed(stop, -1, m.graph.constant(0.0), tuple(stop.direction), None)
+    push = -p.rate(m, [a if own is None else own for a, own in zip(now, parts.f, strict=True)])
+    e = m.lift(stop.restitution)
+    return (_MOMENT * m.period(m.model)) * ((1.0 - e) * push) + 2.0 * (e * rate)
 
 
 def shut_at(parts: Assembly, p: Pressed) -> tuple[int, Sym]:
