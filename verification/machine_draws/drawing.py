@@ -85,6 +85,11 @@ def has_states(name: str) -> bool:
     return adapted(_example(name)).dynamic
 
 
+def asks(name: str) -> bool:
+    """Whether a law of this name asks for the force that would hold its contact: of several contacts of one body nobody knows it."""
+    return adapted(_example(name)).needs_applied
+
+
 def _example(name: str) -> Any:
     one = np.random.default_rng(0)
     return law_of(name, Draw(one, one, 1))

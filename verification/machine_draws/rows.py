@@ -9,7 +9,7 @@ import numpy as np
 from drawn_models import Draw
 
 import stickslip as ss
-from machine_draws.drawing import friction, has_states, sized
+from machine_draws.drawing import asks, friction, has_states, sized
 from stickslip.maths import pi, sin
 
 
@@ -78,7 +78,7 @@ def row(law: str, d: Draw) -> Any:
     thrown = {2 * n + 1 for n, own in enumerate(walls) if any(wall.restitution is not None for wall in own)} - (
         set(range(count)) if has_states(law) else set()
     )  # the second of each pair that hits: it has no contact, or rebounds that come to an end would end the run
-    riders = tuple(i for i in range(1, count) if not thrown and d.choice.random() < 0.25)[:2]
+    riders = tuple(i for i in range(1, count) if not thrown and not asks(law) and d.choice.random() < 0.25)[:2]
     bare = tuple(i for i in range(count) if i in thrown or (not riders and i and d.choice.random() < 0.2))
     belt = velocity * d.uniform(-0.3, 0.3) if d.choice.random() < 0.3 else 0.0 * velocity
     return Row(
