@@ -1,0 +1,107 @@
+"""How runs of machines end: rebounds that die out, stops that jam, loads that are gone, bodies that drift apart, forces that nobody knows.
+
+Each is a status or a note with a sentence, in single runs and in what a sweep stores.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.status import Status
+
+MASS, PUSH, LOAD, WIDTH, MU = 0.1, 0.3, 1.0, 0.02, 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed(ss.Machine):
+    """A mass that a constant force pushes against a stop in front of it, which is another body that rubs."""
+
+    push: float
+    restitution: float
+    friction: Any
+    rubs: Any = None  # what the pushed mass rubs with itself
+
+    def bodies(self):
+        return {"inner": ss.Body(MASS, force=self.push), "body": ss.Body(MASS)}
+
+    def contacts(self):
+        laws = {"body": self.friction} | ({} if self.rubs is None else {"inner": self.rubs})
+        return {name: ss.Contact(name, law, load=LOAD) for name, law in laws.items()}
+
+    def stops(self):
+        return {("inner", "body"): ss.Stop(gap=1e-3, restitution=self.restitution)}
+
+
+def notes_of(grid):
+    return json.loads(grid.attrs.get("notes", "{}"))
+
+
+def test_rebounds_that_die_out_leave_two_bodies_that_move_as_one():
+    """Under mu N tanh(v/w) both go on at w artanh(F/(mu N)), whatever the restitution: the stop stays closed, and the gap with it."""
+    grid = ss.sweep(
+        Pushed(PUSH, 0.0, ss.TanhCoulomb(mu_plus=MU, mu_minus=MU, width=WIDTH)), restitution=[0.0, 0.3, 0.7], push=[PUSH, 0.2], duration=2.0
+    )
+    assert (grid.status == Status.FINISHED).all()
+    run = ss.solve(Pushed(PUSH, 0.7, ss.TanhCoulomb(mu_plus=MU, mu_minus=MU, width=WIDTH)), duration=2.0, rtol=1e-9)
+    speed = WIDTH * np.arctanh(PUSH / (MU * LOAD))
+    assert run.v[-1] == pytest.approx(speed, rel=1e-8)  # the transient is over: exp(-t mu N/(2 m w)) < 1e-20
+    assert run.bodies["inner"].x[-1] - run.bodies["body"].x[-1] == pytest.approx(1e-3, abs=1e-12)
+    hits = [event.t for event in run.events if event.kind == "hit"]
+    assert 5 < len(hits) < 60 and hits[-1] < 0.5  # a geometric series until it is over at once, and no more
+
+
+def test_rebounds_between_two_bodies_that_both_rest_exactly_end_with_a_status():
+    law = ss.Coulomb(0.02, 0.02)
+    both = Pushed(PUSH, 0.5, law, rubs=law)
+    grid = ss.sweep(both, push=[PUSH, 0.0], duration=1.0)
+    assert grid.status.values.tolist() == [Status.CHATTERS, Status.FINISHED]
+    with pytest.raises(ss.SolveError, match=r'it chatters, or comes to rest in ever shorter jumps.*type method="dop853"'):
+        ss.solve(both, duration=1.0)
+    run = ss.solve(both, duration=1.0, method="dop853", rtol=1e-10)
+    assert run.v[-1, 0] == pytest.approx(run.v[-1, 1], abs=1e-12)
+
+
+@pytest.mark.parametrize("law", [ss.Coulomb(0.2, 0.2), ss.TanhCoulomb(mu_plus=0.2, mu_minus=0.2, width=1e-3)])
+def test_a_load_that_jumps_below_zero_is_lost_at_that_instant(law):
+    """The track falls away with 2 g in the middle third of a period; with half of it as much load is left, and the run goes on."""
+    T, size = 0.03, 9.81
+    down = ss.Pieces(durations=(T / 3, T / 3, T / 3), accelerations=(size, -2 * size, size))
+    along = ss.Harmonic(amplitude=1e-4, omega=2 * np.pi / T)
+    track = ss.MovingTrack(mass=0.02, along=along, across=down, friction=law, restitution=None)
+    run = ss.solve(track, periods=4)
+    assert run.status == Status.LOST.sentence and run.t[-1] == pytest.approx(T / 3, rel=1e-12)
+    half = ss.Pieces(durations=down.durations, accelerations=tuple(a / 4 for a in down.accelerations))
+    first = ss.Pieces(durations=down.durations, accelerations=(-2 * size, size, size))
+    ends = [ss.sweep(replace(track, across=each), mass=[0.02, 0.05], periods=4, settle=2).status.values.tolist()
+            for each in (down, half, first)]  # fmt: skip
+    assert ends == [[Status.LOST] * 2, [Status.FINISHED] * 2, [Status.LOST] * 2]
+
+
+def test_friction_that_two_feet_share_at_rest_is_noted():
+    """Two feet of one rigid body: only the sum follows. Feet whose distance changes never rest at once; bristles share by their stiffness."""
+    robot = ss.Robot(0.0626, 0.0095, ss.Harmonic(amplitude=3e-4, omega=205.0), ss.Coulomb(0.15, 0.21))
+    pair = ss.Chain((robot, robot), link=ss.Rigid())
+    sentence = "module 1, module 2 rest at once on one body: only the sum of their friction forces"
+    assert any(note.startswith(sentence) for note in ss.solve(pair, periods=12).notes)
+    noted = [count for note, count in notes_of(ss.sweep(pair, periods=12, **{"modules.0.drive.amplitude": [2e-4, 3e-4]})).items()
+             if note.startswith(sentence)]  # fmt: skip
+    assert noted == [2]
+    many = ss.solve(pair.replace({"modules.0.drive.amplitude": np.array([2e-4, 3e-4])}), periods=12)
+    assert any(note.startswith(f"2 of 2 cases: {sentence}") for note in many.notes)
+    worm = ss.presets.worm()
+    assert not any("rest at once" in note for note in ss.solve(worm, periods=12).notes)
+
+
+def test_bodies_that_drift_apart_are_noted_by_sweeps():
+    robot = ss.Robot(0.0626, 0.0095, ss.Harmonic(amplitude=6e-4, omega=205.0), ss.Coulomb(0.15, 0.21))
+    loose = ss.Chain((robot, robot.replace(body_mass=3.0)), ss.Spring(0.0))
+    grid = ss.sweep(loose, periods=60, **{"link.stiffness": [0.0, 1200.0]})
+    ((sentence, count),) = notes_of(grid).items()
+    assert sentence.startswith("bodies moved apart over the window of the mean") and count == 1
+    assert np.ptp(grid.body_velocity.values, axis=-1)[0] > 1e-3 and (grid.status <= Status.REPEATS).all()
