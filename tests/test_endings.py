@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.fields import leaves
 from stickslip.status import Status
 
 MASS, PUSH, LOAD, WIDTH, MU = 0.1, 0.3, 1.0, 0.02, 0.5
@@ -84,7 +85,7 @@ def test_a_load_that_jumps_below_zero_is_lost_at_that_instant(law):
 
 
 def test_friction_that_two_feet_share_at_rest_is_noted():
-    """Two feet of one rigid body: only the sum follows. Feet whose distance changes never rest at once; bristles share by their stiffness."""
+    """Two feet of one rigid body: only the sum follows. Feet whose distance changes never rest at once."""
     robot = ss.Robot(0.0626, 0.0095, ss.Harmonic(amplitude=3e-4, omega=205.0), ss.Coulomb(0.15, 0.21))
     pair = ss.Chain((robot, robot), link=ss.Rigid())
     sentence = "module 1, module 2 rest at once on one body: only the sum of their friction forces"
@@ -105,3 +106,33 @@ def test_bodies_that_drift_apart_are_noted_by_sweeps():
     ((sentence, count),) = notes_of(grid).items()
     assert sentence.startswith("bodies moved apart over the window of the mean") and count == 1
     assert np.ptp(grid.body_velocity.values, axis=-1)[0] > 1e-3 and (grid.status <= Status.REPEATS).all()
+
+
+def test_feet_with_more_static_than_kinetic_friction_do_not_chatter():
+    """Where the wave turns, two of three feet are at rest at once, and static friction of neither holds the body: one of them slides."""
+    rng = np.random.default_rng(3)
+    mu, a = rng.uniform(0.002, 0.01, 40), rng.uniform(0.003, 0.02, 40)
+    gait = ss.Gait(ss.Pieces(durations=(0.55, 0.75), accelerations=(a, -a * 0.55 / 0.75)), lag=2 * np.pi / 5)
+    worms = ss.Chain(ss.Bodies(mass=0.033, count=3, friction=ss.Coulomb(mu, 1.9 * mu, f_plus=None, f_minus=2.6 * mu)), link=gait)
+    many = ss.solve(worms, periods=4, settle=0)
+    assert many.status_counts == {"finished": 40}
+    for i in (0, 7):
+        one = replace_numbers(worms, i)
+        judge = ss.solve(one, periods=4, settle=0, method="dop853", rtol=1e-11)
+        assert ss.mean_velocity(judge) == pytest.approx(many.mean_velocity[i], abs=1e-8 * float(one.velocity_scale))
+
+
+def replace_numbers(many, i):
+    """One case of a batch."""
+    return many.replace({name: float(value[i]) for name, value in leaves(many) if np.ndim(value)})
+
+
+def test_hits_that_turn_a_slip_round_end_a_step_once():
+    """The body comes back, is hit, and friction stops it within a step; both tolerances tell the same way."""
+    rng = np.random.default_rng(0)
+    law = ss.LuGre(0.3, 0.3, 0.4, 0.4, sigma0=1e3, sigma1=1.0, sigma2=0.1, v_s=0.01)
+    start = {"v": {"inner": rng.uniform(0.0, 0.2, 100), "body": rng.uniform(-0.1, 0.0, 100)}}
+    many = Pushed(PUSH, rng.uniform(0.3, 0.9, 100), law)
+    coarse, fine = (ss.solve(many, duration=0.2, rtol=rtol, start=start, keep="summary") for rtol in (1e-6, 1e-7))
+    assert coarse.status_counts == fine.status_counts == {"finished": 100}
+    assert np.median(abs(coarse.displacement - fine.displacement)) < 1e-6 * 0.2 * 0.2  # of the way at the largest velocity

@@ -37,35 +37,45 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
         """With friction forces at rest as given."""
         return m.accelerations({i: graph.by_side(now[i], *slide[i], at_rest[i]) for i in feet})[j]
 
-    def beside(i: int, k: int, same: int, limits: dict[int, tuple[Sym, Sym]]) -> Sym:
-        """Force of a foot k that rests now, if foot i were to rest: it would slip to the side to which its rest moves away."""
-        if i == k:
-            return limits[k][same]
-        apart, sizes = held[i] - held[k], held[i] * held[i] + held[k] * held[k]
-        apart = graph.select(apart * apart - _TIE**2 * sizes, apart, zero)  # feet that move alike may differ by rounding
-        return graph.by_side(apart, limits[k][1], limits[k][0], limits[k][same])
+    def apart(i: int, k: int) -> Sym:
+        """To which side foot k slips where foot i rests: that to which its rest moves away."""
+        away, sizes = held[i] - held[k], held[i] * held[i] + held[k] * held[k]
+        return graph.select(away * away - _TIE**2 * sizes, away, zero)  # feet that move alike may differ by rounding
 
     def at_rest(i: int) -> Sym:
         """Mode of a foot at an event of another: its slip may be zero there too."""
         sizes = m.y[j] * m.y[j] + parts.velocity_scale * parts.velocity_scale
         return graph.select(m.slips[i] * m.slips[i] - SLIP**2 * sizes, modes[i], zero)
 
-    def by_limits(now: dict[int, Sym], limits: dict[int, tuple[Sym, Sym]]) -> dict[int, Sym]:
-        """Modes of all feet, of which those at rest stay or slip, if these are the forces at which they do."""
-        found = {}
-        for i in feet:
-            push = acceleration(now, {k: beside(i, k, 1, limits) for k in feet}) - held[i]
-            pull = held[i] - acceleration(now, {k: beside(i, k, 0, limits) for k in feet})
-            found[i] = graph.by_side(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
-        return found
+    def pushed(i: int, now: dict[int, Sym], own: tuple[Sym, Sym], slips: dict[int, tuple[Sym, Sym]]) -> tuple[Sym, Sym]:
+        """How strongly a foot is driven beyond its rest, forwards and backwards, with forces of its own and of those that would slip."""
 
-    def decided(now: dict[int, Sym]) -> dict[int, Sym]:
-        """Modes of all feet. Where static friction holds none they slide, and if one comes to rest then, kinetic friction says which."""
-        found = by_limits(now, limits)
+        def besides(same: int) -> dict[int, Sym]:
+            return {k: own[same] if i == k else graph.by_side(apart(i, k), slips[k][1], slips[k][0], slips[k][same]) for k in feet}
+
+        return acceleration(now, besides(1)) - held[i], held[i] - acceleration(now, besides(0))
+
+    def moved(i: int, now: dict[int, Sym], forces: dict[int, tuple[Sym, Sym]]) -> Sym:
+        """The mode of a foot whose slip is zero, if these are the forces at which feet slip."""
+        push, pull = pushed(i, now, forces[i], forces)
+        return graph.by_side(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
+
+    def decided(now: dict[int, Sym], rested: dict[int, Sym]) -> dict[int, Sym]:
+        """Modes of all feet. One that rested stays if it can while the others slide; else one rests that static friction holds.
+
+        Where that holds none they slide, and if one comes to rest then, kinetic friction says which.
+        """
+        found = {i: moved(i, now, limits) for i in feet}
         if any(a is not b for i in feet for a, b in zip(limits[i], kinetic[i], strict=True)):
-            holds = [graph.by_side(found[i], zero, zero, one) for i in feet]
-            sliding = by_limits(now, kinetic)
-            found = {i: graph.select(_total(holds), found[i], sliding[i]) for i in feet}
+            holds = _total([graph.by_side(found[i], zero, zero, one) for i in feet])
+            sliding = {i: moved(i, now, kinetic) for i in feet}
+            found = {i: graph.select(holds, found[i], sliding[i]) for i in feet}
+            for i in rested:
+                push, pull = pushed(i, now, limits[i], kinetic)
+                stays = graph.select(push, zero, graph.select(pull, zero, graph.by_side(rested[i], zero, zero, one)))
+                for k in feet:
+                    side = zero if i == k else graph.by_side(now[k], one, -one, graph.by_side(apart(i, k), one, -one, zero))
+                    found[k] = graph.select(stays, side, found[k])
         return all_alike(found)
 
     def all_alike(new: dict[int, Sym]) -> dict[int, Sym]:
@@ -81,11 +91,11 @@ def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None
         mode, arrives = modes[i], {**{k: at_rest(k) for k in feet}, i: zero}
         exactly = {j: m.y[j] - m.slips[i]}  # zero slip, to the last digit: after a break-away it grows more slowly than rounding at first
         parts.events += [
-            (graph.by_side(mode, m.slips[i], -m.slips[i], one), decided(arrives), exactly, 0),
+            (graph.by_side(mode, m.slips[i], -m.slips[i], one), decided(arrives, {k: modes[k] for k in feet if k != i}), exactly, 0),
             (graph.by_side(mode, one, one, held[i] - forwards), all_alike({i: one}), exactly, 0),
             (graph.by_side(mode, one, one, backwards - held[i]), all_alike({i: -one}), exactly, 0),
         ]
-    first = decided({i: graph.by_side(m.slips[i], one, -one, zero) for i in feet})
+    first = decided({i: graph.by_side(m.slips[i], one, -one, zero) for i in feet}, {})
     for number, new in first.items():
         parts.first_modes[number] = new
     parts.f[j] = motion
