@@ -32,6 +32,7 @@ COMMANDS = {
     "init": ("init", "write a study file to begin with, with a remark on every line"),
     "read": ("read", "read a measured record: channels, rate, gaps, noise, motion"),
     "compare": ("compare", "a measured record beside what friction laws give"),
+    "optimise": ("optimise", "find the best numbers and drives of a robot, within limits"),
     "identify": ("identify", "parameters of a robot or a law from measured records"),
     "paper": ("paper", "reproduce the paper: tables, figures, claims and errata in one folder"),
     "explore": ("explore", "open a page on which a robot's numbers are dragged"),

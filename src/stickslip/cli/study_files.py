@@ -25,7 +25,7 @@ SOLVER = (
 #: Whether a study file may name code in this command.
 ALLOW_CODE: ContextVar[bool] = ContextVar("allow_code", default=False)
 _FILES: set[str] = set()  # names under which files of the user are loaded as modules
-_TABLES = ("robot", "mechanism", "machine", "make", "arguments", "solve", "identify")
+_TABLES = ("robot", "mechanism", "machine", "make", "arguments", "solve", "identify", "optimise")
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,14 @@ class Study:
         Numbers of it to set; text is to be read as on the command line.
     options : dict
         Arguments of the solver.
+    optimise : object
+        The table [optimise] as it stands.
     """
 
     make: Any
     arguments: dict[str, Any] = field(default_factory=dict)
     options: dict[str, Any] = field(default_factory=dict)
+    optimise: Any = None
 
 
 def found(name: str) -> Study:
@@ -132,7 +135,7 @@ def _read(text: str, name: str, folder: Path) -> Study:
         problems.add('arguments is no table; type [arguments] and under it for example "drive.amplitude" = 5e-4')
     if problems.found:
         raise InputError(what, located(problems.found, lines_of(text)))
-    return Study(make, arguments, options)
+    return Study(make, arguments, options, document.get("optimise"))
 
 
 def _made(document: dict[str, Any]) -> bool:

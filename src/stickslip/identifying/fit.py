@@ -252,6 +252,12 @@ class Fit:
 
         return [*remarks(self), *self.correlated, *self.notes]
 
+    def spread(self, machine: Any, problems: Problems) -> Any:
+        """How the parameters spread the numbers of a machine, as `propagate` and `optimise` ask."""
+        from stickslip.identifying.spreading import spread_of
+
+        return spread_of(self, machine, problems)
+
     # ---- show ----
     @overload
     def report(self, path: None = None) -> str: ...

@@ -2,9 +2,9 @@
 
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.optimise import optimise
-from stickslip.optimising.optimum import Optimum
+from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.pareto import pareto
-from stickslip.optimising.uncertain import Propagated, propagate
+from stickslip.optimising.propagation import Indices, Propagated, propagate
 from stickslip.optimising.waveforms import Waveform, waveform
 
-__all__ = ["Gradient", "Optimum", "Propagated", "Waveform", "gradient", "optimise", "pareto", "propagate", "waveform"]
+__all__ = ["Gradient", "Indices", "Optimum", "Propagated", "Search", "Waveform", "gradient", "optimise", "pareto", "propagate", "waveform"]

@@ -50,6 +50,10 @@ class Candidates:
         Uncertain numbers: every candidate is run with all of them, the same for all candidates.
     quantile : float, optional
         The part of the sample that may be worse than what counts; None for the worst of all.
+    rtol : float
+        Tolerance of dynamic laws.
+    watch : callable, optional
+        Called with (candidates begun, of how many) while a generation is run; may raise `Cancelled`.
     """
 
     space: Unknowns
@@ -60,9 +64,12 @@ class Candidates:
     tell: Callable[[int], None] = lambda tried: None
     sample: dict[str, Array] | None = None
     quantile: float | None = None
+    rtol: float = 1e-6
+    watch: Callable[[int, int], None] | None = None
     tried: int = 0
     best: Array = None
     least: float = np.inf
+    history: list[tuple[int, float]] = field(default_factory=list)  # candidates tried, and the best from then on
     nearest: dict[str, tuple[float, float]] = field(default_factory=dict)  # of limits: how far beyond, and the value
     _orbit: PeriodicOrbit | None = None
 
@@ -84,6 +91,7 @@ class Candidates:
         k = int(np.argmin(kept))
         if kept[k] < self.least:
             self.best, self.least = U[k].copy(), float(kept[k])
+            self.history.append((self.tried, self.sign * self.least))
         return values, over
 
     def _values(self, machines: Any, count: int) -> tuple[Array, Array]:
@@ -93,13 +101,13 @@ class Candidates:
         found, columns = self._results(machines, count)
         return found, np.maximum(over, self._over(late, machines, columns, count))
 
-    def _results(self, machines: Any, count: int, rtol: float = 1e-6) -> tuple[Array, dict[str, Array]]:
+    def _results(self, machines: Any, count: int, rtol: float | None = None) -> tuple[Array, dict[str, Array]]:
         """The objective, and columns for limits; over a sample their quantile and their worst."""
         if self.sample is None:
-            columns = results_of(machines, count, self.workers, rtol=rtol)
+            columns = results_of(machines, count, self.workers, rtol=rtol or self.rtol, watch=self.watch)
             return self.sign * columns.get(self.quantity, np.full(count, np.nan)), columns
         many, cases = sampled(machines, count, self.sample)
-        columns = results_of(many, cases, self.workers, rtol=rtol)
+        columns = results_of(many, cases, self.workers, rtol=rtol or self.rtol, watch=self.watch)
         each = self.sign * columns.get(self.quantity, np.full(cases, np.nan)).reshape(count, -1)
         kept = {limit.name: _worst_of(limit, columns[limit.name].reshape(count, -1)) for limit in self.limits if not limit.of_drive}
         return (each.max(axis=1) if self.quantile is None else np.quantile(each, 1.0 - self.quantile, axis=1)), kept

@@ -45,9 +45,15 @@ class Limit:
         ends = [(end, sign) for end, sign in ((self.low, 1.0), (self.high, -1.0)) if np.isfinite(end)]
         return np.array([sign * (np.asarray(values) - end) / (abs(end) or 1.0) for end, sign in ends])
 
+    @property
+    def ends(self) -> tuple[float | None, float | None]:
+        """As they were typed: None where there is none."""
+        low, high = (float(end) if np.isfinite(end) else None for end in (self.low, self.high))
+        return low, high
+
     def told(self) -> str:
         """In words."""
-        low, high = (f"{end:g}" if np.isfinite(end) else "None" for end in (self.low, self.high))
+        low, high = ("None" if end is None else f"{end:g}" for end in self.ends)
         return f"{self.name} within ({low}, {high})"
 
 

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from functools import reduce
 from typing import Any
 
 import numpy as np
 
-from stickslip.arguments import Model, explains_arguments
+from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.callbacks import told_of_progress
-from stickslip.dynamics.mapping import coordinates, spread_over
-from stickslip.dynamics.sensitivity import directions_of
 from stickslip.errors import InputError, Problems, StickslipError, is_whole
-from stickslip.machine import machine_of
 from stickslip.optimising.candidates import Candidates, Stopped
-from stickslip.optimising.gradients import Gradient, gradient
-from stickslip.optimising.limits import KEPT, Limit, checked_limits, scales_within
-from stickslip.optimising.optimum import Optimum
-from stickslip.optimising.peaks import LIMITS, drives_within, peaks_of
-from stickslip.optimising.results import check_quantity, results_of
-from stickslip.optimising.searching import search
-from stickslip.optimising.small_friction import small_friction_limit
+from stickslip.optimising.findings import told
+from stickslip.optimising.limits import KEPT, checked_limits, scales_within
+from stickslip.optimising.optimum import Optimum, Search
+from stickslip.optimising.results import check_quantity
+from stickslip.optimising.searching import search as searched
 from stickslip.optimising.starts import closed_starts
-from stickslip.optimising.uncertain import checked_uncertain, sample_of
+from stickslip.optimising.uncertain import checked_spread, sample_of
 from stickslip.optimising.unknowns import Unknowns, Varied, checked_over
 
 __all__ = ["optimise"]
@@ -30,9 +24,7 @@ __all__ = ["optimise"]
 Array = Any
 _EACH, _LEAST, _MOST = 10, 32, 96  # candidates of a generation: for each unknown, at least, at most
 _GENERATIONS, _MORE = 60, 25  # of the search over everything, and more for each unknown
-_ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
 _SAMPLE = 64  # cases of every candidate, where numbers are uncertain
-_SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
 
 
 @explains_arguments
@@ -42,7 +34,7 @@ def optimise(
     maximise: str | None = None,
     minimise: str | None = None,
     subject_to: dict[str, Any] | None = None,
-    robust: dict[str, Any] | None = None,
+    robust: dict[str, Any] | Fitted | None = None,
     quantile: float | None = None,
     starts: str | None = "closed",
     seed: int = 0,
@@ -68,9 +60,9 @@ def optimise(
     subject_to : dict, optional
         Limits as (least, largest), None for no limit: of "stroke" [m], "relative_velocity" [m/s] and "relative_acceleration" [m/s^2] of
         the drives, and of columns of a sweep, such as "drive_power" [W]. A waveform needs the acceleration, and stroke or velocity.
-    robust : dict, optional
-        What is uncertain, as for `propagate`: {"friction.mu_plus": ("uniform", 0.13, 0.17)}. Every candidate is run with 64 points of a
-        Sobol sample, the same for all, and what counts is the worst of them.
+    robust : dict or Fit, optional
+        What is uncertain, as for `propagate`: {"friction.mu_plus": ("uniform", 0.13, 0.17)}, or a Fit. Every candidate is run with 64
+        points of a Sobol sample, the same for all, and what counts is the worst of them.
     quantile : float, optional
         With `robust`: the part of the sample that may be worse than what counts, such as 0.05.
     starts : "closed" or None
@@ -130,12 +122,16 @@ def optimise(
     worth = Candidates(space, quantity, -1.0 if maximise else 1.0, limits, int(workers), tell, sample, quantile)
     notes = []
     try:
-        search(worth, closed_starts(space) if starts else np.empty((0, space.count)), int(seed), generations, population)
+        searched(worth, closed_starts(space) if starts else np.empty((0, space.count)), int(seed), generations, population)
     except (KeyboardInterrupt, Stopped):
         notes.append("the search was stopped: the best so far")
     if worth.best is None:
-        raise InputError("optimise", [_none_kept(worth)])
-    return _told(worth, bool(maximise), notes)
+        raise _none_kept(worth)
+    if report is not None and not notes:
+        report(worth.tried, worth.tried)
+    over = {each.name: each.form or (each.low, each.high) for each in varied}
+    asked = (over, {limit.name: limit.ends for limit in limits}, _as_given(robust), quantile, starts, int(seed))
+    return told(worth, notes, Search(maximise is not None, *asked, np.array(worth.history)))
 
 
 def _quantity(model: Any, maximise: Any, minimise: Any, problems: Problems) -> str:
@@ -156,14 +152,23 @@ def _sample(model: Any, robust: Any, quantile: Any, varied: list[Varied], seed: 
         problems.add(f"quantile = {quantile!r}; allowed is between 0 and 1, with robust=; type quantile=0.05")
     if robust is None:
         return None
-    uncertain = checked_uncertain(model, "robust", robust, problems)
-    for one in uncertain:
+    spread = checked_spread(model, "robust", robust, problems)
+    if spread is None:
+        return None
+    for one in spread.names:
         for other in varied:
-            both = [a for a in one.leaves for b in other.leaves if a == b or a.startswith(b + ".")]
-            problems.found += [
-                f"{one.name!r} is uncertain and {other.name!r} varies: {a} would be set twice; leave one out" for a in both[:1]
-            ]
-    return sample_of(uncertain, _SAMPLE, seed) if uncertain else None
+            both = [a for a in spread.alone(one, np.array([0.5])) for b in other.leaves if a == b or a.startswith(b + ".")]
+            problems.found += [f"{one!r} is uncertain and {other.name!r} varies: {a} would be set twice; leave one out" for a in both[:1]]
+    return sample_of(spread, _SAMPLE, seed)
+
+
+def _as_given(robust: Any) -> dict[str, Any]:
+    """Distributions as they were typed; of a fit, what it found."""
+    return (
+        dict(robust or {})
+        if robust is None or isinstance(robust, dict)
+        else {name: ("fitted", *robust.interval(name)) for name in robust.names}
+    )
 
 
 def _check_middle(space: Unknowns) -> None:
@@ -179,71 +184,14 @@ def _check_middle(space: Unknowns) -> None:
         raise InputError("optimise", told) from None
 
 
-def _none_kept(worth: Candidates) -> str:
+def _none_kept(worth: Candidates) -> StickslipError:
     """Why there is no best."""
     if not worth.tried:
-        return "the search was stopped before a candidate was run"
+        return StickslipError("optimise: the search was stopped before a candidate was run")
     limits = {limit.name: limit for limit in worth.limits}
     nearest = [f"{limits[name].told()} (nearest: {value:.6g})" for name, (beyond, value) in worth.nearest.items() if beyond > KEPT]
+    said, kept = f"none of {worth.tried} candidates", " and ".join(limit.told() for limit in worth.limits)
+    why = f"{'keeps ' + kept + ' and ' if kept else ''}has a {worth.quantity}; widen the bounds in over"
     if nearest:
-        return f"none of {worth.tried} candidates keeps {' and '.join(nearest)}; widen these limits in subject_to, or the bounds in over"
-    kept = " and ".join(limit.told() for limit in worth.limits)
-    return f"none of {worth.tried} candidates {'keeps ' + kept + ' and ' if kept else ''}has a {worth.quantity}; widen the bounds in over"
-
-
-def _told(worth: Candidates, largest: bool, notes: list[str]) -> Optimum:
-    """The result, everything computed anew from the machine alone."""
-    model, space = worth.space.machine(worth.best), worth.space
-    values = _values(model)
-    V = float(values.get("mean_velocity", np.nan))
-    forwards = V >= 0.0
-    limit, what = small_friction_limit(model, worth.limits, forwards)
-    notes = [*notes, *_others(model, V), *([f"the motion is {values['motion_type']}: it makes no way"] if V == 0.0 else [])]
-    if values.get("steadiness", 0) != 0:
-        notes.append("the motion had not settled: V is that of its last periods")
-    active = (*_active_limits(worth.limits, values), *_active_bounds(space, worth.best))
-    slopes = _sensitivities(model, worth, notes)
-    share = None if limit is None else abs(V) / limit
-    robust = None if worth.sample is None else worth.sign * worth.least
-    return Optimum(model, worth.quantity, values, share, what, active, slopes, worth.tried, tuple(notes), robust)
-
-
-def _values(model: Any) -> dict[str, Any]:
-    """Numbers of the motion from rest, and the peaks of the drives."""
-    columns = results_of(spread_over(model, 1), 1, rtol=1e-9)
-    found = {name: values[0].item() for name, values in columns.items() if not name.startswith("end.")}
-    drives = list(drives_within(model))
-    return found | {name: float(reduce(max, [peaks_of(drive, name) for drive in drives])) for name in (LIMITS if drives else ())}
-
-
-def _others(model: Any, V: float) -> list[str]:
-    """A sentence where other starts lead to another mean velocity."""
-    machine = machine_of(model)
-    if not machine.is_single:
-        return []
-    speed, at = float(machine.free_velocity), coordinates(model)
-    kick = [0.0 if name != "v" else 1.0 for name in at.names]
-    start = at.start(np.outer([speed, -speed], kick)) if "v" in at.names else {}
-    found = results_of(spread_over(model, 2), 2, start=start)["mean_velocity"]
-    other = [float(v) for v in found if abs(v - V) > _SAME * max(abs(V), speed)]
-    return [f"another motion coexists, with V = {v:.6g} m/s from another start" for v in other[:1]]
-
-
-def _active_limits(limits: list[Limit], values: dict[str, Any]) -> list[str]:
-    return [limit.name for limit in limits if limit.name in values and np.min(limit.margins(values[limit.name])) <= _ACTIVE]
-
-
-def _active_bounds(space: Unknowns, u: Array) -> list[str]:
-    numbers = [(each, float(u[place.start])) for each, place in zip(space.varied, space.slices, strict=True) if each.form is None]
-    return [each.name for each, value in numbers if min(value, 1.0 - value) <= _ACTIVE]
-
-
-def _sensitivities(model: Any, worth: Candidates, notes: list[str]) -> Gradient:
-    """Derivatives by all numbers but those of waveforms."""
-    forms = [each.leaves[0] + "." for each in worth.space.varied if each.form is not None]
-    try:
-        names = [name for name in directions_of("optimise", model, None) if not name.startswith(tuple(forms))] if forms else None
-        return gradient(model, worth.quantity, names)
-    except StickslipError as error:
-        notes.append(f"no derivatives: {error}")
-        return Gradient({}, worth.quantity, float("nan"), (str(error),))
+        why = f"keeps {' and '.join(nearest)}; widen these limits in subject_to, or the bounds in over"
+    return InputError("optimise", [f"{said} {why}"])

@@ -9,7 +9,41 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.optimising.gradients import Gradient
 from stickslip.sealing import sealed
 
-__all__ = ["Optimum"]
+__all__ = ["Optimum", "Search"]
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What a search was asked, and how it went.
+
+    Parameters
+    ----------
+    maximised : bool
+        Whether the quantity was to be large.
+    over : dict
+        What varied: (low, high) of numbers, and waveforms of drives, by the names that were typed.
+    subject_to : dict
+        Limits as (least, largest), None where there is none.
+    robust : dict
+        What was uncertain.
+    quantile : float or None
+        The part of the sample that may be worse than what counts.
+    starts : str or None
+        "closed" where drives known in closed form were tried with the first generation.
+    seed : int
+    history : array (improvements, 2)
+        Candidates tried until each improvement, and the best value from then on.
+    """
+
+    maximised: bool
+    over: dict[str, Any]
+    subject_to: dict[str, Any]
+    robust: dict[str, Any]
+    quantile: float | None
+    starts: str | None
+    seed: int
+    history: Any
 
 
 @sealed
@@ -26,6 +60,8 @@ class Optimum:
     values : dict
         Numbers of its motion from rest, and stroke [m], relative velocity [m/s] and relative acceleration [m/s^2] of its drives; also by
         ``best["mean_velocity"]``.
+    varied : dict
+        The numbers that varied, as they were found; of a waveform those of its drive.
     of_limit : float or None
         The mean velocity as a part of the small-friction limit that `limit` names; None where none is known.
     limit : str
@@ -36,6 +72,10 @@ class Optimum:
         Derivatives of the quantity by all numbers of the machine but those of waveforms, with notes on those that hold on one side only.
     tried : int
         Candidates that were run.
+    given : dict
+        The same numbers as `values` of the machine that was given: what the best one costs more, and what it gains.
+    search : Search
+        What was asked, and how the search went.
     notes : tuple of str
         What else is to be said.
     robust : float or None
@@ -53,11 +93,14 @@ class Optimum:
     model: Any
     of: str
     values: dict[str, Any]
+    varied: dict[str, float]
     of_limit: float | None
     limit: str
     active: tuple[str, ...]
     sensitivities: Gradient
     tried: int
+    given: dict[str, Any]
+    search: Search
     notes: tuple[str, ...] = field(default=())
     robust: float | None = None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,14 @@ PERIODS = 400
 _WORDS = ("motion_type", "pattern", "steadiness", "status", "direction")
 
 
-def results_of(model: Any, cases: int, workers: int = 1, start: dict[str, Any] | None = None, rtol: float = 1e-6) -> dict[str, Array]:
+def results_of(
+    model: Any,
+    cases: int,
+    workers: int = 1,
+    start: dict[str, Any] | None = None,
+    rtol: float = 1e-6,
+    watch: Callable[[int, int], None] | None = None,
+) -> dict[str, Array]:
     """The columns of a sweep for every case of a batch; a case that fails has a status and NaN elsewhere.
 
     Examples
@@ -33,7 +41,7 @@ def results_of(model: Any, cases: int, workers: int = 1, start: dict[str, Any] |
     [0.002014682, 0.004308808]
     """
     options = SOLVER | {"periods": PERIODS, "rtol": rtol}
-    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, None, {})
+    found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, {})
     found.setdefault("mean_velocity", np.full(cases, np.nan))
     return found
 

@@ -18,7 +18,7 @@ _NEAR = 1e-4  # the same of the search over everything, from where derivatives g
 _SETTLED = 1e-9  # of the best: a population whose values are nearer to each other has arrived
 
 
-def search(worth: Candidates, starts: Array, seed: int, generations: int, population: int) -> None:
+def search(worth: Candidates, starts: Array, seed: int, generations: int, population: int, climbing: bool = True) -> None:
     """Find the best of all; `worth` remembers it.
 
     Parameters
@@ -29,18 +29,21 @@ def search(worth: Candidates, starts: Array, seed: int, generations: int, popula
     seed : int
     generations, population : int
         Of the search over everything.
+    climbing : bool
+        Whether the gradient method takes part, which needs kernels of its own.
     """
     rng = np.random.default_rng(seed)
     n = worth.space.count
     _evolve(worth, np.zeros(n), np.ones(n), starts, rng, generations, population, _NEAR)
     if worth.best is None:
         return
-    _climb(worth)
+    if climbing:
+        _climb(worth)
     for half in _AROUND:
         before = worth.least
         low, high = np.clip(worth.best - half, 0.0, 1.0), np.clip(worth.best + half, 0.0, 1.0)
         _evolve(worth, low, high, worth.best[None], rng, generations // 5, population, _SETTLED)
-        if before - worth.least > _GAIN * abs(worth.least):
+        if climbing and before - worth.least > _GAIN * abs(worth.least):
             _climb(worth)
 
 

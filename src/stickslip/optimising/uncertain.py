@@ -1,24 +1,42 @@
-"""Numbers that are not known exactly: their distributions, evenly spread samples of them, and what they do to a result."""
+"""Numbers that are not known exactly: how they are spread, and evenly spread samples of them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
-from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.mapping import spread_over
 from stickslip.dynamics.named import numbers_meant
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import leaves, replace_leaf
-from stickslip.optimising.results import check_quantity, results_of
-from stickslip.sealing import sealed
 
-__all__ = ["Propagated", "Uncertain", "checked_uncertain", "propagate", "sample_of", "sampled"]
+__all__ = ["Independent", "Spread", "Uncertain", "checked_spread", "sample_of", "sampled", "sobol"]
 
 Array = Any
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
+_EDGE = 1e-12  # how near a sample comes to the ends of a distribution that has none
+
+
+class Spread(Protocol):
+    """How some numbers of a machine are spread together."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The numbers as they were typed, or as a fit has them."""
+
+    @property
+    def independent(self) -> bool:
+        """Whether each is spread by itself."""
+
+    def inputs(self, u: Array) -> dict[str, Array]:
+        """The numbers by these names, for u evenly spread between 0 and 1: array (names, cases)."""
+
+    def numbers(self, u: Array) -> dict[str, Array]:
+        """The same by the names of the machine's numbers."""
+
+    def alone(self, name: str, u: Array) -> dict[str, Array]:
+        """Numbers of the machine where one of them is at some parts u of its own distribution, and the others as they are."""
 
 
 @dataclass(frozen=True)
@@ -33,31 +51,74 @@ class Uncertain:
 
     def at(self, u: Array) -> Array:
         """The numbers below which a part u of the distribution lies."""
-        from scipy.stats import norm
+        from scipy.special import ndtri
 
-        return self.a + (self.b - self.a) * u if self.kind == "uniform" else self.a + self.b * norm.ppf(u)
+        u = np.clip(u, _EDGE, 1.0 - _EDGE)
+        return self.a + (self.b - self.a) * u if self.kind == "uniform" else self.a + self.b * ndtri(u)
 
 
-def checked_uncertain(model: Any, argument: str, given: Any, problems: Problems) -> list[Uncertain]:
-    """The distributions that were typed; what is wrong with them is noted."""
-    if not isinstance(given, dict) or not given:
-        problems.add(f"{argument} = {given!r}; allowed is a dict of distributions; type {argument}={_TYPED}")
-        return []
+@dataclass(frozen=True)
+class Independent:
+    """Numbers each of which is spread by itself.
+
+    Examples
+    --------
+    >>> spread = Independent((Uncertain("tilt", ("track.tilt",), "uniform", 0.0, 0.1),))
+    >>> spread.numbers(np.array([[0.25, 0.5]]))["track.tilt"].tolist()
+    [0.025, 0.05]
+    """
+
+    each: tuple[Uncertain, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """As they were typed."""
+        return tuple(one.name for one in self.each)
+
+    @property
+    def independent(self) -> bool:
+        """Always."""
+        return True
+
+    def inputs(self, u: Array) -> dict[str, Array]:
+        """The numbers by the names that were typed."""
+        return {one.name: one.at(part) for one, part in zip(self.each, u, strict=True)}
+
+    def numbers(self, u: Array) -> dict[str, Array]:
+        """The numbers of the machine."""
+        return {name: one.at(part) for one, part in zip(self.each, u, strict=True) for name in one.leaves}
+
+    def alone(self, name: str, u: Array) -> dict[str, Array]:
+        """One of them at some parts of its distribution."""
+        return {leaf: one.at(u) for one in self.each if one.name == name for leaf in one.leaves}
+
+
+def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Spread | None:
+    """How numbers are spread, from the distributions that were typed or from a fit; what is wrong with them is noted."""
+    if not isinstance(given, dict):
+        spread: Spread | None = given.spread(model, problems)
+        return spread
+    if not given:
+        problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")
+        return None
     known, found = [name for name, _ in leaves(model)], []
     for name, said in given.items():
         meant = numbers_meant(str(name), known)
         if not meant:
             problems.add(f"{argument}: {name!r} is no number of {type(model).__name__}; {did_you_mean(str(name), known)}")
         elif (each := _distribution(str(name), meant, said)) is None:
-            allowed = '("uniform", least, largest) or ("normal", mean, standard deviation)'
+            allowed = '("uniform", least, largest), ("normal", mean, standard deviation), or (mean, "1%")'
             problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {allowed}; type for example {_TYPED}")
         else:
             found.append(each)
-    return found
+    return Independent(tuple(found)) if found else None
 
 
 def _distribution(name: str, meant: tuple[str, ...], said: Any) -> Uncertain | None:
+    """What was typed; (mean, "1%") is a normal distribution whose standard deviation is that part of its mean."""
     try:
+        if len(said) == 2 and isinstance(said[1], str) and said[1].endswith("%"):
+            said = ("normal", said[0], abs(float(said[0])) * float(said[1][:-1]) / 100.0)
         kind, a, b = said
         a, b = float(a), float(b)
     except (TypeError, ValueError):
@@ -66,19 +127,23 @@ def _distribution(name: str, meant: tuple[str, ...], said: Any) -> Uncertain | N
     return Uncertain(name, meant, kind, a, b) if good else None
 
 
-def sample_of(uncertain: list[Uncertain], count: int, seed: int) -> dict[str, Array]:
-    """A scrambled Sobol sample of the numbers, by name: arrays (count,), a power of two.
+def sobol(dimensions: int, count: int, seed: int) -> Array:
+    """A scrambled Sobol sample of the unit cube: array (dimensions, a power of two)."""
+    from scipy.stats import qmc
+
+    return qmc.Sobol(dimensions, seed=np.random.default_rng(seed)).random_base2(round(np.log2(count))).T
+
+
+def sample_of(spread: Spread, count: int, seed: int) -> dict[str, Array]:
+    """A scrambled Sobol sample of a machine's numbers, by name: arrays (count,), a power of two.
 
     Examples
     --------
-    >>> found = sample_of([Uncertain("tilt", ("track.tilt",), "uniform", 0.0, 1.0)], 4, seed=1)
+    >>> found = sample_of(Independent((Uncertain("tilt", ("track.tilt",), "uniform", 0.0, 1.0),)), 4, seed=1)
     >>> sorted((4 * found["track.tilt"]).astype(int).tolist())  # one in each quarter
     [0, 1, 2, 3]
     """
-    from scipy.stats import qmc
-
-    u = qmc.Sobol(len(uncertain), seed=np.random.default_rng(seed)).random_base2(round(np.log2(count)))
-    return {name: each.at(np.clip(u[:, i], 1e-12, 1.0 - 1e-12)) for i, each in enumerate(uncertain) for name in each.leaves}
+    return spread.numbers(sobol(len(spread.names), count, seed))
 
 
 def sampled(machines: Any, count: int, sample: dict[str, Array]) -> tuple[Any, int]:
@@ -86,116 +151,3 @@ def sampled(machines: Any, count: int, sample: dict[str, Array]) -> tuple[Any, i
     size = len(next(iter(sample.values())))
     numbers = {name: np.repeat(np.broadcast_to(np.asarray(value, float), (count,)), size) for name, value in leaves(machines)}
     return replace_leaf(machines, numbers | {name: np.tile(values, count) for name, values in sample.items()}), count * size
-
-
-@sealed
-@dataclass(frozen=True, eq=False)
-class Propagated:
-    """What uncertain numbers make of a result.
-
-    Parameters
-    ----------
-    of : str
-        The result.
-    values : array (samples,)
-        Its values; NaN where a case has none.
-    inputs : dict of arrays (samples,)
-        The numbers that they belong to.
-    nominal : float
-        Its value for the machine as it is.
-
-    Examples
-    --------
-    >>> found = Propagated("mean_velocity", np.array([1.0, 2.0, 3.0]), {}, 2.0)
-    >>> found.mean, found.quantile(0.5), found.failed
-    (2.0, 2.0, 0)
-    """
-
-    of: str
-    values: Array
-    inputs: dict[str, Array]
-    nominal: float
-
-    @property
-    def mean(self) -> float:
-        """Mean over the sample."""
-        return float(np.nanmean(self.values))
-
-    @property
-    def std(self) -> float:
-        """Standard deviation over the sample."""
-        return float(np.nanstd(self.values))
-
-    @property
-    def failed(self) -> int:
-        """Cases without a value."""
-        return int(np.isnan(self.values).sum())
-
-    def quantile(self, q: float) -> float:
-        """The value below which a part q of the sample lies."""
-        return float(np.nanquantile(self.values, q))
-
-    def __repr__(self) -> str:
-        low, middle, high = (self.quantile(q) for q in (0.05, 0.5, 0.95))
-        lost = f"; {self.failed} cases have none" if self.failed else ""
-        return (
-            f"<Propagated: {self.of} = {self.nominal:.6g}; over {len(self.values)} cases mean {self.mean:.6g}, std {self.std:.3g}, "
-            f"median {middle:.6g}, nine in ten from {low:.6g} to {high:.6g}{lost}>"
-        )
-
-
-@explains_arguments
-def propagate(
-    model: Model, uncertain: dict[str, Any], of: str = "mean_velocity", samples: int = 1024, seed: int = 0, workers: int = 1
-) -> Propagated:
-    """What uncertain numbers make of a result of the steady motion from rest.
-
-    Parameters
-    ----------
-    model : Robot or machine
-        One machine with a period.
-    uncertain : dict
-        By the names of numbers ("uniform", least, largest) or ("normal", mean, standard deviation); independent of one another. Without
-        an index a name stands for the numbers of all parts, which are then the same.
-    of : str
-        "mean_velocity", or another column of a sweep.
-    samples : int
-        Of a scrambled Sobol sequence; rounded to a power of two.
-    seed : int
-        Of its scrambling.
-    workers : int
-        Threads.
-
-    Returns
-    -------
-    Propagated
-        `values`, `inputs`, `mean`, `std`, `quantile`.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
-    >>> found = ss.propagate(robot, uncertain={"friction.mu_plus": ("normal", 0.15, 0.005)}, of="mean_velocity", samples=256)
-    >>> round(found.std / 0.005, 2)  # the slope by the coefficient of friction, about
-    0.09
-    """
-    check_quantity("propagate", "of", of, model)
-    problems = Problems("propagate")
-    spread = checked_uncertain(model, "uncertain", uncertain, problems)
-    problems.whole("samples", samples, 2, example=1024, most=2**20)
-    problems.whole("seed", seed, 0, example=0)
-    problems.whole("workers", workers, 1, example=2)
-    if any(np.ndim(value) for _, value in leaves(model)):
-        problems.add("the robot is a batch (some of its numbers are arrays); allowed is one robot")
-    if model.period is None:
-        problems.add(f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot")
-    problems.check()
-    sample = sample_of(spread, samples, int(seed))
-    try:
-        model.replace(sample)  # the record says what its numbers may be
-    except InputError as error:
-        raise InputError("propagate", [f"in the sample, {problem}" for problem in error.problems]) from None
-    machines, cases = sampled(model, 1, sample)
-    values = results_of(machines, cases, int(workers))[of]
-    nominal = float(results_of(spread_over(model, 1), 1)[of][0])
-    return Propagated(of, values, {each.name: sample[each.leaves[0]] for each in spread}, nominal)

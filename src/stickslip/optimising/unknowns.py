@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,6 +60,8 @@ class Unknowns:
     varied : list of Varied
     scales : Scales or None
         The size of waveforms, where there are any.
+    make : callable, optional
+        Makes the machine, or a batch, of what varies by name; by default that is put into `model`.
 
     Examples
     --------
@@ -69,8 +72,8 @@ class Unknowns:
     0.0005
     """
 
-    def __init__(self, model: Any, varied: list[Varied], scales: Scales | None):
-        self.model, self.varied, self.scales = model, varied, scales
+    def __init__(self, model: Any, varied: list[Varied], scales: Scales | None, make: Callable[[dict[str, Any]], Any] | None = None):
+        self.model, self.varied, self.scales, self.make = model, varied, scales, make or model.replace
         ends = np.cumsum([each.count for each in varied])
         self.count = int(ends[-1])
         self.slices = [slice(int(end) - each.count, int(end)) for end, each in zip(ends, varied, strict=True)]
@@ -89,7 +92,11 @@ class Unknowns:
     def machine(self, u: Array) -> Any:
         """The machine of one row of unknowns, checked."""
         changes = self.changes(np.asarray(u, float))
-        return self.model.replace({name: change.replace() if hasattr(change, "replace") else change for name, change in changes.items()})
+        return self.make({name: change.replace() if hasattr(change, "replace") else change for name, change in changes.items()})
+
+    def numbers(self, u: Array) -> dict[str, float]:
+        """The numbers that vary, for one row of unknowns."""
+        return {name: float(value) for name, value in _numbers_in(self.changes(np.asarray(u, float))).items()}
 
     def machines(self, U: Array) -> tuple[Any, Array]:
         """A batch from a table (cases, unknowns), of the cases that make a machine, and which these are."""
@@ -99,14 +106,14 @@ class Unknowns:
         if len(parts) == 1:
             return parts[0]
         good = np.concatenate([places for _, places in parts]) if parts else np.empty(0, int)
-        return (self.model.replace(self.changes(U[good].T)) if len(good) else None), good
+        return (self.make(self.changes(U[good].T)) if len(good) else None), good
 
     def _made(self, U: Array, at: Array, changes: dict[str, Any] | None = None) -> list[tuple[Any, Array]]:
         """Machines of the cases that make one: what a record refuses as a whole is tried in halves."""
         if not len(at):
             return []
         try:
-            return [(self.model.replace(changes or self.changes(U[at].T)), at)]
+            return [(self.make(changes or self.changes(U[at].T)), at)]
         except InputError:
             return [] if len(at) == 1 else [part for half in np.array_split(at, 2) for part in self._made(U, half)]
 

@@ -11,9 +11,10 @@ from stickslip.plot.records import comparison, fitted, record_spectrum, residual
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
 from stickslip.plot.tracked import attractors
+from stickslip.plot.uncertain import tornado
 
 __all__ = [
     "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted",
     "forces", "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
-    "velocity", "velocity_map",
+    "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

@@ -21,7 +21,7 @@ __all__ = ["UNITLESS", "numbers", "numbers_of", "run_page", "sources"]
 UNITLESS = "the robot has no dimensions: its units of mass, length and time are 1, and mm, ms or µJ on this page are parts of these units"
 
 
-def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False) -> str:
+def run_page(run: Any, title: str, command: str = "", dimensionless: bool = False, search: dict[str, Any] | None = None) -> str:
     """The page about a run of any machine.
 
     Parameters
@@ -33,6 +33,8 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
         What to type for the same page, if it was made by a command.
     dimensionless : bool
         Whether all units of the robot are 1; a remark says so.
+    search : dict, optional
+        What to say of the search that found the machine (`of_optimum`).
 
     Returns
     -------
@@ -54,7 +56,8 @@ def run_page(run: Any, title: str, command: str = "", dimensionless: bool = Fals
         driven=run.model.period is not None,
         rows=facts(run),
         tables=tables(run),
-        figures=_figures(run),
+        search=search,
+        figures=[*_figures(run), *(search["figures"] if search else [])],
         library=chart_library(),
         moments=moments(run),
         tex=_equations(run.model),

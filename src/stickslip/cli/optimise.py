@@ -1,0 +1,157 @@
+"""``stickslip optimise``: the best numbers and drives of a machine, from the command line or from a study file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli import show
+from stickslip.cli.arguments import parser, subject
+from stickslip.cli.searches import asked_for, table_of, typed
+from stickslip.cli.study_files import found as in_file
+from stickslip.errors import InputError
+
+__all__ = ["act"]
+
+_MORE = """\
+what varies, by names of the machine's numbers (`stickslip init` lists them with their meaning)
+  --over drive.amplitude=2e-4..8e-4   a number between bounds
+  --over drive=pieces:4               a waveform: pieces:N, fourier:N or spline:N
+limits, of stroke, relative_velocity and relative_acceleration of the drives and of results
+  --limit stroke=..0.01 --limit mean_velocity=2e-3..
+what is not known exactly
+  --uncertain friction.mu_plus=0.13..0.17 --uncertain friction.mu_minus=0.25+-0.01 --uncertain track.tilt=0.03+-1%
+
+A study file says the same in TOML, and --out writes such a file with the best machine in it:
+  [optimise]
+  maximise = "mean_velocity"
+  [optimise.over]
+  "drive.amplitude" = [2e-4, 8e-4]
+  [optimise.subject_to]
+  stroke = "..0.01"
+  [optimise.robust]
+  "friction.mu_plus" = ["uniform", 0.13, 0.17]
+
+Ctrl-C ends the search; the best so far is told and written."""
+_TOLD = (
+    ("mean velocity", "mean_velocity", "m/s"), ("drive power", "drive_power", "W"), ("cost of transport", "cost_of_transport", ""),
+    ("stroke", "stroke", "m"), ("relative velocity", "relative_velocity", "m/s"),
+    ("relative acceleration", "relative_acceleration", "m/s^2"),
+)  # fmt: skip
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Find the best numbers and drives of a robot or a machine, within limits.", more=_MORE)
+    made.add_argument(
+        "--over", metavar="NAME=A..B", action="append", default=[], help="what varies, and between which bounds (again for more)"
+    )
+    made.add_argument("--maximise", metavar="NAME", help="what is to be large: a column of a sweep (default: mean_velocity)")
+    made.add_argument("--minimise", metavar="NAME", help="what is to be small instead, such as cost_of_transport")
+    made.add_argument(
+        "--limit", metavar="NAME=A..B", action="append", default=[], help="a limit; either end may be missing (again for more)"
+    )
+    made.add_argument(
+        "--uncertain", metavar="NAME=A..B", action="append", default=[], help="a number that is not known exactly (again for more)"
+    )
+    made.add_argument("--quantile", type=float, help="the part of the sample that may be worse than what counts (default: none of it)")
+    made.add_argument("--starts", metavar="WORD", help="closed: begin also with drives known in closed form (default); none: without")
+    made.add_argument("--seed", type=int, help="the same seed gives the same result (0)")
+    made.add_argument("--out", metavar="FILE", help="write the best machine as a study file (.toml)")
+    made.add_argument("--search", metavar="FILE", help="write a record of the search (.json): what was asked, tried and found")
+    made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
+    asked = made.parse_intermixed_args(words)
+    files = [
+        show.writable(f"--{name}", getattr(asked, name), (end,))
+        for name, end in (("out", ".toml"), ("search", ".json"), ("report", ".html"))
+    ]
+    study = subject(asked.robot, asked.settings, solver=("workers",), strict=False)
+    job, model = asked_for(asked, in_file(asked.robot).optimise), study.robot()
+    if files[0] is not None:
+        model.to_toml()  # what a file cannot name is said before the search
+
+    from stickslip.optimising import optimise
+
+    try:
+        best = optimise(model, **job, **study.options, progress=True)
+    except InputError as error:
+        raise InputError(error.what, [typed(sentence) for sentence in error.problems]) from None
+    again = " ".join(["stickslip", command, *words])
+    record = _record(study.title(), again, best)
+    written = [str(path) for path in files if path is not None]
+    _write(files, best, {**record, "written": written}, study, again)
+    if asked.json:
+        show.print_json({**record, "written": written})
+    else:
+        print(_text(record, best, written))
+    return 0
+
+
+def _write(files: list[Path | None], best: Any, record: dict[str, Any], study: Any, again: str) -> None:
+    out, search, report = files
+    if out is not None:
+        import tomli_w
+
+        _put(out, f"{best.model.to_toml()}\n{tomli_w.dumps({'optimise': table_of(best)})}")
+    if search is not None:
+        import json
+
+        from stickslip.jsontext import strict
+
+        _put(search, json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+    if report is not None:
+        from stickslip.report import optimum_page, write
+
+        write(report, optimum_page(best, f"The best of {study.title()}", again))
+
+
+def _put(path: Path, text: str) -> None:
+    """Write a file; one that is there is replaced, at the end and at once."""
+    from stickslip.storage import moved_into_place, unwritable
+
+    with moved_into_place(path, unwritable("optimise")) as beside:
+        beside.write_text(text, encoding="utf-8")
+
+
+def _record(title: str, again: str, best: Any) -> dict[str, Any]:
+    """Everything that was asked and found, by name, in SI units."""
+    from stickslip import __version__
+    from stickslip.fields import leaves
+
+    slopes = best.sensitivities
+    return {
+        "robot": title, "command": again, "optimise": table_of(best), "best": best.values, "given": best.given,
+        "parameters": {name: float(number) for name, number in leaves(best.model)},
+        "of_limit": best.of_limit, "limit": best.limit, "active": best.active, "robust": best.robust,
+        "sensitivities": dict(slopes), "notes": [*best.notes, *slopes.notes], "tried": best.tried,
+        "history": {"tried": best.search.history[:, 0], "best": best.search.history[:, 1]},
+        "study_file": _as_toml(best.model), "version": __version__,
+    }  # fmt: skip
+
+
+def _as_toml(model: Any) -> str | None:
+    """The machine as a study file; None where a part of it is a class that no file can name."""
+    try:
+        return str(model.to_toml())
+    except InputError:
+        return None
+
+
+def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
+    """The record as a person reads it."""
+    found, given = record["best"], record["given"]
+    quantities = [row for row in _TOLD if row[1] in found] + ([] if best.of in [row[1] for row in _TOLD] else [(best.of, best.of, "")])
+    rows = [
+        *(
+            (name, f"{show.quantity(found[key], unit)}  (was {show.quantity(given.get(key, float('nan')), unit)})")
+            for name, key, unit in quantities
+        ),
+        *((name, f"{number:.9g}") for name, number in best.varied.items()),
+        ("limits reached", ", ".join(best.active) or "none"),
+        ("small friction", best.limit if best.of_limit is None else f"{100 * best.of_limit:.4g} % of the limit ({best.limit})"),
+        *([] if best.robust is None else [("over the sample", show.quantity(best.robust))]),
+        *(("note", note) for note in record["notes"]),
+        ("candidates", str(best.tried)),
+        *(("written", path) for path in written),
+    ]
+    return f"{record['robot']}: {best.of} made {'large' if best.search.maximised else 'small'}\n{show.facts(rows)}"

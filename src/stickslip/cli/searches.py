@@ -1,0 +1,171 @@
+"""What a search for the best is asked, in words of the command line and in the table [optimise] of a study file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from stickslip.cli.arguments import value
+from stickslip.errors import InputError, Problems, did_you_mean
+
+__all__ = ["NUMBERS", "asked_for", "table_of", "typed"]
+
+#: Keys of [optimise] that hold one word or number each.
+NUMBERS = ("maximise", "minimise", "quantile", "starts", "seed")
+_FORMS = ("pieces", "fourier", "spline")
+#: What the functions say is to be typed, and what the command line calls it.
+_TYPED = (
+    (r'\bover=\{"([\w.\[\]]+)": \(([^,]+), ([^)]+)\)\}', r"--over \1=\2..\3"),
+    (r'\bover=\{"([\w.\[\]]+)": ss\.waveform\((\w+)=(\d+)\)\}', r"--over \1=\2:\3"),
+    (
+        r'\bsubject_to=\{"stroke": \(None, 0\.01\), "relative_acceleration": \(None, 60\.0\)\}',
+        "--limit stroke=..0.01 --limit relative_acceleration=..60",
+    ),
+    (r'\{"([\w.\[\]]+)": \("uniform", ([^,]+), ([^)]+)\)\}', r"--uncertain \1=\2..\3"),
+    (r'\{"([\w.\[\]]+)": \("normal", ([^,]+), ([^)]+)\)\}', r"--uncertain \1=\2+-\3"),
+    (r'\bmaximise="(\w+)"', r"--maximise \1"),
+    (r"\bquantile=(\S+)", r"--quantile \1"),
+    (r"\brobust=(?=--uncertain)", ""),
+    (r"\bwith robust=", "with --uncertain"),
+    (r"^over\['([^']+)'\]", r"--over \1"),
+    (r"^subject_to\['([^']+)'\]", r"--limit \1"),
+    (r"^over: ", "--over: "),
+    (r"^subject_to: ", "--limit: "),
+    (r"\btype \(([^,]+), ([^)]+)\)", r"type \1..\2"),
+    (r"\bin subject_to\b", "in --limit"),
+    (r"\bin over\b", "in --over"),
+)  # fmt: skip
+
+
+def typed(text: str) -> str:
+    """A sentence with what is to be typed on the command line, where it says what to type in Python.
+
+    Examples
+    --------
+    >>> typed('type for example over={"drive.amplitude": (2e-4, 8e-4)}; widen the bounds in over')
+    'type for example --over drive.amplitude=2e-4..8e-4; widen the bounds in --over'
+    """
+    for pattern, words in _TYPED:
+        text = re.sub(pattern, words, text)
+    return text
+
+
+def asked_for(asked: Any, table: Any) -> dict[str, Any]:
+    """Arguments of `optimise`, from a study file's table and the options, which come first; all that is wrong is told at once."""
+    problems = Problems("optimise")
+    table = _checked_table(table, problems)
+    found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
+    given = {name: getattr(asked, name) for name in NUMBERS if getattr(asked, name) is not None}
+    if {"maximise", "minimise"} & set(given):
+        found = {name: word for name, word in found.items() if name not in ("maximise", "minimise")}
+    found |= given
+    if not {"maximise", "minimise"} & set(found):
+        found["maximise"] = "mean_velocity"
+    found["starts"] = None if found.get("starts") == "none" else found.get("starts", "closed")
+    for key, option, read in (("over", "over", _over), ("subject_to", "limit", _ends), ("robust", "uncertain", _distribution)):
+        words = {**table.get(key, {}), **_words(option, getattr(asked, option), problems)}
+        kept = {name: _read(option, name, word, read, problems) for name, word in words.items()}
+        found[key] = kept if kept or key == "over" else None
+    problems.check()
+    return found
+
+
+def _checked_table(table: Any, problems: Problems) -> dict[str, Any]:
+    """The table, whose keys are known and have the shape that they must have."""
+    tables = ("over", "subject_to", "robust")
+    table = {} if table is None else table
+    if not isinstance(table, dict):
+        problems.add(f'optimise = {table!r} is no table; type [optimise.over] and under it for example "drive.amplitude" = [2e-4, 8e-4]')
+        return {}
+    for key, given in table.items():
+        if key not in (*NUMBERS, *tables):
+            problems.add(f"optimise.{key} is not known; {did_you_mean(key, [*NUMBERS, *tables])}")
+        elif key in tables and not isinstance(given, dict):
+            problems.add(f"optimise.{key} = {given!r} is no table; type [optimise.{key}]")
+    return {key: given for key, given in table.items() if key not in tables or isinstance(given, dict)}
+
+
+def _words(option: str, words: list[str], problems: Problems) -> dict[str, str]:
+    """NAME=WORD options as a dict."""
+    found: dict[str, str] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals or not name or not text:
+            problems.add(f"--{option} {word!r} is not {_EXAMPLES[option][0]}; type for example --{option} {_EXAMPLES[option][1]}")
+        elif name in found:
+            problems.add(f"--{option} {name} is given twice")
+        else:
+            found[name] = text
+    return found
+
+
+_EXAMPLES = {
+    "over": ("NAME=A..B or NAME=pieces:N", "drive.amplitude=2e-4..8e-4"),
+    "limit": ("NAME=A..B", "stroke=..0.01"),
+    "uncertain": ("NAME=A..B or NAME=MEAN+-DEVIATION", "friction.mu_plus=0.15+-0.01"),
+}
+
+
+def _read(option: str, name: str, word: Any, read: Callable[[str], Any], problems: Problems) -> Any:
+    """A word of the command line, or what stands in a file in its place: a list is what Python would have as a tuple."""
+    if isinstance(word, list):
+        return tuple(word)
+    try:
+        return read(str(word))
+    except (ValueError, InputError):
+        problems.add(f"--{option} {name}={word} is not {_EXAMPLES[option][0]}; type for example --{option} {_EXAMPLES[option][1]}")
+        return None
+
+
+def _over(text: str) -> Any:
+    """Two bounds, or a waveform."""
+    kind, _, count = text.partition(":")
+    if kind in _FORMS:
+        from stickslip.optimising import waveform
+
+        return waveform(**{kind: int(count)})
+    return _ends(text)
+
+
+def _ends(text: str) -> tuple[float | None, float | None]:
+    """A..B, where either may be missing."""
+    low, dots, high = text.partition("..")
+    if not dots:
+        raise ValueError(text)
+    return tuple(_number(end) if end else None for end in (low, high))  # type: ignore[return-value]
+
+
+def _distribution(text: str) -> Any:
+    """A..B is uniform, MEAN+-DEVIATION normal, where the deviation may be in per cent of the mean."""
+    mean, sign, deviation = text.partition("+-")
+    if not sign:
+        return ("uniform", *_ends(text))
+    return (_number(mean), deviation) if deviation.endswith("%") else ("normal", _number(mean), _number(deviation))
+
+
+def _number(text: str) -> float:
+    found = value(text)
+    if isinstance(found, (int, float)):
+        return float(found)
+    raise ValueError(text)
+
+
+def table_of(best: Any) -> dict[str, Any]:
+    """The table [optimise] that asks the same again, as a file may hold it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> best = ss.optimise(robot, over={"drive.amplitude": (2e-4, 8e-4)}, maximise="mean_velocity", subject_to={"stroke": (None, 1e-3)})
+    >>> table_of(best)["over"], table_of(best)["subject_to"]
+    ({'drive.amplitude': [0.0002, 0.0008]}, {'stroke': '..0.001'})
+    """
+    asked = best.search
+    found: dict[str, Any] = {"maximise" if asked.maximised else "minimise": best.of, "starts": asked.starts or "none", "seed": asked.seed}
+    found |= {} if asked.quantile is None else {"quantile": asked.quantile}
+    found["over"] = {name: list(what) if isinstance(what, tuple) else f"{what.kind}:{what.count}" for name, what in asked.over.items()}
+    found["subject_to"] = {name: "..".join("" if end is None else repr(end) for end in ends) for name, ends in asked.subject_to.items()}
+    found["robust"] = {name: list(said) for name, said in asked.robust.items()}
+    return {key: part for key, part in found.items() if part != {}}

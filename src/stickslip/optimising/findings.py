@@ -1,0 +1,104 @@
+"""What is told of the best candidate: everything computed anew from the machine alone."""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.mapping import coordinates, spread_over
+from stickslip.dynamics.sensitivity import directions_of
+from stickslip.errors import StickslipError
+from stickslip.machine import machine_of
+from stickslip.optimising.candidates import Candidates
+from stickslip.optimising.gradients import Gradient, gradient
+from stickslip.optimising.limits import KEPT, Limit
+from stickslip.optimising.optimum import Optimum, Search
+from stickslip.optimising.peaks import LIMITS, drives_within, peaks_of
+from stickslip.optimising.results import results_of
+from stickslip.optimising.small_friction import small_friction_limit
+from stickslip.optimising.unknowns import Unknowns
+
+__all__ = ["told", "values_of"]
+
+Array = Any
+_ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
+_SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
+
+
+def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
+    """The result of a search that has met a machine within the limits."""
+    model, space = worth.space.machine(worth.best), worth.space
+    values, given = values_of(model), values_of(space.model)
+    V = float(values.get("mean_velocity", np.nan))
+    limit, what = small_friction_limit(model, worth.limits, forwards=V >= 0.0)
+    notes = [*notes, *_others(model, V), *_remarks(values), *_not_kept(worth.limits, given)]
+    slopes = _sensitivities(model, worth, notes)
+    return Optimum(
+        model,
+        of=worth.quantity,
+        values=values,
+        varied=space.numbers(worth.best),
+        of_limit=None if limit is None else abs(V) / limit,
+        limit=what,
+        active=(*_active_limits(worth.limits, values), *_active_bounds(space, worth.best)),
+        sensitivities=slopes,
+        tried=worth.tried,
+        given=given,
+        search=search,
+        notes=tuple(notes),
+        robust=None if worth.sample is None else worth.sign * worth.least,
+    )
+
+
+def _remarks(values: dict[str, Any]) -> list[str]:
+    rests = ["the best machine makes no way: its mean velocity is 0"] if values.get("mean_velocity") == 0.0 else []
+    return [*rests, *(["the motion had not settled: V is that of its last periods"] if values.get("steadiness", 0) != 0 else [])]
+
+
+def _not_kept(limits: list[Limit], given: dict[str, Any]) -> list[str]:
+    """Sentences on limits beyond which the search began."""
+    beyond = [limit for limit in limits if limit.name in given and np.min(limit.margins(given[limit.name])) < -KEPT]
+    return [f"the machine that was given does not keep {limit.told()}" for limit in beyond]
+
+
+def values_of(model: Any, rtol: float = 1e-9) -> dict[str, Any]:
+    """Numbers of the motion from rest, and the peaks of the drives."""
+    columns = results_of(spread_over(model, 1), 1, rtol=rtol)
+    found = {name: values[0].item() for name, values in columns.items() if not name.startswith("end.")}
+    drives = list(drives_within(model))
+    return found | {name: float(reduce(max, [peaks_of(drive, name) for drive in drives])) for name in (LIMITS if drives else ())}
+
+
+def _others(model: Any, V: float) -> list[str]:
+    """A sentence where other starts lead to another mean velocity."""
+    machine = machine_of(model)
+    if not machine.is_single:
+        return []
+    speed, at = float(machine.free_velocity), coordinates(model)
+    kick = [0.0 if name != "v" else 1.0 for name in at.names]
+    start = at.start(np.outer([speed, -speed], kick)) if "v" in at.names else {}
+    found = results_of(spread_over(model, 2), 2, start=start)["mean_velocity"]
+    other = [float(v) for v in found if abs(v - V) > _SAME * max(abs(V), speed)]
+    return [f"another motion coexists, with V = {v:.6g} m/s from another start" for v in other[:1]]
+
+
+def _active_limits(limits: list[Limit], values: dict[str, Any]) -> list[str]:
+    return [limit.name for limit in limits if limit.name in values and np.min(limit.margins(values[limit.name])) <= _ACTIVE]
+
+
+def _active_bounds(space: Unknowns, u: Array) -> list[str]:
+    numbers = [(each, float(u[place.start])) for each, place in zip(space.varied, space.slices, strict=True) if each.form is None]
+    return [each.name for each, value in numbers if min(value, 1.0 - value) <= _ACTIVE]
+
+
+def _sensitivities(model: Any, worth: Candidates, notes: list[str]) -> Gradient:
+    """Derivatives by all numbers but those of waveforms."""
+    forms = [each.leaves[0] + "." for each in worth.space.varied if each.form is not None]
+    try:
+        names = [name for name in directions_of("optimise", model, None) if not name.startswith(tuple(forms))] if forms else None
+        return gradient(model, worth.quantity, names)
+    except StickslipError as error:
+        notes.append(f"no derivatives: {error}")
+        return Gradient({}, worth.quantity, float("nan"), (str(error),))

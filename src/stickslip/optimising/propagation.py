@@ -1,0 +1,244 @@
+"""`propagate`: what uncertain numbers make of a result, and which of them matter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Fitted, Model, explains_arguments
+from stickslip.dynamics.mapping import spread_over
+from stickslip.errors import InputError, Problems
+from stickslip.fields import leaves
+from stickslip.optimising.results import check_quantity, results_of
+from stickslip.optimising.uncertain import Spread, checked_spread, sampled, sobol
+from stickslip.sealing import sealed
+
+__all__ = ["Indices", "Propagated", "propagate"]
+
+Array = Any
+_TAILS = (0.05, 0.95)  # of its own distribution: where a number is put alone
+_LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Indices:
+    """Sobol indices: which part of the variance of a result comes from which number.
+
+    Parameters
+    ----------
+    first : dict of float
+        The part that each number makes alone.
+    total : dict of float
+        The part that would be left if all others were known: more than `first` where numbers act together.
+    first_interval, total_interval : dict of (float, float)
+        95 % intervals of the sample, by the bootstrap.
+    """
+
+    first: dict[str, float]
+    total: dict[str, float]
+    first_interval: dict[str, tuple[float, float]]
+    total_interval: dict[str, tuple[float, float]]
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name} {value:.3g} (total {self.total[name]:.3g})" for name, value in self.first.items())
+        return f"<Indices: {told}>"
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Propagated:
+    """What uncertain numbers make of a result; `stickslip.plot.tornado` draws which of them matter.
+
+    Parameters
+    ----------
+    of : str
+        The result.
+    values : array (samples,)
+        Its values; NaN where a case has none.
+    inputs : dict of arrays (samples,)
+        The numbers that they belong to.
+    nominal : float
+        Its value for the machine as it is.
+    swings : dict of (float, float)
+        Its values where one number is at 5 and at 95 % of its own distribution and the others are as they are.
+    indices : Indices or None
+        Sobol indices, if they were asked for.
+    notes : tuple of str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> found = Propagated("mean_velocity", np.array([1.0, 2.0, 3.0]), {}, 2.0)
+    >>> found.mean, found.quantile(0.5), found.failed
+    (2.0, 2.0, 0)
+    """
+
+    of: str
+    values: Array
+    inputs: dict[str, Array]
+    nominal: float
+    swings: dict[str, tuple[float, float]] | None = None
+    indices: Indices | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def mean(self) -> float:
+        """Mean over the sample."""
+        return float(np.nanmean(self.values))
+
+    @property
+    def std(self) -> float:
+        """Standard deviation over the sample."""
+        return float(np.nanstd(self.values))
+
+    @property
+    def failed(self) -> int:
+        """Cases without a value."""
+        return int(np.isnan(self.values).sum())
+
+    def quantile(self, q: float) -> float:
+        """The value below which a part q of the sample lies."""
+        return float(np.nanquantile(self.values, q))
+
+    def __repr__(self) -> str:
+        low, middle, high = (self.quantile(q) for q in (0.05, 0.5, 0.95))
+        lost = f"; {self.failed} cases have none" if self.failed else ""
+        more = "".join(f"; {note}" for note in self.notes)
+        return (
+            f"<Propagated: {self.of} = {self.nominal:.6g}; over {len(self.values)} cases mean {self.mean:.6g}, std {self.std:.3g}, "
+            f"median {middle:.6g}, nine in ten from {low:.6g} to {high:.6g}{lost}{more}>"
+        )
+
+
+@explains_arguments
+def propagate(
+    model: Model,
+    uncertain: dict[str, Any] | Fitted,
+    of: str = "mean_velocity",
+    samples: int = 1024,
+    seed: int = 0,
+    workers: int = 1,
+    indices: bool = False,
+) -> Propagated:
+    """What uncertain numbers make of a result of the steady motion from rest, and which of them matter.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        One machine with a period.
+    uncertain : dict or Fit
+        By the names of numbers ("uniform", least, largest), ("normal", mean, standard deviation), or (mean, "1%") for a normal distribution
+        whose standard deviation is that part of the mean; independent of one another. Without an index a name stands for the numbers of
+        all parts, which are then the same. A `Fit` stands for what it found: its parameters are normal on the scale of its search, with
+        its covariance, and end at its bounds; whatever numbers of its model depend on them go into `model`.
+    of : str
+        "mean_velocity", or another column of a sweep.
+    samples : int
+        Of a scrambled Sobol sequence; rounded to a power of two.
+    seed : int
+        Of its scrambling.
+    workers : int
+        Threads.
+    indices : bool
+        Sobol indices of the numbers, which must be independent: for n numbers n + 2 times as many cases are run (`Saltelli 2010`_).
+
+    Returns
+    -------
+    Propagated
+        `values`, `inputs`, `mean`, `std`, `quantile`, `swings`, `indices`.
+
+    Raises
+    ------
+    InputError
+        For unknown names, for distributions that make no machine, for parameters that a fit's data do not determine, and for indices of a
+        fit of several parameters, which are not independent.
+
+    References
+    ----------
+    .. _Saltelli 2010: https://doi.org/10.1016/j.cpc.2009.09.018
+
+    A. Saltelli et al., Variance based sensitivity analysis of model output; *Computer Physics Communications* 181 (2010) 259-270.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> found = ss.propagate(robot, uncertain={"friction.mu_plus": ("normal", 0.15, 0.005)}, of="mean_velocity", samples=256)
+    >>> round(found.std / 0.005, 2)  # the slope by the coefficient of friction, about
+    0.09
+    """
+    check_quantity("propagate", "of", of, model)
+    problems = Problems("propagate")
+    spread = checked_spread(model, "uncertain", uncertain, problems)
+    problems.whole("samples", samples, 2, example=1024, most=2**20)
+    problems.whole("seed", seed, 0, example=0)
+    problems.whole("workers", workers, 1, example=2)
+    if any(np.ndim(value) for _, value in leaves(model)):
+        problems.add("the robot is a batch (some of its numbers are arrays); allowed is one robot")
+    if model.period is None:
+        problems.add(f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot")
+    if indices and spread is not None and not spread.independent:
+        problems.add(
+            "indices of numbers that depend on one another are not defined; type indices=False, or give each a distribution of its own"
+        )
+    problems.check()
+    assert spread is not None
+    u = _designed(len(spread.names), samples, int(seed), indices)
+    values = _run(model, spread.numbers(u.reshape(len(u), -1)), of, int(workers)).reshape(u.shape[1:])
+    found, notes = _indices(spread.names, values, int(seed)) if indices else (None, [])
+    kept = values[:2] if indices else values  # the other rows of a design for indices are mixtures of the first two
+    inputs = spread.inputs(u[:, : len(kept)].reshape(len(u), -1))
+    nominal = float(results_of(spread_over(model, 1), 1)[of][0])
+    return Propagated(of, kept.ravel(), inputs, nominal, _swings(model, spread, of), found, tuple(notes))
+
+
+def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
+    """Points of the unit cube: array (numbers, 1, samples); for indices (numbers, 2 + numbers, samples), two samples and mixtures."""
+    if not indices:
+        return sobol(count, samples, seed)[:, None]
+    A, B = np.split(sobol(2 * count, samples, seed), 2)
+    mixed = np.repeat(A[:, None], count, axis=1)
+    mixed[np.arange(count), np.arange(count)] = B
+    return np.concatenate([A[:, None], B[:, None], mixed], axis=1)
+
+
+def _run(model: Any, sample: dict[str, Array], of: str, workers: int = 1) -> Array:
+    """A result for each case of a sample."""
+    try:
+        model.replace(sample)  # the record says what its numbers may be
+    except InputError as error:
+        raise InputError("propagate", [f"in the sample, {problem}" for problem in error.problems]) from None
+    machines, cases = sampled(model, 1, sample)
+    return results_of(machines, cases, workers)[of]
+
+
+def _swings(model: Any, spread: Spread, of: str) -> dict[str, tuple[float, float]]:
+    """The result where each number in turn is at the ends of its band."""
+    found = {name: _run(model, spread.alone(name, np.array(_TAILS)), of) for name in spread.names}
+    return {name: (float(low), float(high)) for name, (low, high) in found.items()}
+
+
+def _indices(names: tuple[str, ...], values: Array, seed: int) -> tuple[Indices | None, list[str]]:
+    """Sobol indices of a design with mixtures; none with the reason where the values have no variance, or not all cases have one."""
+    if np.isnan(values).any():
+        return None, [f"no indices: {int(np.isnan(values).sum())} cases have no value"]
+    if not np.ptp(values[:2]) > 0.0:
+        return None, ["no indices: all values are the same"]
+    rng, n = np.random.default_rng(seed), values.shape[1]
+    found = _estimated(values)
+    again = np.array([_estimated(values[:, rng.integers(n, size=n)]) for _ in range(_RESAMPLED)])
+    low, high = np.quantile(again, [0.5 - 0.5 * _LEVEL, 0.5 + 0.5 * _LEVEL], axis=0)
+    first, total = (dict(zip(names, map(float, part), strict=True)) for part in found)
+    ends = (zip(map(float, a), map(float, b), strict=True) for a, b in zip(low, high, strict=True))
+    bands = [dict(zip(names, part, strict=True)) for part in ends]
+    return Indices(first, total, *bands), []
+
+
+def _estimated(values: Array) -> Array:
+    """First and total indices, by the estimators of Saltelli 2010 and Jansen 1999: array (2, numbers)."""
+    A, B, mixed = (part - values[:2].mean() for part in (values[0], values[1], values[2:]))
+    variance = 0.5 * np.mean(A * A + B * B)
+    return np.array([np.mean(B * (mixed - A), axis=1), 0.5 * np.mean((A - mixed) ** 2, axis=1)]) / variance

@@ -1,0 +1,179 @@
+"""A page about the best machine that a search found: what it gains and costs, what varied, which limits it reaches, and how it moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import Any
+
+from stickslip.fields import leaves
+from stickslip.optimising.peaks import LIMITS
+from stickslip.report.charts import Figure, chart, curve
+from stickslip.report.drawn import svg
+from stickslip.report.of_run import meaning_of, run_page
+from stickslip.variables import VARIABLES
+
+__all__ = ["optimum_page"]
+
+_PERIODS = 500  # of the run that is shown, until it has settled
+_SHOWN = ("mean_velocity", "drive_power", "cost_of_transport", "stroke", "relative_velocity", "relative_acceleration")
+_SLOPES = 16  # rows of the table of derivatives
+
+
+def optimum_page(best: Any, title: str, command: str = "") -> str:
+    """The page about what `optimise` found: the search, then a run of the best machine.
+
+    Parameters
+    ----------
+    best : Optimum
+    title : str
+        What stands at its top.
+    command : str
+        What to type for the same page, if it was made by a command.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> best = ss.optimise(robot, over={"drive.amplitude": (2e-4, 8e-4)}, maximise="mean_velocity")
+    >>> text = optimum_page(best, "A faster rig")
+    >>> "What was searched" in text, "0.004308808" in text
+    (True, True)
+    """
+    from stickslip.solvers import solve
+
+    run = solve(best.model, periods=_PERIODS, settle="auto", keep="trajectory")
+    return run_page(run, title, command, search=_section(best))
+
+
+def _section(best: Any) -> dict[str, Any]:
+    """What the template asks for, of the search."""
+    aim = f"{_words(best.of)} was to be {'as large' if best.search.maximised else 'as small'} as possible"
+    made = [_gains(best), _varied(best), *_limits(best), *_uncertain(best), *_slopes(best)]
+    return {
+        "aim": f"{aim}; {best.tried} candidates were run. It is the best that the search met: it is not proved that there is none better.",
+        "share": best.limit
+        if best.of_limit is None
+        else f"The mean velocity is {100 * best.of_limit:.4g} % of the limit for {best.limit}.",
+        "tables": [{"caption": caption, "head": head, "rows": rows} for caption, head, rows in made if rows],
+        "notes": [*best.notes, *best.sensitivities.notes],
+        "figures": [_history(best)],
+    }
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _told(value: Any, unit: str = "") -> str:
+    """A number with its unit; a dash where there is none."""
+    missing = value is None or not isfinite(float(value))
+    return "–" if missing else f"{float(value):.7g} {unit}".rstrip().replace("-", "−")
+
+
+def _unit(name: str) -> str:
+    """The unit of a result or of a peak of the drives."""
+    unit = LIMITS.get(name) or (VARIABLES[name].unit if name in VARIABLES else "")
+    return "" if unit == "1" else unit
+
+
+def _gains(best: Any) -> tuple[str, Any, list[Any]]:
+    """What the best machine gains and costs against the one that was given."""
+    names = [name for name in dict.fromkeys((best.of, *_SHOWN)) if name in best.values]
+    rows = []
+    for name in names:
+        before, after = best.given.get(name), best.values[name]
+        change = f"{100 * (after / before - 1):+.3g} %".replace("-", "−") if before and isfinite(before) and isfinite(after) else "–"
+        rows.append((_words(name), _told(before, _unit(name)), _told(after, _unit(name)), change))
+    return "What it gains, and what it costs.", ("", "as given", "best", "change"), rows
+
+
+def _varied(best: Any) -> tuple[str, Any, list[Any]]:
+    """Numbers that varied, with their bounds, and those of waveforms."""
+    own, now = dict(leaves(best.model)), best.varied
+    rows = []
+    for name, what in best.search.over.items():
+        if isinstance(what, tuple):
+            at = "at a bound" if name in best.active else ""
+            value = next(now[leaf] for leaf in now if _named(leaf, name))
+            rows.append((name, f"{what[0]:g} to {what[1]:g}", _told(value, meaning_of(name)[1]), at))
+        else:
+            rows.append((name, f"a waveform of {what.count} ({what.kind})", "its numbers stand below", ""))
+    numbers = len(own)
+    return f"What varied, of {numbers} numbers.", ("number", "between", "best", ""), rows
+
+
+def _named(leaf: str, name: str) -> bool:
+    """Whether a number is one of those that were typed."""
+    from stickslip.dynamics.named import numbers_meant
+
+    return bool(numbers_meant(name, [leaf]))
+
+
+def _limits(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
+    """Limits, and what the machine has of them."""
+    rows = [
+        (
+            _words(name),
+            _told(low, _unit(name)),
+            _told(high, _unit(name)),
+            _told(best.values.get(name), _unit(name)),
+            "reached" if name in best.active else "",
+        )
+        for name, (low, high) in best.search.subject_to.items()
+    ]
+    yield "Limits.", ("", "least", "largest", "best", ""), rows
+
+
+def _uncertain(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
+    """What was not known exactly."""
+    part = best.search.quantile
+    counted = "the worst of the sample" if part is None else f"what {100 * part:g} % of the sample fall short of"
+    rows = [(name, " ".join(map(str, said))) for name, said in best.search.robust.items()]
+    yield (
+        f"Numbers that are not known exactly. What counted is {counted}: {_told(best.robust, _unit(best.of))}.",
+        ("number", "distribution"),
+        rows,
+    )
+
+
+def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
+    """Derivatives, those with the largest effect first."""
+    own, found = dict(leaves(best.model)), best.sensitivities
+    effects = {name: slope * own[name] / 100 for name, slope in found.items() if name in own and isfinite(slope)}
+    order = sorted(effects, key=lambda name: -abs(effects[name]))[:_SLOPES]
+    one_sided = {note.partition(":")[0] for note in found.notes}
+    rows = [
+        (
+            name,
+            _told(own[name], meaning_of(name)[1]),
+            _told(found[name]),
+            _told(effects[name], _unit(best.of)),
+            "one side, see the remarks" if name in one_sided else "",
+        )
+        for name in order
+    ]
+    yield (
+        f"What each number does to the {_words(best.of)}, with the others held.",
+        ("number", "value", "derivative", "for 1 % more", ""),
+        rows,
+    )
+
+
+def _history(best: Any) -> Figure:
+    """The best value against the candidates that were tried."""
+    tried, value = best.search.history.T
+    x, y = [*tried, best.tried], [*value, value[-1]]
+    what = f"{_words(best.of)}, the best so far"
+
+    def draw(ax: Any) -> None:
+        ax.step(x, y, where="post")
+        ax.set_xlabel("candidates tried")
+        ax.set_ylabel(f"{_words(best.of)}{f' ({_unit(best.of)})' if _unit(best.of) else ''}")
+
+    asked = chart(what, x, ("candidates", ""), (_words(best.of), _unit(best.of)), [curve("best so far", y)])
+    return Figure(f"How the search went: {what}.", svg(draw), asked)
