@@ -16,7 +16,7 @@ import pytest
 
 from explorers import axis
 from stickslip.explorer import server
-from stickslip.explorer.asked import DEFAULT
+from stickslip.explorer.asked import DEFAULT, KEPT
 from stickslip.explorer.exports import EXPORTS
 from stickslip.explorer.frames import read
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS
@@ -54,10 +54,16 @@ def whole(rng):
         state |= {"drive": "harmonic", "track": "folded", "law": "coulomb", "also": []}
     if rng.random() < 0.2:
         state["shape"] = [[rng.uniform(-1, 1) for _ in range(5)] for _ in range(2)]
-    told = {"channel": rng.choice(["curves", "map", "strip"]), "id": rng.randrange(1000), "state": state, "fine": rng.random() < 0.2}
+    told = {
+        "channel": rng.choice(["curves", "map", "strip", "faster"]),
+        "id": rng.randrange(1000),
+        "state": state,
+        "fine": rng.random() < 0.2,
+    }
     if told["channel"] != "curves":
         names = rng.sample(DEFAULT.active, 2 if told["channel"] == "map" else 1)
         told["axes"] = [axis(name, PARAMETERS[name].low, PARAMETERS[name].high, rng.randint(2, 9)) for name in names]
+        told |= {"sliders": names, "keep": rng.sample(KEPT, rng.randrange(3))} if told["channel"] == "faster" else {}
     return told
 
 

@@ -681,3 +681,30 @@ def test_no_host_but_ours_is_asked_for_anything(page):
     page.open(f"law=lugre&also=coulomb&x={quote(json.dumps({}))}")
     map_ready(page)
     assert page.outside == []
+
+
+# ---- make it faster ----
+@pytest.mark.parametrize("width", [1280, 380])
+def test_make_it_faster_moves_the_sliders_and_goes_back(browser, explorer, width):
+    made = Page(browser, explorer, viewport={"width": width, "height": 900})
+    with contextlib.closing(made.context):
+        made.open()
+        now = made.velocity()
+        made.page.locator("#faster input[value=relative_acceleration]").check()
+        made.page.locator("#faster-find").click()
+        rows = made.page.locator("#faster-rows tr")
+        rows.first.wait_for()
+        told = [cell.replace("−", "-") for cell in rows.first.locator("td").all_inner_texts()]
+        assert float(told[0].removesuffix(" mm/s")) == pytest.approx(1e3 * now, rel=1e-3)
+        faster = float(told[1].removesuffix(" mm/s")) * 1e-3
+        assert faster > 1.5 * now
+        with made.change():
+            made.page.locator("#faster-take").click()
+        assert made.velocity() == pytest.approx(faster, rel=1e-3)
+        assert float(made.page.locator("input[name=amplitude]").input_value()) == PARAMETERS["amplitude"].high
+        with made.change():
+            made.page.locator("#faster-back").click()
+        assert made.velocity() == pytest.approx(now, rel=1e-3)
+        assert made.page.locator("#faster-found").is_hidden()
+        assert made.page.evaluate("document.documentElement.scrollWidth") <= width
+        assert not made.errors and not made.outside

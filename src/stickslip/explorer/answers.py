@@ -14,9 +14,10 @@ from stickslip.explorer.around import TYPES, Stop, Stopped, map_of, strip_of
 from stickslip.explorer.asked import Message, State
 from stickslip.explorer.code import python
 from stickslip.explorer.effort import RTOL, affordable
+from stickslip.explorer.faster import faster_of
 from stickslip.explorer.frames import written
 from stickslip.explorer.kernels import Kernels, compiling
-from stickslip.explorer.machines import Shown, picture
+from stickslip.explorer.machines import OF_A_ROBOT, Shown, picture
 from stickslip.explorer.models import FRICTION
 from stickslip.solvers import solve
 
@@ -32,7 +33,9 @@ def answer(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None = N
     head = {"channel": asked.channel, "id": asked.id}
     found: tuple[dict[str, Any], dict[str, Any]]
     try:
-        if asked.machine is not None:
+        if asked.wish is not None:
+            found = faster_of(asked, kernels, stop, shown), {}
+        elif asked.machine is not None:
             found = _machine(asked, kernels, stop, shown), {}
         else:
             found = {"curves": _curves, "map": map_of, "strip": strip_of}[asked.channel](asked, kernels, stop)
@@ -52,7 +55,7 @@ def sentence(problem: str) -> str:
 def _machine(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None) -> dict[str, Any]:
     """The picture of the machine with the numbers that were asked for."""
     if shown is None or asked.machine is None:
-        raise InputError("machine", ["this server shows a robot; begin it with stickslip explore FILE for a machine"])
+        raise InputError("machine", [OF_A_ROBOT])
     model = shown.with_values(asked.machine)
     if not kernels.ready(shown, "", model, False):
         return {"kind": "machine", "waits": f"preparing {shown.title}: compiled once, which takes some seconds, and kept for later"}

@@ -12,14 +12,20 @@ from stickslip.errors import Problems, did_you_mean, is_whole
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, SAW, TRACKS, Shape, active, robot
 from stickslip.explorer.parameters import PARAMETERS
 
-__all__ = ["CHANNELS", "DEFAULT", "MOST_HARMONICS", "Message", "Plane", "State", "machine_numbers", "message", "state"]
+__all__ = [
+    "CHANNELS", "DEFAULT", "KEPT", "MOST_HARMONICS", "MOST_SLIDERS", "Message", "Plane", "State", "Wish", "machine_numbers", "message",
+    "state",
+]  # fmt: skip
 
 #: What can be asked for. Each has room for one request of a page: a newer one takes the place of an older one.
-CHANNELS = ("curves", "map", "strip")
+CHANNELS = ("curves", "map", "strip", "faster")
 #: How many laws may be compared with the first, and how many cells a map may have each way.
 MOST_LAWS, MOST_CELLS = 4, 96
 #: Most numbers of a machine that a page sets.
 MOST_NUMBERS = 500
+#: Most sliders that a search may move, and what it may be told not to raise.
+MOST_SLIDERS = 8
+KEPT = ("drive_power", "cost_of_transport", "stroke", "relative_velocity", "relative_acceleration")
 #: Most harmonics of a recorded drive.
 MOST_HARMONICS = 32
 _CHOICES: dict[str, Mapping[str, Any]] = {"drive": DRIVES, "track": TRACKS, "contact": CONTACTS, "law": FRICTION}
@@ -87,6 +93,22 @@ class Plane:
 
 
 @dataclass(frozen=True)
+class Wish:
+    """What a search may move, and what it must not raise.
+
+    Parameters
+    ----------
+    sliders : tuple of str
+        Numbers of the page.
+    kept : tuple of str
+        Quantities that stay at most what they are.
+    """
+
+    sliders: tuple[str, ...]
+    kept: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Message:
     """One request of a page."""
 
@@ -96,6 +118,7 @@ class Message:
     fine: bool = False
     plane: Plane | None = None
     machine: Mapping[str, float] | None = None  # numbers of the machine that the page shows
+    wish: Wish | None = None
 
 
 def message(text: str | bytes) -> Message:
@@ -123,11 +146,31 @@ def message(text: str | bytes) -> Message:
     if not is_whole(number) or not 0 <= number < 2**53:
         problems.add(f"id = {_short(number)}; allowed is a whole number")
     problems.check()
+    wish = _wish(given) if channel == "faster" else None
     if "machine" in given:
-        return Message("curves", number, DEFAULT, given.get("fine") is True, machine=machine_numbers(given["machine"]))
+        asked = channel if wish else "curves"
+        return Message(asked, number, DEFAULT, given.get("fine") is True, machine=machine_numbers(given["machine"]), wish=wish)
     found = state(given.get("state", {}))
-    plane = None if channel == "curves" else _plane(given.get("axes"), found, 2 if channel == "map" else 1)
-    return Message(channel, number, found, given.get("fine") is True, plane)
+    plane = _plane(given.get("axes"), found, 2 if channel == "map" else 1) if channel in ("map", "strip") else None
+    return Message(channel, number, found, given.get("fine") is True, plane, wish=wish)
+
+
+def _wish(given: dict[str, Any]) -> Wish:
+    """What a search may move; whether the page has such numbers is asked where they are known."""
+    problems, found = Problems("faster"), {}
+    for name, most in (("sliders", MOST_SLIDERS), ("keep", len(KEPT))):
+        words = given.get(name, [])
+        if not isinstance(words, list) or len(words) > most or not all(isinstance(word, str) and len(word) < 200 for word in words):
+            problems.add(f"{name} = {_short(words)}; allowed is a list of up to {most} names")
+            words = []
+        found[name] = tuple(dict.fromkeys(words))
+    if not found["sliders"]:
+        problems.add("no slider may move; choose one or more")
+    for word in found["keep"]:
+        if word not in KEPT:
+            problems.add(f"keep = {_short(word)}; {did_you_mean(word[:40], KEPT)}")
+    problems.check()
+    return Wish(found["sliders"], found["keep"])
 
 
 def state(given: Any) -> State:

@@ -14,9 +14,11 @@ from stickslip.explorer.parameters import Parameter
 from stickslip.fields import leaves, told_by_field
 from stickslip.machine import is_machine, machine_of
 
-__all__ = ["Shown", "numbers_of", "picture", "report", "study"]
+__all__ = ["OF_A_ROBOT", "Shown", "numbers_of", "picture", "report", "study"]
 
 COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when it rests
+#: What is said of a machine's numbers by a server that shows a robot.
+OF_A_ROBOT = "this server shows a robot; begin it with stickslip explore FILE for a machine"
 _TIMES = 20.0  # of a machine without a period: how many of its own times a run lasts
 _FAR = 1e300
 

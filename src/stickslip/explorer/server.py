@@ -20,7 +20,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from stickslip.errors import InputError, StickslipError
-from stickslip.explorer.asked import DEFAULT, MOST_HARMONICS, State, machine_numbers, state
+from stickslip.explorer.asked import DEFAULT, KEPT, MOST_HARMONICS, State, machine_numbers, state
 from stickslip.explorer.connections import Watched
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.guard import Guard, is_loopback
@@ -32,6 +32,8 @@ from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
 from stickslip.explorer.uploads import Uploads
+from stickslip.optimising.peaks import LIMITS as LIMITS_OF_DRIVES, drives_within
+from stickslip.optimising.results import quantities
 
 __all__ = ["application", "page", "serve"]
 
@@ -69,7 +71,13 @@ def _rendered(template: str, **content: Any) -> str:
 def machine_page(shown: Shown) -> str:
     """The page of a machine as it is before any script runs."""
     told = {"parameters": {name: vars(p) for name, p in shown.numbers.items()}, "exports": list(MACHINE_EXPORTS)}
-    return _rendered("machine.html", shown=shown, groups=shown.groups, exports=list(MACHINE_EXPORTS), told=told)
+    return _rendered("machine.html", shown=shown, groups=shown.groups, exports=list(MACHINE_EXPORTS), told=told, kept=_kept(shown))
+
+
+def _kept(shown: Shown) -> list[str]:
+    """What a search may be told not to raise: of a machine of several bodies powers are not in the columns of a sweep."""
+    known = [*LIMITS_OF_DRIVES, *quantities(shown.model)] if list(drives_within(shown.model)) else quantities(shown.model)
+    return [name for name in KEPT if name in known]
 
 
 @functools.cache
@@ -80,7 +88,7 @@ def page() -> str:
     return _rendered(
         "page.html", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=PRESETS, exports=list(EXPORTS),
         groups={"Drive": groups["Drive"], "Track": groups["Track"], "Friction": rest, "Masses": groups["Masses"]},
-        first=DEFAULT, active=set(DEFAULT.active), told=_told(),
+        first=DEFAULT, active=set(DEFAULT.active), told=_told(), kept=KEPT,
     )  # fmt: skip
 
 

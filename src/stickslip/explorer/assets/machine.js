@@ -1,4 +1,5 @@
 // The page of a machine: what is dragged is asked for, what is answered is drawn by moving.js, which reports have too.
+import * as faster from "./faster.js";
 import { Link } from "./link.js";
 import { $, connection, copies, exports, say, themed } from "./tools.js";
 import { shown, velocity } from "./words.js";
@@ -18,11 +19,13 @@ function fromHash() {
 }
 const toHash = () => (Object.keys(values).length ? `#${new URLSearchParams(Object.entries(values).map(([name, value]) => [name, String(value)]))}` : location.pathname);
 const value = (name) => values[name] ?? parameters[name].default;
+const now = () => Object.fromEntries(Object.keys(parameters).map((name) => [name, value(name)]));
 
 // ---- asking ----
 function changed() {
   link.ask("curves", { machine: values, fine: false });
   controls();
+  if ($("faster")) faster.changed(now());
   clearTimeout(resting);
   resting = setTimeout(() => link.ask("curves", { machine: values, fine: true }), RESTS);
   clearTimeout(saving);
@@ -37,6 +40,7 @@ function set(name, to) {
 
 // ---- answers ----
 function take({ header }) {
+  if (header.channel === "faster") return faster.show(header);
   if (header.kind === "problems") return say(header.problems.join("; "));
   if (header.waits) return say(header.waits, "busy");
   say(header.status === "finished" ? "" : header.status);
@@ -103,6 +107,15 @@ for (const p of Object.values(parameters)) {
   });
   typed.addEventListener("keydown", (event) => { if (event.key === "Enter") typed.blur(); });
   document.querySelector(`[data-reset="${CSS.escape(p.name)}"]`).addEventListener("click", () => set(p.name, p.default));
+}
+if ($("faster")) {
+  const all = Object.values(parameters), drives = all.map((p) => p.name).filter((name) => `.${name}`.includes(".drive."));
+  faster.place(all, drives.slice(0, 8));
+  faster.listen({
+    ask: (wish) => link.ask("faster", { machine: values, ...wish }),
+    values: now,
+    take(found) { Object.assign(values, found); changed(); },
+  });
 }
 $("reset-all").addEventListener("click", () => { values = {}; changed(); });
 addEventListener("hashchange", () => { values = fromHash(); changed(); });

@@ -1,11 +1,12 @@
 // The page: what is changed is asked for, what is answered is drawn.
 import * as controls from "./controls.js";
+import * as faster from "./faster.js";
 import { Link } from "./link.js";
 import * as map from "./map.js";
 import * as portraits from "./portraits.js";
 import * as record from "./record.js";
 import * as robot from "./robot.js";
-import { active, defaults, fromHash, parameters, settled, table, toHash, withPreset } from "./state.js";
+import { active, defaults, fromHash, parameters, settled, table, toHash, told, withPreset } from "./state.js";
 import * as strip from "./strip.js";
 import { $, connection, copies, exports, say, themed } from "./tools.js";
 import * as velocity from "./velocity.js";
@@ -25,6 +26,8 @@ function changed(name = null) {
   link.ask("curves", { state: table(state), fine: false }); // first of all: the rest is done while the answer is computed
   controls.show(state);
   options();
+  faster.place(active(state).map((name) => parameters[name]), told.choices.drive[state.drive].parameters);
+  faster.changed(state.values);
   map.place(state);
   strip.place(state);
   clearTimeout(resting);
@@ -55,6 +58,7 @@ function around(channel, axes) {
 function take({ header, arrays }) {
   if (header.channel === "map") return map.show({ header, arrays });
   if (header.channel === "strip") return strip.show({ header, arrays });
+  if (header.channel === "faster") return faster.show(header);
   if (header.kind === "problems") return say(header.problems.join("; "));
   const waiting = header.laws.find((law) => law.waits);
   if (waiting) say(waiting.waits, "busy");
@@ -126,6 +130,11 @@ addEventListener("hashchange", () => { state = fromHash(location.hash); changed(
 map.listen({
   go(at) { [state.map.x, state.map.y].forEach((name, i) => { state.values[name] = Math.max(parameters[name].least, Math.min(parameters[name].most, at[i])); }); $("preset").value = ""; changed(); },
   zoom(spans) { state.map.spans = spans; changed(); },
+});
+faster.listen({
+  ask: (wish) => link.ask("faster", { state: table({ ...state, also: [] }), ...wish }),
+  values: () => state.values,
+  take(values) { Object.assign(state.values, values); $("preset").value = ""; changed(); },
 });
 strip.listen((name, value) => { state.values[name] = value; $("preset").value = ""; changed(); });
 $("map-shows").addEventListener("change", (event) => { state.map.shows = event.target.value; changed(); });
