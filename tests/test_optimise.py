@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.drives import DRIVES
+from stickslip.optimising.coexisting import continued
 from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 
@@ -264,3 +265,14 @@ def test_a_front_is_not_beaten_by_a_grid():
 def test_a_front_needs_two_quantities():
     with pytest.raises(ss.InputError, match="two quantities"):
         ss.pareto(TWO, over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity", minimise="mean_velocity")
+
+
+def test_a_motion_that_is_continued_is_told_beside_the_one_from_rest():
+    # A = 0.8 mm, f0 = 0.5: V near .0020 and .0036; between 0.742 and 0.802 mm both exist, above only the faster one
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8.5e-4, f0=0.5)
+    best = rig.replace({"drive.amplitude": 7.9e-4})
+    from_rest = ss.mean_velocity(ss.solve(best, periods=200, settle=150))
+    way = continued(rig, best, {"drive.amplitude": 7.9e-4})
+    assert from_rest < 2.3e-3
+    assert way > 3.2e-3
+    assert continued(rig, rig.replace(drive=ss.TwoPhase.example()), {"drive.u1": 0.1}) is None

@@ -122,7 +122,7 @@ def _record(title: str, again: str, best: Any) -> dict[str, Any]:
     return {
         "robot": title, "command": again, "optimise": table_of(best), "best": best.values, "given": best.given,
         "parameters": {name: float(number) for name, number in leaves(best.model)},
-        "of_limit": best.of_limit, "limit": best.limit, "active": best.active, "robust": best.robust,
+        "of_limit": best.of_limit, "limit": best.limit, "active": best.active, "robust": best.robust, "continued": best.continued,
         "sensitivities": dict(slopes), "notes": [*best.notes, *slopes.notes], "tried": best.tried,
         "history": {"tried": best.search.history[:, 0], "best": best.search.history[:, 1]},
         "study_file": _as_toml(best.model), "version": __version__,

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.mapping import coordinates, spread_over
+from stickslip.dynamics.mapping import spread_over
 from stickslip.dynamics.sensitivity import directions_of
 from stickslip.errors import StickslipError
-from stickslip.machine import machine_of
 from stickslip.optimising.candidates import Candidates
+from stickslip.optimising.coexisting import continued, from_other_starts
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.limits import KEPT, Limit
 from stickslip.optimising.optimum import Optimum, Search
@@ -24,7 +24,7 @@ __all__ = ["told", "values_of"]
 
 Array = Any
 _ACTIVE = 1e-6  # how near a limit or a bound is active, as a part of it
-_SAME = 1e-6  # of the mean velocity: attractors nearer to each other are one
+_SAME = 1e-5  # of the mean velocity: attractors nearer to each other are one; dynamic laws are run to 1e-6
 
 
 def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
@@ -33,13 +33,15 @@ def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
     values, given = values_of(model), values_of(space.model)
     V = float(values.get("mean_velocity", np.nan))
     limit, what = small_friction_limit(model, worth.limits, forwards=V >= 0.0)
-    notes = [*notes, *_others(model, V), *_remarks(values), *_not_kept(worth.limits, given)]
+    numbers = space.numbers(worth.best)
+    way = continued(space.model, model, numbers)
+    notes = [*notes, *from_other_starts(model, V), *_another_way(V, way), *_remarks(values), *_not_kept(worth.limits, given)]
     slopes = _sensitivities(model, worth, notes)
     return Optimum(
         model,
         of=worth.quantity,
         values=values,
-        varied=space.numbers(worth.best),
+        varied=numbers,
         of_limit=None if limit is None else abs(V) / limit,
         limit=what,
         active=(*_active_limits(worth.limits, values), *_active_bounds(space, worth.best)),
@@ -48,6 +50,7 @@ def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
         given=given,
         search=search,
         notes=tuple(notes),
+        continued=way,
         robust=None if worth.sample is None else worth.sign * worth.least,
     )
 
@@ -71,17 +74,11 @@ def values_of(model: Any, rtol: float = 1e-9) -> dict[str, Any]:
     return found | {name: float(reduce(max, [peaks_of(drive, name) for drive in drives])) for name in (LIMITS if drives else ())}
 
 
-def _others(model: Any, V: float) -> list[str]:
-    """A sentence where other starts lead to another mean velocity."""
-    machine = machine_of(model)
-    if not machine.is_single:
+def _another_way(V: float, way: float | None) -> list[str]:
+    """A sentence where the motion that is continued from that of the given machine is another one than that from rest."""
+    if way is None or abs(way - V) <= _SAME * abs(V):
         return []
-    speed, at = float(machine.free_velocity), coordinates(model)
-    kick = [0.0 if name != "v" else 1.0 for name in at.names]
-    start = at.start(np.outer([speed, -speed], kick)) if "v" in at.names else {}
-    found = results_of(spread_over(model, 2), 2, start=start)["mean_velocity"]
-    other = [float(v) for v in found if abs(v - V) > _SAME * max(abs(V), speed)]
-    return [f"another motion coexists, with V = {v:.6g} m/s from another start" for v in other[:1]]
+    return [f"continued from the motion of the machine that was given, V = {way:.6g} m/s; from rest it is {V:.6g}"]
 
 
 def _active_limits(limits: list[Limit], values: dict[str, Any]) -> list[str]:

@@ -80,6 +80,9 @@ class Optimum:
         What else is to be said.
     robust : float or None
         Where numbers were uncertain, the quantile of the quantity, or its worst value, over the sample.
+    continued : float or None
+        Mean velocity of the motion that is reached from that of the given machine as its numbers become those of the best one, slowly; a
+        note says where it is another one than that from rest. None where no way leads there, as from one kind of drive to another.
 
     Examples
     --------
@@ -103,6 +106,7 @@ class Optimum:
     search: Search
     notes: tuple[str, ...] = field(default=())
     robust: float | None = None
+    continued: float | None = None
 
     def __getitem__(self, name: str) -> Any:
         """A number of the motion or of the drives by its name."""
