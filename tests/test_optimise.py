@@ -276,3 +276,19 @@ def test_a_motion_that_is_continued_is_told_beside_the_one_from_rest():
     assert from_rest < 2.3e-3
     assert way > 3.2e-3
     assert continued(rig, rig.replace(drive=ss.TwoPhase.example()), {"drive.u1": 0.1}) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_a_search_leaves_a_plateau_of_rest(seed):
+    # the body moves only where three harmonics nearly add up, 2 % above break-away: nearly all of the box is rest
+    omega, total = 100.0, 1.02 * 0.15 * G / MU
+    most = [total / 3 / (k * omega) ** 2 for k in (1, 2, 3)]
+    made = robot(ss.MultiHarmonic(omega=omega, amplitudes=tuple(0.5 * a for a in most), phases=(0.0, 0.0, 0.0)))
+    over = {f"drive.amplitudes[{i}]": (1e-3 * a, a) for i, a in enumerate(most)} | {f"drive.phases[{i}]": (-3.0, 3.0) for i in range(3)}
+    best = ss.optimise(made, over=over, maximise="mean_velocity", starts=None, seed=seed)
+    assert best["mean_velocity"] > 0.0
+    assert set(best.active) == {f"drive.amplitudes[{i}]" for i in range(3)}
+    # where all peaks come together, in the middle of the period or anywhere else: shifting time changes no speed
+    together = made.replace({f"drive.amplitudes.{i}": a for i, a in enumerate(most)} | {f"drive.phases.{i}": np.pi / 2 for i in range(3)})
+    assert best["mean_velocity"] >= ss.periodic_orbit(together).mean_velocity * (1 - 1e-6) > 0.0

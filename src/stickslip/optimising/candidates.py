@@ -14,6 +14,7 @@ from stickslip.dynamics.tangents import not_followed
 from stickslip.errors import StickslipError
 from stickslip.optimising.limits import KEPT, Limit
 from stickslip.optimising.peaks import drives_within
+from stickslip.optimising.resting import nearness
 from stickslip.optimising.results import results_of
 from stickslip.optimising.uncertain import sampled
 from stickslip.optimising.unknowns import Unknowns
@@ -22,6 +23,7 @@ __all__ = ["Candidates", "Stopped"]
 
 Array = Any
 _BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are no machine
+_GUIDE, _GUIDE_BEYOND = 1e-12, 1e-6  # what nearness to motion counts of machines at rest, and of those beyond a limit: less than any motion
 _STEP = 1e-5  # of unknowns, for what has no exact derivative
 _FINE = 1e-9  # tolerance of dynamic laws where differences are taken
 
@@ -72,20 +74,39 @@ class Candidates:
     history: list[tuple[int, float]] = field(default_factory=list)  # candidates tried, and the best from then on
     nearest: dict[str, tuple[float, float]] = field(default_factory=dict)  # of limits: how far beyond, and the value
     _orbit: PeriodicOrbit | None = None
+    _rests: Array = None  # which candidates of the last table stay where they are
 
     def __call__(self, U: Array) -> Array:
         """What is minimised, for each row: worse than anything else beyond a limit, and worst of all where there is no machine."""
         values, over = self.values(U)
-        return np.where(np.isnan(values), _NONE, np.where(over > 0.0, _BEYOND * (1.0 + np.minimum(over, 100.0)), values))
+        found = np.where(np.isnan(values), _NONE, np.where(over > 0.0, _BEYOND * (1.0 + np.minimum(over, 100.0)), values))
+        return found + np.where(over > 0.0, _BEYOND * _GUIDE_BEYOND, _GUIDE) * self._guide(np.atleast_2d(U))
+
+    def _guide(self, U: Array) -> Array:
+        """Which way leads off a plateau: of machines at rest, how near they are to being moved."""
+        found, rests, way = np.zeros(len(U)), np.flatnonzero(self._rests), self._way()
+        if way and len(rests):
+            machines, good = self.space.machines(U[rests])
+            near = nearness(machines, len(good), forwards=way < 0.0) if len(good) else None
+            if near is not None:
+                found[rests[good]] = -np.clip(np.nan_to_num(near), 0.0, 1.0)
+        return found
+
+    def _way(self) -> float:
+        """-1 where machines are to go forwards, 1 backwards, 0 where that is not asked."""
+        if self.quantity == "mean_velocity":
+            return self.sign
+        asked = [limit for limit in self.limits if limit.name == "mean_velocity" and (limit.low > 0.0 or limit.high < 0.0)]
+        return 0.0 if not asked else -1.0 if asked[0].low > 0.0 else 1.0
 
     def values(self, U: Array) -> tuple[Array, Array]:
         """The objective itself for each row, NaN where there is none, and by how much the row is beyond its limits."""
         U = np.atleast_2d(np.asarray(U, float))
         self.tell(self.tried)
         machines, good = self.space.machines(U)
-        values, over = np.full(len(U), np.nan), np.zeros(len(U))
+        values, over, self._rests = np.full(len(U), np.nan), np.zeros(len(U)), np.zeros(len(U), bool)
         if len(good):
-            values[good], over[good] = self._values(machines, len(good))
+            values[good], over[good], self._rests[good] = self._values(machines, len(good))
         self.tried += len(U)
         kept = np.where((over > 0.0) | np.isnan(values), np.inf, values)
         k = int(np.argmin(kept))
@@ -94,12 +115,12 @@ class Candidates:
             self.history.append((self.tried, self.sign * self.least))
         return values, over
 
-    def _values(self, machines: Any, count: int) -> tuple[Array, Array]:
+    def _values(self, machines: Any, count: int) -> tuple[Array, Array, Array]:
         early = [limit for limit in self.bounding if limit.of_drive]
         late = [limit for limit in self.limits if not limit.of_drive]
         over = self._over(early, machines, {}, count)
         found, columns = self._results(machines, count)
-        return found, np.maximum(over, self._over(late, machines, columns, count))
+        return found, np.maximum(over, self._over(late, machines, columns, count)), columns["mean_velocity"] == 0.0
 
     def _results(self, machines: Any, count: int, rtol: float | None = None) -> tuple[Array, dict[str, Array]]:
         """The objective, and columns for limits; over a sample their quantile and their worst."""
@@ -109,7 +130,8 @@ class Candidates:
         many, cases = sampled(machines, count, self.sample)
         columns = results_of(many, cases, self.workers, rtol=rtol or self.rtol, watch=self.watch)
         each = self.sign * columns.get(self.quantity, np.full(cases, np.nan)).reshape(count, -1)
-        kept = {limit.name: _worst_of(limit, columns[limit.name].reshape(count, -1)) for limit in self.limits if not limit.of_drive}
+        kept: dict[str, Array] = {"mean_velocity": columns["mean_velocity"].reshape(count, -1).mean(axis=1)}
+        kept |= {limit.name: _worst_of(limit, columns[limit.name].reshape(count, -1)) for limit in self.limits if not limit.of_drive}
         return (each.max(axis=1) if self.quantile is None else np.quantile(each, 1.0 - self.quantile, axis=1)), kept
 
     @property
