@@ -31,6 +31,7 @@ def row(found, name):
     return next((r["before"], r["after"]) for r in found["rows"] if r["name"] == name)
 
 
+@pytest.mark.slow
 def test_it_finds_what_optimise_finds_and_keeps_what_must_not_grow():
     asked = wish("amplitude", "omega", keep=["relative_acceleration"])
     found = faster_of(asked, Ready(), lambda: False)
@@ -61,6 +62,7 @@ def test_what_is_fastest_already_is_left_and_told():
     assert "as fast as these sliders make it" in found["notes"][0]
 
 
+@pytest.mark.slow
 def test_a_machine_of_several_bodies_goes_faster_in_opposite_phase():
     shown = Shown(ss.presets.two_modules())
     given = {"phases.1": 1.0, "modules.0.drive.amplitude": 6e-4, "modules.1.drive.amplitude": 6e-4}

@@ -127,15 +127,17 @@ def test_closed_starts_are_at_least_as_good_and_one_seed_is_one_result():
     assert set(one.active) == {"relative_acceleration", "drive.amplitude"}
 
 
-def test_least_cost_at_a_speed_keeps_the_speed():
-    rig = ss.presets.piezo_rig(tilt_deg=3.0, amplitude=8e-4, law="coulomb", incline="gravity").replace({"friction.mu_plus": 0.1})
-    best = ss.optimise(
-        rig, over={"drive.amplitude": (2e-4, 1.5e-3)}, minimise="cost_of_transport", subject_to={"mean_velocity": (2e-3, None)}
-    )
-    grid = ss.sweep(rig, **{"drive.amplitude": np.linspace(2e-4, 1.5e-3, 400)})
-    allowed = grid.cost_of_transport.where(grid.mean_velocity >= 2e-3)
+@pytest.mark.parametrize("incline", ["folded", pytest.param("gravity", marks=pytest.mark.slow)])
+def test_the_cheapest_sine_at_a_speed_never_slips_back(incline):
+    # friction takes mu_plus (M + m) g for each metre forwards and more for each metre back: the cost is mu_plus at least, and is
+    # mu_plus for all that never slip back. With gravity along the track it is mu cos - sin, which is what is folded in (Eq. 4.1)
+    over = {"drive.amplitude": (1e-4, 1.5e-3), "drive.omega": (60.0, 300.0)}
+    rig = ss.presets.piezo_rig(tilt_deg=3.0, amplitude=7e-4, law="coulomb", incline=incline)
+    best = ss.optimise(rig, over=over, minimise="cost_of_transport", subject_to={"mean_velocity": (2e-3, None)}, starts=None)
+    least = ss.presets.piezo_rig(tilt_deg=3.0, amplitude=7e-4, law="coulomb").friction.mu_plus
+    assert best["cost_of_transport"] == pytest.approx(least, rel=1e-9)
     assert best["mean_velocity"] >= 2e-3 * (1 - 1e-8)
-    assert best["cost_of_transport"] <= float(allowed.min()) * (1 + 1e-6)
+    assert best["backward_fraction"] == 0.0
 
 
 def test_the_best_phase_of_two_modules_is_opposite():
@@ -146,6 +148,16 @@ def test_the_best_phase_of_two_modules_is_opposite():
     assert best.model.phases[1] == pytest.approx(math.pi, abs=1e-4)
     assert best.of_limit is None
     assert "no limit is known" in best.limit
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [100.0, 400.0, 1200.0, 1585.0, 3000.0, 10_000.0])
+def test_no_phase_of_a_fine_grid_beats_the_best_phase(stiffness):
+    best = ss.optimise(ss.presets.two_modules(stiffness=stiffness), over={"phases[1]": (0.0, math.pi)}, maximise="mean_velocity")
+    grid = ss.sweep(ss.presets.two_modules, phase=np.linspace(0.0, math.pi, 721), stiffness=stiffness).mean_velocity
+    assert best["mean_velocity"] >= float(grid.max()) * (1 - 1e-9)
+    # a quarter of a degree from a maximum V is below it by less than a hundredth, unless the grid has missed a spike
+    assert best["mean_velocity"] <= 1.01 * float(grid.max())
 
 
 def test_a_stop_keeps_the_best_so_far():

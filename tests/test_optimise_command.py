@@ -87,6 +87,7 @@ def test_ctrl_c_before_anything_was_tried_is_no_error_of_the_input(capsys, monke
     assert "stopped before" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_report_says_what_was_searched(capsys):
     words = [*OVER, "--over", "drive.omega=100..240", "--limit", "drive_power=..0.001", "--report", "best.html"]
     assert main(["optimise", *RIG, *words]) == 0

@@ -17,9 +17,9 @@ _POINTS = 256  # of a period
 
 
 def nearness(machines: Any, count: int, forwards: bool) -> Array | None:
-    """The largest force on a body at rest, in one direction, as a part of that which friction holds: array (count,), above 1 where it moves.
+    """The largest force on a body at rest, in one direction, as a part of that which friction holds: array (count,).
 
-    None of machines of several bodies, and of laws that have no such force.
+    It is above 1 where the body moves. None of machines of several bodies, and of laws that have no such force.
 
     Examples
     --------
