@@ -2,10 +2,10 @@
 
 Run: python benchmarks/optimise.py [--seeds 3]     (`pip install cma`, which may be missing)
 
-The objective of all is the mean velocity of the steady motion, solved exactly until it repeats, as a function of numbers between 0 and 1, with
-what is beyond a limit worth nothing. The others call it for one machine at a time, as one does who writes ten lines; ours runs a generation in
-lanes and has derivatives through every switch. Of each: by how much the best value stays below the closed optimum, the worst of the seeds; the mean
-of the candidates that were run, and of the processor seconds. Only ratios of seconds within one run mean anything.
+The objective of all is the mean velocity of the steady motion, solved exactly until it repeats, as a function of numbers between 0 and 1,
+with what is beyond a limit worth nothing. The others call it for one machine at a time, as one does who writes ten lines; ours runs a
+generation in lanes and has derivatives through every switch. Of each: by how much the best value stays below the closed optimum, the worst
+of the seeds; the mean of the candidates that were run, and of the processor seconds. Only ratios of seconds within one run mean anything.
 """
 
 from __future__ import annotations
