@@ -5,11 +5,18 @@ import json
 import pytest
 
 import stickslip as ss
+from stickslip.explorer import faster
 from stickslip.explorer.around import Stopped
 from stickslip.explorer.asked import message
 from stickslip.explorer.faster import faster_of
 from stickslip.explorer.machines import Shown
 from stickslip.explorer.parameters import PARAMETERS
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """However busy the machine is, the search goes to its end."""
+    monkeypatch.setattr(faster, "PATIENCE", 600.0)
 
 
 class Ready:

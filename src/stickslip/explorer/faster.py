@@ -31,6 +31,7 @@ __all__ = ["faster_of"]
 _RTOL = 1e-4
 _POPULATION, _GENERATIONS = 32, 40
 _GAIN = 1e-4  # of the speed: what a reader would notice
+_END = 1e-3  # of a slider: how near its end counts as there
 _TOLD = ("mean_velocity", "drive_power", "cost_of_transport", *LIMITS)
 
 
@@ -64,7 +65,7 @@ def faster_of(asked: Message, kernels: Kernels, stop: Stop, shown: Shown | None 
     if not abs(after["mean_velocity"]) > (1.0 + _GAIN) * abs(before["mean_velocity"]):
         place, after = here, before
         notes.append("it is as fast as these sliders make it, between their ends")
-    ends = [each.name for each, u in zip(space.varied, place, strict=True) if u in (0.0, 1.0)]
+    ends = [each.name for each, u in zip(space.varied, place, strict=True) if min(u, 1.0 - u) < _END]
     rows = [{"name": name, "unit": _unit(name), "before": before[name], "after": after[name]} for name in _TOLD if name in before]
     return {"kind": "faster", "values": space.changes(place), "rows": rows, "ends": ends, "tried": worth.tried, "notes": notes}
 
