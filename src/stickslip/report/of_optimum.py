@@ -52,7 +52,7 @@ def optimum_page(best: Any, title: str, command: str = "") -> str:
 
 def _section(best: Any) -> dict[str, Any]:
     """What the template asks for, of the search."""
-    aim = f"{_words(best.of)} was to be {'as large' if best.search.maximised else 'as small'} as possible"
+    aim = f"The {_words(best.of)} was to be {'as large' if best.search.maximised else 'as small'} as possible"
     made = [_gains(best), _varied(best), *_limits(best), *_uncertain(best), *_slopes(best)]
     return {
         "aim": f"{aim}; {best.tried} candidates were run. It is the best that the search met: it is not proved that there is none better.",
@@ -78,7 +78,7 @@ def _told(value: Any, unit: str = "") -> str:
 def _unit(name: str) -> str:
     """The unit of a result or of a peak of the drives."""
     unit = LIMITS.get(name) or (VARIABLES[name].unit if name in VARIABLES else "")
-    return "" if unit == "1" else unit
+    return "" if unit == "1" else unit.replace("^2", "²")
 
 
 def _gains(best: Any) -> tuple[str, Any, list[Any]]:
@@ -87,7 +87,11 @@ def _gains(best: Any) -> tuple[str, Any, list[Any]]:
     rows = []
     for name in names:
         before, after = best.given.get(name), best.values[name]
-        change = f"{100 * (after / before - 1):+.3g} %".replace("-", "−") if before and isfinite(before) and isfinite(after) else "–"
+        change = (
+            f"{100 * (after / before - 1) + 0.0:+.3g} %".replace("-", "−").replace("+0 %", "0 %")
+            if before and isfinite(before) and isfinite(after)
+            else "–"
+        )
         rows.append((_words(name), _told(before, _unit(name)), _told(after, _unit(name)), change))
     return "What it gains, and what it costs.", ("", "as given", "best", "change"), rows
 
