@@ -228,7 +228,9 @@ AMPLITUDE = quantity(
 )  # fmt: skip
 OMEGA = quantity("angular frequency", "rad/s", r"\omega", example=65.4 * math.pi, rule=positive, allowed=_FREQUENCY, range=(60.0, 400.0))
 FREQUENCY = quantity("frequency", "Hz", "f", example=32.7, rule=positive, range=(5.0, 60.0))
-PERIOD = quantity("period", "s", "T", example=0.03, rule=positive, range=(0.005, 0.1), shown="ms")
+PERIOD = quantity(
+    "period", "s", "T", example=0.03, rule=positive, allowed="a positive period [s]", range=(0.005, 0.1), shown="ms"
+)  # fmt: skip
 PHASE = quantity("phase", "rad", r"\varphi", example=1.57, allowed="an angle [rad]", range=(-math.pi, math.pi), shown="°")
 STIFFNESS = quantity("stiffness of the spring", "N/m", "k", example=1200.0, rule=at_least(0.0))
 DAMPING = quantity("damping", "N s/m", "c", example=0.4, rule=at_least(0.0))
