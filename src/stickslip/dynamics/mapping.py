@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import cases_of, labels_of
+from stickslip.batch import cases_of, labels_of, spread
 from stickslip.dynamics.order import Order, numbered, order_of
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
@@ -21,17 +21,19 @@ from stickslip.forces import inner_start
 from stickslip.machine import MachineAdapter, machine_of
 from stickslip.position import knows_position
 from stickslip.sealing import sealed
+from stickslip.segments import intervals_of
 from stickslip.solvers.starts import start_of_parts
 from stickslip.steadiness import way_of_machine
 
 __all__ = [
-    "Coordinates", "Ends", "at_rest", "coordinates", "difference_jacobian", "flight",
-    "flow_map", "map_method", "refuse_chance", "strobe_map", "strobe_orbit",
+    "Coordinates", "Ends", "as_it_ends", "at_rest", "coordinates", "difference_jacobian", "flight",
+    "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "strobe_map", "strobe_orbit",
 ]  # fmt: skip
 
 Array = Any
 _PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
 _SAME_PLACE = 1e-9
+_DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
 _RESTS = 1e-13  # of the velocity scale: a slip that is rounding
 
 
@@ -123,6 +125,12 @@ class Ends:
     status: Array
     v_max: Array
     v_min: Array
+    segments: tuple[tuple[Array, Array, Array], ...] = ()  # of each contact in the last drive period: how many, how long, what (see segments.py)
+
+    @property
+    def patterns(self) -> tuple[Array, ...]:
+        """Of each contact the signs of its slip in the last drive period in order, such as "+0-0", of every case."""
+        return tuple(intervals_of(*each, dwell=_DWELL).pattern for each in self.segments)
 
 
 def coordinates(model: Any) -> Coordinates:
@@ -249,9 +257,7 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
     refuse_chance(machine)
     if not all(law.compiles for law in machine.laws):
         return _one_by_one(model, states, periods, rtol)
-    from stickslip.solvers.arcs import handles
-
-    if machine.is_single and not machine.has_inner_states and handles(model) is None:
+    if has_arcs(model):
         return _by_arcs(model, states, periods)
     return _in_lanes(model, states, periods, rtol)
 
@@ -278,29 +284,51 @@ def map_method(model: Any, rtol: float) -> tuple[Any, float]:
 
 def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
     """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
+    found, table, end = run_lanes(model, states, periods, rtol, span)
+    segments = _segments(found, len(machine_of(model).laws), table.span)
+    if not machine_of(model).is_single:
+        none = np.full(len(states), np.nan)
+        return Ends(end, found.displacement, found.status, none, none, segments)
+    offset = table.offsets[:, 0]
+    carried = table.carried * periods * model.period if np.any(table.carried) else 0.0
+    return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset, segments)
+
+
+def run_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False) -> tuple[Any, Any, Array]:
+    """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs."""
     from stickslip.engine import lanes
     from stickslip.solvers.repeating import check_period
-    from stickslip.solvers.stepping import BUDGET
+    from stickslip.solvers.stepping import BUDGET, budget_of
     from stickslip.solvers.tables import CaseTable
 
-    machine, at, cases = machine_of(model), coordinates(model), len(states)
+    at, cases = coordinates(model), len(states)
     order, (tableau, tolerance) = at.order, map_method(model, rtol)
     check_period(model)
-    kernel = lanes.kernel_of(model, tableau, record=False)
+    kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
-    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), 0.0 if span is None else span)
-    job = lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods)
+    span = (0.0 if model.period is None else spread(model.period, labels_of(model))) if span is None else span
+    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), span)
+    job = lanes.Job(periods, periods // 2 if auto else 0, auto, tolerance, 0.75, budget_of(model, periods) if auto else BUDGET * periods)
     found = lanes.run(kernel, table.rows, table.start, job)
     places, v, inner = table.ends(found)
     zero = (np.zeros(cases),) if order.cyclic else ()
     y = np.column_stack([*order.joined([*zero, *places.T], list(v.T), list(inner.T))])
-    end = np.hstack([np.where(found.status[:, None] <= 1, y, np.nan), found.memory])
-    if not machine.is_single:
-        none = np.full(cases, np.nan)
-        return Ends(end, found.displacement, found.status, none, none)
-    offset = table.offsets[:, 0]
-    carried = table.carried * periods * model.period if np.any(table.carried) else 0.0
-    return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset)
+    return found, table, np.hstack([np.where(found.status[:, None] <= 1, y, np.nan), found.memory])
+
+
+def _segments(found: Any, contacts: int, span: Array) -> tuple[tuple[Array, Array, Array], ...]:
+    """Segments of each contact, in drive periods."""
+    counts, width = found.seg_count, found.seg_time.shape[1] // found.seg_count.shape[1]
+    parts = [slice(i * width, (i + 1) * width) for i in range(min(contacts, counts.shape[1]))]
+    return tuple((counts[:, i], found.seg_time[:, part] / span[:, None], found.seg_code[:, part]) for i, part in enumerate(parts))
+
+
+def has_arcs(model: Any) -> bool:
+    """Whether the motion is made of closed arcs."""
+    from stickslip.solvers.arcs import handles
+
+    machine = machine_of(model)
+    return machine.is_single and not machine.has_inner_states and handles(model) is None
 
 
 def coordinates_of_flow(flow: Any) -> Coordinates:
@@ -347,7 +375,8 @@ def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
     from stickslip.solvers.exact import solve_batch
 
     raw = solve_batch(spread_over(model, len(states)), periods, 0, {"x": 0.0, "v": states[:, 0]})
-    return Ends(raw["v_end"][:, None], raw["x_end"], raw["status"], raw["v_max"], raw["v_min"])
+    segments = ((raw["seg_count"], raw["seg_time"], raw["seg_code"]),)
+    return Ends(raw["v_end"][:, None], raw["x_end"], raw["status"], raw["v_max"], raw["v_min"], segments)
 
 
 def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
@@ -408,7 +437,12 @@ def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
     at, machine = coordinates(model), machine_of(model)
     if at.mechanics is None or machine.has_inner_states:
         return state
-    end, v, found = strobe_map(model, state, periods, rtol).state[0], at.order.velocities, np.array(state)
+    return as_it_ends(at, state, strobe_map(model, state, periods, rtol).state[0])
+
+
+def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
+    """A state in which what rests at the end of a run from nearby has the velocities that it has there."""
+    v, found = at.order.velocities, np.array(state)
     slips = at.mechanics.slips(0.0, tuple(end[v]))
     for row, slip in zip(at.mechanics.directions, slips, strict=True):
         if abs(float(slip)) <= _RESTS * at.speed:

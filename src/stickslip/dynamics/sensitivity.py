@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.dynamics.closing import Closed, Closing
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
@@ -20,12 +21,11 @@ from stickslip.machine import is_machine
 from stickslip.sealing import sealed
 from stickslip.solvers.repeating import check_period
 
-__all__ = ["Sensitivity", "along", "directions_of", "sensitivity"]
+__all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sensitivity"]
 
 Array = Any
 _ALONE = "if it alone changes, the equations do not come back after the period"
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
-_NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion may be moved as one likes
 
 
 @sealed
@@ -141,6 +141,8 @@ def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]
         return {name: (name,) for name in known if not _breaks(model, (name,))}
     asked = [wrt] if isinstance(wrt, str) else list(wrt)
     found = {str(pattern): numbers_meant(pattern, known) for pattern in asked}
+    if found and all(found.values()) and not _any_breaks(model, list(found.values())):
+        return found
     problems = [flaw for pattern, names in found.items() if (flaw := _flaw(model, pattern, names, known))]
     if problems or not asked:
         raise InputError(what, problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
@@ -154,6 +156,16 @@ def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) ->
     return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
 
 
+def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:
+    """Whether one of these sets of numbers may leave the machine without a common period: asked of a batch that has a case for each."""
+    own = dict(leaves(model))
+    aside = {name: np.full(len(moved), own[name]) for names in moved for name in names}
+    for i, names in enumerate(moved):
+        for name in names:
+            aside[name][i] += _ASIDE * (abs(own[name]) or 1.0)
+    return not _has_period(replace_leaf(model, aside))
+
+
 def _breaks(model: Any, names: tuple[str, ...]) -> bool:
     """Whether the machine has no common period any more, once these numbers are moved."""
     own = dict(leaves(model))
@@ -162,15 +174,19 @@ def _breaks(model: Any, names: tuple[str, ...]) -> bool:
             aside = replace_leaf(model, {name: own[name] + side * _ASIDE * (abs(own[name]) or 1.0) for name in names})
         except InputError:  # at the end of its range
             continue
-        try:
-            check_period(aside)
-        except InputError:
-            return True
-        return False
+        return not _has_period(aside)
     return False
 
 
-def _seeds(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
+def _has_period(model: Any) -> bool:
+    try:
+        check_period(model)
+    except InputError:
+        return False
+    return True
+
+
+def seeds_of(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
     """Parts of the directions in the numbers."""
     names = dict.fromkeys(name for names in moved.values() for name in names)
     return {name: np.array([float(name in names) for names in moved.values()]) for name in names}
@@ -190,7 +206,7 @@ def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
 
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
-    V, slopes, state, notes = along(orbit, _seeds(moved), len(moved))
+    V, slopes, state, notes = along(orbit, seeds_of(moved), len(moved))
     return Sensitivity(tuple(moved), _told(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
 
 
@@ -207,34 +223,22 @@ def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tup
     count : int
         How many directions there are.
     """
-    model, at = orbit.model, coordinates(orbit.model)
-    d = at.smooth
-    numbers = {name: np.concatenate([np.zeros(d), parts]) for name, parts in directions.items()}
-    starts = np.vstack([np.diag(at.scales[:d]), np.zeros((count, d))])
-    found = changes_along(model, np.tile(orbit.state, (d + count, 1)), starts, numbers, orbit.period, orbit.rtol)
-    scaled = found.change / at.scales[:d]
-    M, forced = scaled[:d].T, scaled[d:].T
-    start, notes = _closed(np.eye(d) - M, forced)
-    way = found.way_change[:d] @ start + found.way_change[d:]
-    T, dT = float(model.period) * orbit.period, _period_slopes(model, numbers, d + count)[d:] * orbit.period
-    V = float(found.way[0]) / T
-    return V, (way - V * dT) / T, (start * at.scales[:d, None]).T, notes
+    found = Closing(orbit.model, directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
+    return float(found.mean_velocity[0]), found.slopes[0], found.changes[0], notes_of(found)
 
 
-def _closed(A: Array, forced: Array) -> tuple[Array, tuple[str, ...]]:
-    """The change of the start with which a motion comes back; the smallest where it may be moved as one likes."""
-    if not np.isfinite(A).all():
-        return np.full((len(A), forced.shape[1]), np.nan), ("a switch is touched without being crossed: there are no derivatives",)
-    free = int(np.sum(abs(np.linalg.eigvals(A)) < _NEUTRAL)) if len(A) else 0
-    start = np.linalg.lstsq(A, forced, rcond=_NEUTRAL if free else None)[0]
+def notes_of(found: Closed) -> tuple[str, ...]:
+    """What is to be said of the derivatives of a motion."""
+    if not np.isfinite(found.monodromy).all():
+        return ("a switch is touched without being crossed: there are no derivatives",)
     note = "the motion may be moved as one likes (a multiplier is 1), and of all changes of the state the smallest is given"
-    return start, (note,) if free else ()
+    return (note,) if found.free[0] else ()
 
 
 def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
     """From the same start."""
     model, at, k = run.model, coordinates(run.model), len(moved)
-    d, numbers = at.smooth, _seeds(moved)
+    d, numbers = at.smooth, seeds_of(moved)
     end = float(run.pieces.t[-1])
     span = None if model.period is not None else end
     if span is None and abs(end - run.periods * float(model.period)) > 1e-9 * end:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,17 +17,18 @@ from stickslip.dynamics.mapping import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
-from stickslip.engine.tangent import part_in, tangent
-from stickslip.engine.trace import numbers_of
+from stickslip.engine.tangent import has_corners, part_in, tangent
+from stickslip.engine.trace import kind_of, numbers_of, trace
 from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.status import Status
 
-__all__ = ["Changes", "changes_along", "jacobian_of", "jacobians_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
+__all__ = ["Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
 
 Array = Any
+_corners: dict[Any, bool] = {}
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
 
 
@@ -82,23 +84,64 @@ def changes_along(
     made : callable
         What is made of the system: `tangent`, or `with_volume`, whose volume comes with it.
     """
-    from stickslip.solvers.repeating import check_period
-    from stickslip.solvers.stepping import BUDGET
-    from stickslip.solvers.tables import CaseTable
+    numbers = numbers or {}
+    return Follower(model, len(states), numbers, rtol, span, order, made).after(states, starts, periods)
 
-    check_period(model)
-    at, cases, given = coordinates(model), len(states), numbers or {}
-    tableau, tolerance = map_method(model, rtol)
-    kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
-    q, u, z, memory = _parted(at, np.asarray(states, float))
-    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, *memory.round()]), 0.0 if span is None else span, given)
-    carried = _Carried(table, kernel, at, _Slopes(model, given, cases))
-    start = carried.start(np.asarray(starts, float))
-    found = lanes.run(kernel, table.rows, start, lanes.Job(periods, 0, False, tolerance, 0.75, BUDGET * periods))
-    good = found.status <= Status.REPEATS
-    state, change, way, way_change = carried.ends(start, found.end, periods * (table.span if model.period is None else model.period))
-    known = np.where(good, 1.0, np.nan)
-    return Changes(state * known[:, None], change * known[:, None], way, way_change * known, found.status, found.end[:, -1])
+
+class Follower:
+    """Small changes along the runs of one model: what does not depend on where they start is made once.
+
+    Parameters
+    ----------
+    model, numbers, rtol, span, order, made
+        As for `changes_along`.
+    cases : int
+        How many directions there are.
+    """
+
+    def __init__(
+        self, model: Any, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
+        made: Any = tangent,
+    ):  # fmt: skip
+        from stickslip.solvers.repeating import check_period
+
+        check_period(model)
+        self.model, self.at, self.given = model, coordinates(model), numbers or {}
+        tableau, self.tolerance = map_method(model, rtol)
+        self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
+        self.span, self.slopes = 0.0 if span is None else span, _Slopes(model, self.given, cases)
+
+    @cached_property
+    def period(self) -> tuple[Array, Array]:
+        """The drive period, or the span, and its change along each direction [s]."""
+        if self.model.period is None:
+            return np.broadcast_to(self.span, (self.slopes.cases,)), np.zeros(self.slopes.cases)
+        return self.slopes.values(_period)[0], self.slopes.of(_period)[0]
+
+    @cached_property
+    def table(self) -> Any:
+        """The rows of the lanes; starts are placed later."""
+        from stickslip.solvers.tables import CaseTable
+
+        width = 2 * len(self.kernel.owners) + self.at.inner_states + self.at.memories
+        return CaseTable(self.model, self.kernel, np.zeros((self.slopes.cases, width)), self.span, self.given)
+
+    @cached_property
+    def carried(self) -> _Carried:
+        """The lanes' columns."""
+        return _Carried(self.table, self.kernel, self.at, self.slopes)
+
+    def after(self, states: Array, starts: Array, periods: int = 1) -> Changes:
+        """What became of changes `starts` of some states (cases, states) after so many drive periods."""
+        from stickslip.solvers.stepping import BUDGET
+
+        q, u, z, memory = _parted(self.at, np.asarray(states, float))
+        first = self.table.placed(np.column_stack([*q, *u, *z, *memory.round()]))
+        start = self.carried.start(first, np.asarray(starts, float))
+        found = lanes.run(self.kernel, self.table.rows, start, lanes.Job(periods, 0, False, self.tolerance, 0.75, BUDGET * periods))
+        state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0])
+        known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)
+        return Changes(state * known[:, None], change * known[:, None], way, way_change * known, found.status, found.end[:, -1])
 
 
 def _parted(at: Coordinates, states: Array) -> tuple[list[Array], list[Array], list[Array], Array]:
@@ -116,19 +159,19 @@ class _Carried:
         self.inner = at.order.inner.stop - at.order.inner.start
         self.n = 2 * table.count + self.inner - int(table.cyclic)  # states of the motion itself
         self.more = kernel.states - 2 * self.n
+        self.shares, self.d_shares = (np.array(each)[int(table.cyclic) :] for each in (slopes.values(_shares), slopes.of(_shares)))
 
-    def start(self, changes: Array) -> Array:
-        """The start of the lanes."""
-        (q, u, z, _), first = _parted(self.at, changes), self.table.start
+    def start(self, first: Array, changes: Array) -> Array:
+        """The start of the lanes, of changes beside states that have been placed."""
+        q, u, z, _ = _parted(self.at, changes)
         places = [place - q[0] for place in q[1:]] if self.table.cyclic else q
         own = [v - offset for v, offset in zip(u, self.offsets, strict=True)]
         return np.column_stack([first[:, : 1 + self.n], *own, *z, *places, np.zeros((self.cases, self.more)), first[:, 1 + self.n :]])
 
     def ends(self, start: Array, end: Array, time: Any) -> tuple[Array, Array, Array, Array]:
         """State, change of it, way of the centre of mass, change of that."""
-        n, table = self.n, self.table
+        n, table, shares, d_shares = self.n, self.table, self.shares, self.d_shares
         (first, d_first), (last, d_last) = ((y[:, 1 : 1 + n].T, y[:, 1 + n :].T) for y in (start, end))
-        shares, d_shares = (np.array(each)[int(table.cyclic) :] for each in (self.slopes.values(_shares), self.slopes.of(_shares)))
         places = slice(table.count + self.inner, n)
         d_way = np.sum(shares * (d_last[places] - d_first[places]) + d_shares * (last[places] - first[places]), axis=0)
         way = end[:, 0] - np.sum(shares * first[places], axis=0)
@@ -164,6 +207,18 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
     each = some_of(model, np.repeat(np.arange(cases), d))
     found = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
     return found.change.reshape(cases, d, d).transpose(0, 2, 1)
+
+
+def has_corners_of(model: Any) -> bool:
+    """Whether something jumps where a machine switches, by its traced equations: then derivatives may be other ones on its two sides."""
+    key = kind_of(model)
+    try:
+        known = _corners.get(key)
+    except TypeError:  # a part of the kind that cannot be compared, such as a list
+        return has_corners(trace(model))
+    if known is None:
+        known = _corners[key] = has_corners(trace(model))
+    return known
 
 
 def not_followed(model: Any) -> str:
@@ -254,6 +309,10 @@ def _offsets(machine: Any, owners: tuple[int | None, ...]) -> list[Any]:
     """Velocity of each coordinate less the state that stands for it."""
     offsets = machine.mechanics.offsets(0.0)
     return [0.0 if i is None else -offsets[i] for i in owners]
+
+
+def _period(machine: Any) -> list[Any]:
+    return [machine.mechanics.period]
 
 
 def _shares(machine: Any) -> list[Any]:

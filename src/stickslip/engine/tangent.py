@@ -26,7 +26,7 @@ from stickslip.engine.system import Switch, System
 from stickslip.engine.taylor import watched
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["part_in", "tangent", "with_observables", "with_volume"]
+__all__ = ["has_corners", "part_in", "tangent", "with_observables", "with_volume"]
 
 _NO_JUMP = 1e-9  # of a state's scale in a period: what rounding makes of a rate that does not jump
 #: Of a period, by Taylor and by Rosenbrock steps: a guard further from zero than it goes in this time did not fire by itself.
@@ -133,6 +133,16 @@ def _grown(system: System, k: int, at: _Crossing, count: int) -> Sym:
     corner = _less(one, [-(slopes[j] * at.jumps[j] / at.falls) for j in kept])
     grown = _determinant([*border, [*(-(slopes[j] / at.falls) for j in reset), corner]])
     return graph.select(_follows(system, guard, at.falls), unknown, _logarithm(_size(grown)))
+
+
+def has_corners(system: System) -> bool:
+    """Whether rates or states jump where a guard falls to zero, so that a derivative may be another one on its other side."""
+    rows, rates = _rows(system)
+    for k in _switching(system):
+        at = _crossing(system, k, rows, rates)
+        if any(new is not old for new, old in zip(at.rows, rows, strict=True)) or not all(map(_is_zero, at.jumps)):
+            return True
+    return False
 
 
 def _logarithm(node: Sym) -> Sym:

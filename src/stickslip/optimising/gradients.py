@@ -8,22 +8,26 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import labels_of, spread
+from stickslip.dynamics.closing import Closed, Closing, settled
 from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.sensitivity import directions_of, sensitivity
-from stickslip.dynamics.tangents import not_followed
+from stickslip.dynamics.sensitivity import directions_of, notes_of, seeds_of
+from stickslip.dynamics.tangents import has_corners_of, not_followed
 from stickslip.errors import InputError, SolveError
 from stickslip.fields import leaves
 from stickslip.machine import machine_of
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 
-__all__ = ["Gradient", "attractor", "gradient"]
+__all__ = ["Gradient", "gradient", "steady_motion"]
 
 Array = Any
 _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
 _AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
+RTOL_OF_SLOPES = 1e-8  # of runs under dynamic laws: derivatives are known to about a hundred times that
+_MISSED = 1e-9  # of the scales: how far a motion may be from itself
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
@@ -98,31 +102,54 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
     """
     check_quantity("gradient", "of", of, model)
     moved = directions_of("gradient", model, wrt)
-    orbit = attractor(model, "gradient")
-    if of == "mean_velocity" and not not_followed(model):
-        found = sensitivity(orbit, list(moved))
-        slopes, value, notes = dict(zip(found.names, map(float, found.mean_velocity), strict=True)), found.velocity, list(found.notes)
-    else:
-        slopes, value, notes = _by_differences(orbit, of, moved)
-    return Gradient(slopes, of, value, [*notes, *_one_sided(orbit, moved)])
-
-
-def attractor(model: Any, what: str) -> PeriodicOrbit:
-    """The periodic motion that a machine settles on from rest."""
     if model.period is None:
-        raise InputError(what, [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
+        raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
+    if not_followed(model):
+        return _by_differences(_orbit_of_runs(model), of, moved)
+    motion, orbit = steady_motion(model, moved)
+    beside = _one_sided(motion, orbit, moved)
+    if of == "mean_velocity":
+        slopes = dict(zip(moved, map(float, motion.slopes[0]), strict=True))
+        return Gradient(slopes, of, float(motion.mean_velocity[0]), [*notes_of(motion), *beside])
+    return _by_differences(orbit, of, moved, beside)
+
+
+def steady_motion(model: Any, moved: dict[str, tuple[str, ...]]) -> tuple[Closed, PeriodicOrbit]:
+    """The periodic motion that a machine settles on from rest, with its derivatives along what is moved."""
+    found = settled(model, periods=PERIODS)
+    period, V, state = _repeating(int(found.period[0])), float(found.mean_velocity[0]), found.state[0]
+    along = Closing(model, seeds_of(moved), len(moved), RTOL_OF_SLOPES)
+    motion = along.near(state[None], period)
+    if not motion.missed[0] <= _MISSED or coordinates(model).memories:
+        orbit = periodic_orbit(model, period, guess=state)
+        motion = along.at_state(orbit.state[None], period)
+    _check_same(model, V, float(motion.mean_velocity[0]))
+    return motion, PeriodicOrbit(model, period, motion.state[0], float(motion.missed[0]), RTOL_OF_SLOPES)
+
+
+def _orbit_of_runs(model: Any) -> PeriodicOrbit:
+    """The same under laws that are written for plain numbers only, by runs alone."""
     found = results_of(spread_over(model, 1), 1)
-    period, V = int(found.get("period", [0])[0]), float(found["mean_velocity"][0])
-    if period < 1:
-        raise SolveError(
-            f"{what}: the motion does not repeat within {PERIODS} drive periods, so that nothing has a derivative; type "
-            "ss.sensitivity(run) for that of a run from its start, or take other numbers"
-        )
-    near, settled = _AGREE * float(machine_of(model).free_velocity or 1.0), int(found["periods_run"][0])
-    orbit = periodic_orbit(model, period, guess=strobe_map(model, at_rest(model), settled, RTOL).state[0])
-    if abs(orbit.mean_velocity - V) > near:
-        raise SolveError(f"{what}: from rest V is {V:.9g} m/s, and the periodic motion found there has {orbit.mean_velocity:.9g} m/s")
+    period = _repeating(int(found.get("period", [0])[0]))
+    orbit = periodic_orbit(model, period, guess=strobe_map(model, at_rest(model), int(found["periods_run"][0]), RTOL).state[0])
+    _check_same(model, float(found["mean_velocity"][0]), orbit.mean_velocity)
     return orbit
+
+
+def _repeating(period: int) -> int:
+    """The period of a motion, if it has one."""
+    if period > 0:
+        return period
+    raise SolveError(
+        f"gradient: the motion does not repeat within {PERIODS} drive periods, so that nothing has a derivative; type "
+        "ss.sensitivity(run) for that of a run from its start, or take other numbers"
+    )
+
+
+def _check_same(model: Any, settled: float, V: float) -> None:
+    """Whether the periodic motion is the one on which the machine has settled, by its mean velocity."""
+    if not abs(V - settled) <= _AGREE * float(machine_of(model).free_velocity or 1.0):
+        raise SolveError(f"gradient: from rest V is {settled:.9g} m/s, and the periodic motion found there has {V:.9g} m/s")
 
 
 def _sizes(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
@@ -134,17 +161,21 @@ def _sizes(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
 def _beside(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float]) -> tuple[dict[str, Array], Array]:
     """Columns of shape (directions, shares): each direction moved by each share of its size, from the strobe state of the motion."""
     sizes, k, m = _sizes(orbit.model, moved), len(moved), len(shares)
-    moves: dict[str, Array] = {}
-    for i, names in enumerate(moved.values()):
-        for name in names:
-            moves.setdefault(name, np.zeros((k, m)))[i] = sizes[i] * np.asarray(shares)
-    flat = {name: values.ravel() for name, values in moves.items()}
     start = coordinates(orbit.model).start(orbit.state)
-    found = results_of(moved_by(orbit.model, flat), k * m, start=start, rtol=1e-10)
+    found = results_of(moved_by(orbit.model, _moves(moved, sizes, shares)), k * m, start=start, rtol=1e-10)
     return {name: values.reshape(k, m) for name, values in found.items()}, sizes
 
 
-def _by_differences(orbit: PeriodicOrbit, of: str, moved: dict[str, tuple[str, ...]]) -> tuple[dict[str, float], float, list[str]]:
+def _moves(moved: dict[str, tuple[str, ...]], sizes: Array, shares: Any) -> dict[str, Array]:
+    """How far each number is moved in each case: by every share of its size, one set of numbers after the other."""
+    k, m, found = len(moved), len(shares), dict[str, Array]()
+    for i, names in enumerate(moved.values()):
+        for name in names:
+            found.setdefault(name, np.zeros((k, m)))[i] = sizes[i] * np.asarray(shares)
+    return {name: values.ravel() for name, values in found.items()}
+
+
+def _by_differences(orbit: PeriodicOrbit, of: str, moved: dict[str, tuple[str, ...]], beside: Sequence[str] = ()) -> Gradient:
     """Central differences of two steps, extrapolated (Richardson): of ever shorter pairs of steps the two that agree best."""
     shares = [side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0)]
     found, sizes = _beside(orbit, moved, [0.0, *shares])
@@ -161,7 +192,8 @@ def _by_differences(orbit: PeriodicOrbit, of: str, moved: dict[str, tuple[str, .
     told = [
         f"{name}: no derivative of {of}, as the sequence of modes changes next to it" for name, x in zip(moved, best, strict=True) if x != x
     ]
-    return dict(zip(moved, map(float, best), strict=True)), value, [f"derivatives of {of} are differences of the steady motion", *told]
+    notes = [f"derivatives of {of} are differences of the steady motion", *told, *beside]
+    return Gradient(dict(zip(moved, map(float, best), strict=True)), of, value, notes)
 
 
 def _words(found: dict[str, Array]) -> list[list[str]]:
@@ -171,11 +203,23 @@ def _words(found: dict[str, Array]) -> list[list[str]]:
     return [["/".join(str(values[i, j]) for values in columns) for j in range(shape[1])] for i in range(shape[0])]
 
 
-def _one_sided(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> list[str]:
-    """A sentence for every number next to which the sequence of modes, or the slope of the mean velocity, changes."""
-    found, sizes = _beside(orbit, moved, (-_BESIDE, 0.0, _BESIDE))
-    noise, told = _NOISE * float(machine_of(orbit.model).free_velocity), []
-    for name, (below, here, above), V, size in zip(moved, _words(found), found["mean_velocity"], sizes, strict=True):
+def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> list[str]:
+    """A sentence for every number next to which the sequence of modes, or the slope of the mean velocity, changes.
+
+    One motion period to either side of each number, from where the derivatives say that the motion is there, is all that this takes.
+    """
+    model, k, sizes = orbit.model, len(moved), _sizes(orbit.model, moved)
+    if not has_corners_of(model) or not np.isfinite(motion.changes).all():
+        return []
+    shares = np.array([-_BESIDE, 0.0, _BESIDE])
+    near = moved_by(model, _moves(moved, sizes, shares))
+    starts = np.repeat(np.repeat(motion.state, k, axis=0), 3, axis=0)
+    starts[:, : motion.changes.shape[2]] += (shares[:, None] * (sizes[:, None] * motion.changes[0])[:, None]).reshape(3 * k, -1)
+    ends = strobe_map(near, starts, orbit.period, orbit.rtol)
+    V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
+    words = np.array(["/".join(each) for each in zip(*ends.patterns, strict=True)]).reshape(k, 3)
+    noise, told = _NOISE * float(machine_of(model).free_velocity), []
+    for name, (below, here, above), V, size in zip(moved, words, V, sizes, strict=True):
         left, right = V[1] - V[0], V[2] - V[1]
         kink = abs(right - left) > _KINK * max(abs(left), abs(right)) + noise
         if below == here == above and not kink:

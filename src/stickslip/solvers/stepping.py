@@ -23,7 +23,7 @@ from stickslip.status import STATUS, Status
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory
 
-__all__ = ["run", "run_to_end"]
+__all__ = ["BUDGET", "budget_of", "run", "run_to_end"]
 
 #: Steps that a case may take: for each period it should run, and in all where there is no period.
 BUDGET, BUDGET_APERIODIC = 200_000, 20_000_000
@@ -89,10 +89,13 @@ def _method(tableau: Tableau | None) -> str:
 
 def _job(todo: Request, rtol: float) -> lanes.Job:
     """What to do with every case."""
-    budget = BUDGET_APERIODIC if todo.model.period is None else BUDGET * todo.periods
-    if machine_of(todo.model).mechanics.stops:
-        budget = min(budget, max(BUDGET_WITH_STOPS * todo.periods, LEAST_WITH_STOPS))
-    return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
+    return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget_of(todo.model, todo.periods))
+
+
+def budget_of(model: Any, periods: int) -> int:
+    """Steps that a case may take in so many periods."""
+    budget = BUDGET_APERIODIC if model.period is None else BUDGET * periods
+    return min(budget, max(BUDGET_WITH_STOPS * periods, LEAST_WITH_STOPS)) if machine_of(model).mechanics.stops else budget
 
 
 def _parts(todo: Request, kernel: lanes.Kernel, job: lanes.Job) -> Any:

@@ -58,10 +58,15 @@ class CaseTable:
         self.cyclic = bool(kernel.layout.ways)
         steps = self.cyclic and not machine_of(model).has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
-        inner = sum(machine_of(model).mechanics.inner)
-        q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + inner], axis=1)
+        self.inner = sum(machine_of(model).mechanics.inner)
+        self.start = self.placed(start)
+
+    def placed(self, start: Array) -> Array:
+        """Other starts of the same cases as lanes take them: the way, the states, the memories."""
+        count = self.count
+        q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + self.inner], axis=1)
         places = q[:, 1:] - q[:, :1] if self.cyclic else q
-        self.start = np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
+        return np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
 
     def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
         """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""

@@ -1,0 +1,199 @@
+"""Steady motions with their derivatives: from where runs settle, closed by the tangent, one kernel call for all directions.
+
+A run from rest ends near a periodic motion. The tangent along one motion period tells how far its end is from its start, the monodromy
+matrix M, and what each direction in the numbers does to the end. One linear solve with 1 - M gives the next state (Newton's method) and
+the change of the state with which the motion stays periodic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import labels_of, spread
+from stickslip.dynamics.many import picked
+from stickslip.dynamics.mapping import as_it_ends, at_rest, coordinates, has_arcs, refuse_chance, run_lanes
+from stickslip.dynamics.tangents import Follower
+from stickslip.machine import machine_of
+from stickslip.sealing import sealed
+
+__all__ = ["NEUTRAL", "Closed", "Closing", "Settled", "settled"]
+
+Array = Any
+NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion may be moved as one likes
+_CLOSED, _FLOOR = 1e-12, 1e-9  # of the scales: a motion that misses itself by less is closed; by less than the second, if it gets no better
+_MOST = 12  # steps of Newton's method from a run that has settled
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """The motions in which runs from rest have ended: strobe state, number of drive periods (0: it does not repeat), mean velocity."""
+
+    state: Array  # (cases, coordinates)
+    period: Array
+    mean_velocity: Array  # [m/s]
+    status: Array
+
+
+def settled(model: Any, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
+    """The motions in which machines end that start from rest, each run until it repeats.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        One, or a batch, under laws that the engine knows.
+    cases : int
+        How many of them there are.
+    periods : int
+        Drive periods after which a run that has not repeated is given up.
+    rtol : float
+        Tolerance for dynamic laws.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = settled(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))
+    >>> found.period.tolist(), found.mean_velocity.round(9).tolist()
+    ([1], [0.004308808])
+    """
+    refuse_chance(machine_of(model))
+    T = spread(model.period, labels_of(model))
+    if has_arcs(model):
+        from stickslip.solvers.exact import solve_batch
+
+        raw = solve_batch(model, periods, "auto")
+        return Settled(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"])
+    found, table, end = run_lanes(model, np.broadcast_to(at_rest(model), (cases, len(coordinates(model).names))), periods, rtol, auto=True)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return Settled(end, found.period, found.displacement / (found.window * T) + table.carried, found.status)
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """Motions that begin in some states, and their derivatives along directions in the numbers while they stay periodic.
+
+    Parameters
+    ----------
+    state : array (motions, coordinates)
+        Where they begin.
+    missed : array (motions,)
+        How far they are from themselves after the motion period, in the scales of the coordinates.
+    nearer : array (motions, coordinates)
+        Where Newton's method would begin them next.
+    mean_velocity : array (motions,)
+        [m/s].
+    slopes : array (motions, directions)
+        Derivatives of the mean velocity.
+    changes : array (motions, directions, states)
+        Derivatives of the state, without memories.
+    monodromy : array (motions, states, states)
+        In the scales of the coordinates.
+    free : array (motions,)
+        How many multipliers are 1, so that the motion may be moved as one likes, and the smallest change is given.
+    """
+
+    state: Array
+    missed: Array
+    nearer: Array
+    mean_velocity: Array
+    slopes: Array
+    changes: Array
+    monodromy: Array
+    free: Array
+
+
+class Closing:
+    """Motions of one machine, or of each of a batch, followed over their period along all directions at once.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        One, or a batch of as many as there are motions.
+    directions : dict of arrays (directions,)
+        Parts of the directions in the numbers, by name.
+    count : int
+        How many directions there are.
+    rtol : float
+        Tolerance for dynamic laws.
+    motions : int
+        How many motions there are.
+    """
+
+    def __init__(self, model: Any, directions: dict[str, Array], count: int, rtol: float, motions: int = 1):
+        self.model, self.at, self.count, self.motions = model, coordinates(model), count, motions
+        self.d, self.dynamic = self.at.smooth, machine_of(model).has_inner_states
+        d = self.d
+        self.scales = self.at.scales[:d]
+        numbers = {name: np.tile(np.concatenate([np.zeros(d), parts]), motions) for name, parts in directions.items()}
+        each = model if motions == 1 else picked(model, np.repeat(np.arange(motions), d + count))
+        self.starts = np.tile(np.vstack([np.diag(self.scales), np.zeros((count, d))]), (motions, 1))
+        self.follower = Follower(each, motions * (d + count), numbers, rtol)
+
+    def at_state(self, state: Array, period: int) -> Closed:
+        """The motions that begin in some states (motions, coordinates), over so many drive periods."""
+        d, k, n = self.d, self.count, self.motions
+        found = self.follower.after(np.repeat(state, d + k, axis=0), self.starts, period)
+        change = (found.change / self.scales).reshape(n, d + k, d)
+        M, forced = change[:, :d].transpose(0, 2, 1), change[:, d:].transpose(0, 2, 1)
+        end = found.state.reshape(n, d + k, d)[:, 0]
+        missed = self.at.difference(end, state[:, :d]) / self.scales
+        solved, free = _solved(np.eye(d) - M, np.concatenate([forced, missed[:, :, None]], axis=2))
+        start, step = solved[:, :, :k], solved[:, :, k]
+        way = found.way_change.reshape(n, d + k)
+        T, dT = (each.reshape(n, d + k) * period for each in self.follower.period)
+        V = found.way.reshape(n, d + k)[:, 0] / T[:, 0]
+        way = np.einsum("nd,ndk->nk", way[:, :d], start) + way[:, d:]
+        nearer = np.hstack([end + np.einsum("nij,nj->ni", M, step) * self.scales, state[:, d:]])
+        if self.at.mechanics is not None and not self.dynamic:
+            nearer = np.array([as_it_ends(self.at, new, last) for new, last in zip(nearer, end, strict=True)])
+        return Closed(
+            state, _sizes(missed), nearer, V, (way - V[:, None] * dT[:, d:]) / T[:, d:],
+            start.transpose(0, 2, 1) * self.scales, M, free,
+        )  # fmt: skip
+
+    def near(self, state: Array, period: int) -> Closed:
+        """The motions that are closed, by Newton's method from states near them; one that is not found misses itself."""
+        best = self.at_state(state, period)
+        for _ in range(_MOST):
+            if np.all((best.missed <= _CLOSED) | ~np.isfinite(best.nearer).all(axis=1)):
+                break
+            found = self.at_state(self._rested(best), period)
+            better = found.missed < best.missed
+            if not better.any():
+                break
+            best = found if better.all() else _chosen(better, found, best)
+            if np.all(best.missed[better] <= _FLOOR):
+                break
+        return best
+
+    def _rested(self, found: Closed) -> Array:
+        """Where Newton's method goes next; a motion that is lost stays."""
+        good = np.isfinite(found.nearer).all(axis=1)[:, None]
+        return np.where(good, found.nearer, found.state)
+
+
+def _solved(A: Array, b: Array) -> tuple[Array, Array]:
+    """Solutions of A x = b for each motion, the smallest where A has no inverse, and in how many directions it has none."""
+    x, good = np.full(b.shape, np.nan), np.isfinite(A).all(axis=(1, 2))
+    free = np.zeros(len(A), int)
+    if A.shape[1]:
+        free[good] = np.sum(abs(np.linalg.eigvals(A[good])) < NEUTRAL, axis=1)
+    easy = good & (free == 0)
+    x[easy] = np.linalg.solve(A[easy], b[easy])
+    for i in np.flatnonzero(good & (free > 0)):
+        x[i] = np.linalg.lstsq(A[i], b[i], rcond=NEUTRAL)[0]
+    return x, free
+
+
+def _sizes(missed: Array) -> Array:
+    return np.max(abs(missed), axis=1, initial=0.0)
+
+
+def _chosen(first: Array, one: Closed, other: Closed) -> Closed:
+    """Of each motion what was found first, or else."""
+    pairs = {name: (getattr(one, name), getattr(other, name)) for name in Closed.__dataclass_fields__}
+    return replace(one, **{n: np.where(first.reshape(-1, *[1] * (a.ndim - 1)), a, b) for n, (a, b) in pairs.items()})
