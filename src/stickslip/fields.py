@@ -297,9 +297,15 @@ def arguments_of(cls: type) -> dict[str, inspect.Parameter]:
     >>> list(arguments_of(Harmonic))
     ['amplitude', 'omega', 'frequency', 'notes', 'phase']
     """
+    return dict(_parameters_of(cls.__init__))  # type: ignore[misc]
+
+
+@functools.lru_cache(maxsize=512)
+def _parameters_of(made: Any) -> tuple[tuple[str, inspect.Parameter], ...]:
+    """What a constructor takes beside the record itself; Python takes long to say it."""
     import inspect
 
-    return dict(list(inspect.signature(cls.__init__).parameters.items())[1:])  # type: ignore[misc]
+    return tuple(inspect.signature(made).parameters.items())[1:]
 
 
 def check_arguments(what: str, known: dict[str, inspect.Parameter], args: Any, kwargs: Any, not_known: str = "not a field") -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.batch import labels_of, spread
 from stickslip.dynamics.many import picked
-from stickslip.dynamics.mapping import as_it_ends, at_rest, coordinates, has_arcs, refuse_chance, run_lanes
+from stickslip.dynamics.mapping import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
 from stickslip.dynamics.tangents import Follower
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
@@ -38,13 +38,15 @@ class Settled:
     status: Array
 
 
-def settled(model: Any, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
+def settled(model: Any, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
     """The motions in which machines end that start from rest, each run until it repeats.
 
     Parameters
     ----------
     model : Robot or machine
         One, or a batch, under laws that the engine knows.
+    at : Coordinates
+        Of its strobe state.
     cases : int
         How many of them there are.
     periods : int
@@ -55,7 +57,9 @@ def settled(model: Any, cases: int = 1, periods: int = 400, rtol: float = 1e-6) 
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = settled(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> from stickslip.dynamics.mapping import coordinates
+    >>> found = settled(robot, coordinates(robot))
     >>> found.period.tolist(), found.mean_velocity.round(9).tolist()
     ([1], [0.004308808])
     """
@@ -66,7 +70,8 @@ def settled(model: Any, cases: int = 1, periods: int = 400, rtol: float = 1e-6) 
 
         raw = solve_batch(model, periods, "auto")
         return Settled(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"])
-    found, table, end = run_lanes(model, np.broadcast_to(at_rest(model), (cases, len(coordinates(model).names))), periods, rtol, auto=True)
+    start = np.broadcast_to(at_rest(model, at), (cases, len(at.names)))
+    found, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
     with np.errstate(invalid="ignore", divide="ignore"):
         return Settled(end, found.period, found.displacement / (found.window * T) + table.carried, found.status)
 
@@ -112,7 +117,9 @@ class Closing:
     Parameters
     ----------
     model : Robot or machine
-        One, or a batch of as many as there are motions.
+        One, or a batch of as many as there are motions; its equations come back after the period.
+    at : Coordinates
+        Of its strobe state.
     directions : dict of arrays (directions,)
         Parts of the directions in the numbers, by name.
     count : int
@@ -123,20 +130,20 @@ class Closing:
         How many motions there are.
     """
 
-    def __init__(self, model: Any, directions: dict[str, Array], count: int, rtol: float, motions: int = 1):
-        self.model, self.at, self.count, self.motions = model, coordinates(model), count, motions
-        self.d, self.dynamic = self.at.smooth, machine_of(model).has_inner_states
-        d = self.d
+    def __init__(self, model: Any, at: Coordinates, directions: dict[str, Array], count: int, rtol: float, motions: int = 1):
+        self.at, self.count, self.motions = at, count, motions
+        self.d = d = self.at.smooth
         self.scales = self.at.scales[:d]
         numbers = {name: np.tile(np.concatenate([np.zeros(d), parts]), motions) for name, parts in directions.items()}
         each = model if motions == 1 else picked(model, np.repeat(np.arange(motions), d + count))
         self.starts = np.tile(np.vstack([np.diag(self.scales), np.zeros((count, d))]), (motions, 1))
-        self.follower = Follower(each, motions * (d + count), numbers, rtol)
+        self.follower = Follower(each, motions * (d + count), numbers, rtol, at=at)
 
-    def at_state(self, state: Array, period: int) -> Closed:
-        """The motions that begin in some states (motions, coordinates), over so many drive periods."""
-        d, k, n = self.d, self.count, self.motions
-        found = self.follower.after(np.repeat(state, d + k, axis=0), self.starts, period)
+    def at_state(self, state: Array, period: int, directions: bool = True) -> Closed:
+        """The motions that begin in some states (motions, coordinates), over so many drive periods; or without the directions."""
+        d, k, n = self.d, self.count if directions else 0, self.motions
+        which = slice(None) if directions else (np.arange(n)[:, None] * (d + self.count) + np.arange(d)).ravel()
+        found = self.follower.after(np.repeat(state, d + k, axis=0), self.starts[which], period, which)
         change = (found.change / self.scales).reshape(n, d + k, d)
         M, forced = change[:, :d].transpose(0, 2, 1), change[:, d:].transpose(0, 2, 1)
         end = found.state.reshape(n, d + k, d)[:, 0]
@@ -144,11 +151,11 @@ class Closing:
         solved, free = _solved(np.eye(d) - M, np.concatenate([forced, missed[:, :, None]], axis=2))
         start, step = solved[:, :, :k], solved[:, :, k]
         way = found.way_change.reshape(n, d + k)
-        T, dT = (each.reshape(n, d + k) * period for each in self.follower.period)
+        T, dT = (each[which].reshape(n, d + k) * period for each in self.follower.period)
         V = found.way.reshape(n, d + k)[:, 0] / T[:, 0]
         way = np.einsum("nd,ndk->nk", way[:, :d], start) + way[:, d:]
         nearer = np.hstack([end + np.einsum("nij,nj->ni", M, step) * self.scales, state[:, d:]])
-        if self.at.mechanics is not None and not self.dynamic:
+        if self.at.mechanics is not None and self.follower.is_exact:
             nearer = np.array([as_it_ends(self.at, new, last) for new, last in zip(nearer, end, strict=True)])
         return Closed(
             state, _sizes(missed), nearer, V, (way - V[:, None] * dT[:, d:]) / T[:, d:],
@@ -157,7 +164,9 @@ class Closing:
 
     def near(self, state: Array, period: int) -> Closed:
         """The motions that are closed, by Newton's method from states near them; one that is not found misses itself."""
-        best = self.at_state(state, period)
+        best = self.at_state(state, period, directions=self.follower.is_exact)
+        if not self.follower.is_exact:  # runs settle to their tolerance, so that one step at least is needed
+            best = self.at_state(self._rested(best), period)
         for _ in range(_MOST):
             if np.all((best.missed <= _CLOSED) | ~np.isfinite(best.nearer).all(axis=1)):
                 break

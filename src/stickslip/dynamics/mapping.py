@@ -125,7 +125,7 @@ class Ends:
     status: Array
     v_max: Array
     v_min: Array
-    segments: tuple[tuple[Array, Array, Array], ...] = ()  # of each contact in the last drive period: how many, how long, what (see segments.py)
+    segments: tuple[tuple[Array, Array, Array], ...] = ()  # of each contact (see segments.py), in the last drive period
 
     @property
     def patterns(self) -> tuple[Array, ...]:
@@ -144,7 +144,8 @@ def coordinates(model: Any) -> Coordinates:
     """
     if is_flow(model):
         return coordinates_of_flow(model)
-    order, machine = order_of(model), machine_of(model)
+    machine = machine_of(model)
+    order = order_of(model, machine)
     mechanics, laws = machine.mechanics, machine.laws
     speed = largest(machine.free_velocity) or largest(machine.velocity_scale) or 1.0
     time = largest(machine.time_scale)
@@ -177,8 +178,10 @@ def _wavelength(machine: Any, order: Order) -> float | None:
     return length
 
 
-def at_rest(model: Any) -> Array:
+def at_rest(model: Any, at: Coordinates | None = None) -> Array:
     """The strobe state in which a run from rest begins: array (cases, coordinates); all zeros but for what the law itself says.
+
+    Who knows its coordinates gives them too.
 
     Examples
     --------
@@ -186,20 +189,21 @@ def at_rest(model: Any) -> Array:
     >>> at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
     [[0.0, 0.0], [0.0, 0.0]]
     """
-    at = coordinates(model)
+    at = coordinates(model) if at is None else at
     if is_flow(model):
         return np.zeros((int(np.prod(labels_of(model).shape, dtype=int)), len(at.names)))
     if at.mechanics is not None:
-        return states_of_parts("start", model, None)
+        return states_of_parts("start", model, None, at)
     z = inner_start(model)
     found = np.zeros((len(z), len(at.names)))
     found[:, at.smooth - z.shape[1] : at.smooth] = z
     return found
 
 
-def states_of_parts(what: str, model: Any, start: Any) -> Array:
+def states_of_parts(what: str, model: Any, start: Any, at: Coordinates | None = None) -> Array:
     """Strobe states of a machine of several bodies from a start as `solve` takes it: array (cases, coordinates)."""
-    problems, at, n = Problems(what), coordinates(model), machine_of(model).mechanics.coordinates
+    problems, at = Problems(what), coordinates(model) if at is None else at
+    n = at.mechanics.coordinates
     table = start_of_parts(model, labels_of(model), start, problems)
     problems.check()
     q, u, rest = np.split(table, [n, 2 * n], axis=1)
@@ -294,14 +298,16 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
     return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset, segments)
 
 
-def run_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False) -> tuple[Any, Any, Array]:
+def run_lanes(
+    model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None
+) -> tuple[Any, Any, Array]:
     """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs."""
     from stickslip.engine import lanes
     from stickslip.solvers.repeating import check_period
     from stickslip.solvers.stepping import BUDGET, budget_of
     from stickslip.solvers.tables import CaseTable
 
-    at, cases = coordinates(model), len(states)
+    at, cases = coordinates(model) if at is None else at, len(states)
     order, (tableau, tolerance) = at.order, map_method(model, rtol)
     check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)

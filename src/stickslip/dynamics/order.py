@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine.lanes import layout_of, needed_positions
-from stickslip.engine.refused import refused
+from stickslip.engine.refused import refusal_of
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
 from stickslip.layout import StateLayout
-from stickslip.machine import machine_of
+from stickslip.machine import MachineAdapter, machine_of
 from stickslip.position import knows_position
 
 __all__ = ["Order", "needs_one_body", "order_of"]
@@ -66,8 +66,8 @@ class Order:
         return found
 
 
-def order_of(model: Any) -> Order:
-    """The order of a model's strobe state.
+def order_of(model: Any, machine: MachineAdapter | None = None) -> Order:
+    """The order of a model's strobe state; who has its adapter gives that too.
 
     Examples
     --------
@@ -77,22 +77,24 @@ def order_of(model: Any) -> Order:
     >>> order_of(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))).names
     ('x', 'v')
     """
-    if machine_of(model).is_single:
+    machine = machine_of(model) if machine is None else machine
+    if machine.is_single:
         count, placed = law_of(model).states, int(knows_position(model))
         names = (*(("x",) * placed), "v", *numbered("z", count))
         kept = tuple(range(placed))
         return Order(names, slice(placed, placed + 1), slice(placed + 1, placed + 1 + count), slice(0, placed), kept, not placed)
-    if why := refused(model):
+    if why := refusal_of(machine):
         reason = why.partition("; type method=")[0]
         raise InputError(
             type(model).__name__,
             [f"its strobe map is not known: the compiled methods do not solve it, as {reason}; allowed are machines that they solve; "
              "type ss.solve(machine) for its motion from a start"],
         )  # fmt: skip
-    return _of_layout(layout_of(model), machine_of(model).mechanics.coordinates, needed_positions(model))
+    return _of_layout(layout_of(model), needed_positions(model))
 
 
-def _of_layout(layout: StateLayout, n: int, kept: tuple[int, ...]) -> Order:
+def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
+    n = 1 + max(body.velocity for body in layout.bodies)
     inner = sum(len(part.inner) for part in layout.with_inner)
     places = {body.velocity: body.position or 0 for body in layout.bodies}
     names = tuple(layout.names[i] for i in (*range(n + inner), *(places[j] for j in kept)))

@@ -223,7 +223,7 @@ def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tup
     count : int
         How many directions there are.
     """
-    found = Closing(orbit.model, directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
+    found = Closing(orbit.model, coordinates(orbit.model), directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
     return float(found.mean_velocity[0]), found.slopes[0], found.changes[0], notes_of(found)
 
 

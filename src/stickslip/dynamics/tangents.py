@@ -25,7 +25,10 @@ from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.status import Status
 
-__all__ = ["Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "not_followed", "number_slopes", "orders_differ", "start_changes"]
+__all__ = [
+    "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "not_followed", "number_slopes",
+    "orders_differ", "start_changes",
+]  # fmt: skip
 
 Array = Any
 _corners: dict[Any, bool] = {}
@@ -84,7 +87,9 @@ def changes_along(
     made : callable
         What is made of the system: `tangent`, or `with_volume`, whose volume comes with it.
     """
-    numbers = numbers or {}
+    from stickslip.solvers.repeating import check_period
+
+    check_period(model)
     return Follower(model, len(states), numbers, rtol, span, order, made).after(states, starts, periods)
 
 
@@ -97,17 +102,17 @@ class Follower:
         As for `changes_along`.
     cases : int
         How many directions there are.
+    at : Coordinates, optional
+        Of the model, where they are known.
     """
 
     def __init__(
         self, model: Any, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
-        made: Any = tangent,
+        made: Any = tangent, at: Coordinates | None = None,
     ):  # fmt: skip
-        from stickslip.solvers.repeating import check_period
-
-        check_period(model)
-        self.model, self.at, self.given = model, coordinates(model), numbers or {}
+        self.model, self.at, self.given = model, coordinates(model) if at is None else at, numbers or {}
         tableau, self.tolerance = map_method(model, rtol)
+        self.is_exact = tableau is None
         self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
         self.span, self.slopes = 0.0 if span is None else span, _Slopes(model, self.given, cases)
 
@@ -131,15 +136,15 @@ class Follower:
         """The lanes' columns."""
         return _Carried(self.table, self.kernel, self.at, self.slopes)
 
-    def after(self, states: Array, starts: Array, periods: int = 1) -> Changes:
-        """What became of changes `starts` of some states (cases, states) after so many drive periods."""
+    def after(self, states: Array, starts: Array, periods: int = 1, which: Any = slice(None)) -> Changes:
+        """What became of changes `starts` of some states (cases, states) after so many drive periods; of all directions, or of some."""
         from stickslip.solvers.stepping import BUDGET
 
         q, u, z, memory = _parted(self.at, np.asarray(states, float))
-        first = self.table.placed(np.column_stack([*q, *u, *z, *memory.round()]))
-        start = self.carried.start(first, np.asarray(starts, float))
-        found = lanes.run(self.kernel, self.table.rows, start, lanes.Job(periods, 0, False, self.tolerance, 0.75, BUDGET * periods))
-        state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0])
+        first = self.table.placed(np.column_stack([*q, *u, *z, *memory.round()]), which)
+        start = self.carried.start(first, np.asarray(starts, float), which)
+        found = lanes.run(self.kernel, self.table.rows[which], start, lanes.Job(periods, 0, False, self.tolerance, 0.75, BUDGET * periods))
+        state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0][which], which)
         known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)
         return Changes(state * known[:, None], change * known[:, None], way, way_change * known, found.status, found.end[:, -1])
 
@@ -154,35 +159,35 @@ class _Carried:
     """The lanes' columns of a state (way, velocities less offsets, inner states, positions), and the same of its change."""
 
     def __init__(self, table: Any, kernel: lanes.Kernel, at: Coordinates, slopes: _Slopes):
-        self.table, self.at, self.slopes, self.cases = table, at, slopes, slopes.cases
-        self.offsets = slopes.of(lambda machine: _offsets(machine, kernel.owners))
+        self.table, self.at = table, at
+        self.offsets = np.array(slopes.of(lambda machine: _offsets(machine, kernel.owners)))
         self.inner = at.order.inner.stop - at.order.inner.start
         self.n = 2 * table.count + self.inner - int(table.cyclic)  # states of the motion itself
         self.more = kernel.states - 2 * self.n
         self.shares, self.d_shares = (np.array(each)[int(table.cyclic) :] for each in (slopes.values(_shares), slopes.of(_shares)))
 
-    def start(self, first: Array, changes: Array) -> Array:
+    def start(self, first: Array, changes: Array, which: Any) -> Array:
         """The start of the lanes, of changes beside states that have been placed."""
         q, u, z, _ = _parted(self.at, changes)
         places = [place - q[0] for place in q[1:]] if self.table.cyclic else q
-        own = [v - offset for v, offset in zip(u, self.offsets, strict=True)]
-        return np.column_stack([first[:, : 1 + self.n], *own, *z, *places, np.zeros((self.cases, self.more)), first[:, 1 + self.n :]])
+        own = [v - offset for v, offset in zip(u, self.offsets[:, which], strict=True)]
+        return np.column_stack([first[:, : 1 + self.n], *own, *z, *places, np.zeros((len(first), self.more)), first[:, 1 + self.n :]])
 
-    def ends(self, start: Array, end: Array, time: Any) -> tuple[Array, Array, Array, Array]:
+    def ends(self, start: Array, end: Array, time: Any, which: Any) -> tuple[Array, Array, Array, Array]:
         """State, change of it, way of the centre of mass, change of that."""
-        n, table, shares, d_shares = self.n, self.table, self.shares, self.d_shares
+        n, table, shares, d_shares = self.n, self.table, self.shares[:, which], self.d_shares[:, which]
         (first, d_first), (last, d_last) = ((y[:, 1 : 1 + n].T, y[:, 1 + n :].T) for y in (start, end))
         places = slice(table.count + self.inner, n)
         d_way = np.sum(shares * (d_last[places] - d_first[places]) + d_shares * (last[places] - first[places]), axis=0)
         way = end[:, 0] - np.sum(shares * first[places], axis=0)
         if table.cyclic:
-            way, d_way = way - start[:, 0] + table.carried * time, d_way + d_last[n]
-        return self._state(last, table.offsets.T), self._state(d_last, self.offsets), way, d_way
+            way, d_way = way - start[:, 0] + table.carried[which] * time, d_way + d_last[n]
+        return self._state(last, table.offsets[which].T), self._state(d_last, self.offsets[:, which]), way, d_way
 
     def _state(self, y: Array, offsets: Any) -> Array:
         """In the order of the coordinates."""
         k, j = self.table.count, self.table.count + self.inner
-        zero = [np.zeros(self.cases)] if self.table.cyclic else []
+        zero = [np.zeros(len(y[0]))] if self.table.cyclic else []
         velocities = [a + b for a, b in zip(y[:k], offsets, strict=True)]
         return np.column_stack(self.at.order.joined([*zero, *y[j : self.n]], velocities, list(y[k:j])))
 

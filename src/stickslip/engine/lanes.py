@@ -130,15 +130,16 @@ def kernel_of(
         found = trace(model, observe)
         return found if made is None else made(replace(found, signals=(), ratios=()))  # nothing is noted of what is made of a system
 
-    name = label(model) if made is None else f"{made.__name__} of {label(model)}"
+    def compiled() -> Kernel:
+        check_numbers(model)
+        return kernel(system(), tableau, label(model) if made is None else f"{made.__name__} of {label(model)}", record)
+
     try:
         known = _kernels.get(key)
     except TypeError:  # a part of the kind that cannot be compared, such as a list
-        check_numbers(model)
-        return kernel(system(), tableau, name, record)
+        return compiled()
     if known is None:
-        check_numbers(model)
-        known = _kernels[key] = kernel(system(), tableau, name, record)
+        known = _kernels[key] = compiled()
     return known
 
 

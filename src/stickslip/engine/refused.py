@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine import machine_of
+from stickslip.machine import MachineAdapter, machine_of
 
-__all__ = ["groups_of", "refused"]
+__all__ = ["groups_of", "refusal_of", "refused"]
 
 #: Contacts of one group, of which all combinations of rest and slip are tried.
 MOST = 4
@@ -36,7 +36,12 @@ def refused(model: Any) -> str:
     >>> refused(Chain.example())
     ''
     """
-    m = machine_of(model).mechanics
+    return refusal_of(machine_of(model))
+
+
+def refusal_of(machine: MachineAdapter) -> str:
+    """The same of a machine's adapter, where it is at hand."""
+    m = machine.mechanics
     other = 'type method="dop853" (SciPy on the machine in plain Python: slower)'
     if not m.contacts:
         return f"it has no contact, so that nothing rubs; the compiled methods are for machines with friction; {other}"
@@ -56,7 +61,7 @@ def refused(model: Any) -> str:
             return f"bodies rub on one another under laws that rest exactly ({names}), {why}; {other}"
     if any(law.needs_applied for law in m.laws) and (not _alone(m.directions) or m.coordinates < len(m.bodies)):
         return f"a law asks for the force that would hold its contact, and other contacts decide on that too; {other}"
-    if not machine_of(model).is_single and m.jumps and any(law.switching for law in m.laws):
+    if not machine.is_single and m.jumps and any(law.switching for law in m.laws):
         return f"its velocities jump and a law remembers; {other}"
     return ""
 

@@ -116,11 +116,12 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
 
 def steady_motion(model: Any, moved: dict[str, tuple[str, ...]]) -> tuple[Closed, PeriodicOrbit]:
     """The periodic motion that a machine settles on from rest, with its derivatives along what is moved."""
-    found = settled(model, periods=PERIODS)
+    at = coordinates(model)
+    found = settled(model, at, periods=PERIODS)
     period, V, state = _repeating(int(found.period[0])), float(found.mean_velocity[0]), found.state[0]
-    along = Closing(model, seeds_of(moved), len(moved), RTOL_OF_SLOPES)
+    along = Closing(model, at, seeds_of(moved), len(moved), RTOL_OF_SLOPES)
     motion = along.near(state[None], period)
-    if not motion.missed[0] <= _MISSED or coordinates(model).memories:
+    if not motion.missed[0] <= _MISSED or at.memories:
         orbit = periodic_orbit(model, period, guess=state)
         motion = along.at_state(orbit.state[None], period)
     _check_same(model, V, float(motion.mean_velocity[0]))
@@ -219,8 +220,8 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
     V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
     words = np.array(["/".join(each) for each in zip(*ends.patterns, strict=True)]).reshape(k, 3)
     noise, told = _NOISE * float(machine_of(model).free_velocity), []
-    for name, (below, here, above), V, size in zip(moved, words, V, sizes, strict=True):
-        left, right = V[1] - V[0], V[2] - V[1]
+    for name, (below, here, above), (less, own, more), size in zip(moved, words, V, sizes, strict=True):
+        left, right = own - less, more - own
         kink = abs(right - left) > _KINK * max(abs(left), abs(right)) + noise
         if below == here == above and not kink:
             continue

@@ -89,7 +89,8 @@ def _method(tableau: Tableau | None) -> str:
 
 def _job(todo: Request, rtol: float) -> lanes.Job:
     """What to do with every case."""
-    return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget_of(todo.model, todo.periods))
+    budget = budget_of(todo.model, todo.periods)
+    return lanes.Job(todo.periods, todo.settle, todo.auto and todo.keep == "summary", rtol, todo.slip_ratio, budget)
 
 
 def budget_of(model: Any, periods: int) -> int:

@@ -44,7 +44,7 @@ class CaseTable:
         along: dict[str, Array] | None = None,
         which: slice = slice(None),
     ):
-        cases, own = len(start), numbers_by_name(model, which)
+        cases, own, machine = len(start), numbers_by_name(model, which), machine_of(model)
         self.span = np.broadcast_to(span, (cases,))
         known = {trace.SPAN: self.span} | {part_in(name): part for name, part in (along or {}).items()} | own
         self.rows = np.empty((cases, len(kernel.names)))
@@ -56,17 +56,17 @@ class CaseTable:
         for coordinate, contact in enumerate(kernel.owners):
             self.offsets[:, coordinate] = 0.0 if contact is None else -offsets[contact]
         self.cyclic = bool(kernel.layout.ways)
-        steps = self.cyclic and not machine_of(model).has_inner_states
+        steps = self.cyclic and not machine.has_inner_states
         self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
-        self.inner = sum(machine_of(model).mechanics.inner)
+        self.inner = sum(machine.mechanics.inner)
         self.start = self.placed(start)
 
-    def placed(self, start: Array) -> Array:
-        """Other starts of the same cases as lanes take them: the way, the states, the memories."""
+    def placed(self, start: Array, which: Any = slice(None)) -> Array:
+        """Other starts of the same cases, or of some of them, as lanes take them: the way, the states, the memories."""
         count = self.count
         q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + self.inner], axis=1)
         places = q[:, 1:] - q[:, :1] if self.cyclic else q
-        return np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets, z, places, memory]))
+        return np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets[which], z, places, memory]))
 
     def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
         """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""
