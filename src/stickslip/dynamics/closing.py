@@ -16,6 +16,7 @@ from stickslip.batch import labels_of, spread
 from stickslip.dynamics.many import picked
 from stickslip.dynamics.mapping import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
 from stickslip.dynamics.tangents import Follower
+from stickslip.engine.tangent import tangent, tangent_of_means
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 
@@ -99,6 +100,10 @@ class Closed:
         In the scales of the coordinates.
     free : array (motions,)
         How many multipliers are 1, so that the motion may be moved as one likes, and the smallest change is given.
+    means, mean_slopes : array (motions, means), (motions, directions, means)
+        Means over the motion period that were asked for, and their derivatives.
+    time, time_slopes : array (motions,), (motions, directions)
+        The motion period [s], and its derivatives.
     """
 
     state: Array
@@ -109,6 +114,10 @@ class Closed:
     changes: Array
     monodromy: Array
     free: Array
+    means: Array
+    mean_slopes: Array
+    time: Array
+    time_slopes: Array
 
 
 class Closing:
@@ -128,16 +137,24 @@ class Closing:
         Tolerance for dynamic laws.
     motions : int
         How many motions there are.
+    means : int
+        How many means are made, as many as `means_named` has names for these `observe`; or none.
+    observe : tuple of (name, Observable)
+        A user's own.
     """
 
-    def __init__(self, model: Any, at: Coordinates, directions: dict[str, Array], count: int, rtol: float, motions: int = 1):
+    def __init__(
+        self, model: Any, at: Coordinates, directions: dict[str, Array], count: int, rtol: float, motions: int = 1, means: int = 0,
+        observe: Any = (),
+    ):  # fmt: skip
         self.at, self.count, self.motions = at, count, motions
         self.d = d = self.at.smooth
         self.scales = self.at.scales[:d]
         numbers = {name: np.tile(np.concatenate([np.zeros(d), parts]), motions) for name, parts in directions.items()}
         each = model if motions == 1 else picked(model, np.repeat(np.arange(motions), d + count))
         self.starts = np.tile(np.vstack([np.diag(self.scales), np.zeros((count, d))]), (motions, 1))
-        self.follower = Follower(each, motions * (d + count), numbers, rtol, at=at)
+        made = tangent_of_means if means else tangent
+        self.follower = Follower(each, motions * (d + count), numbers, rtol, made=made, at=at, observe=observe, integrals=means)
 
     def at_state(self, state: Array, period: int, directions: bool = True) -> Closed:
         """The motions that begin in some states (motions, coordinates), over so many drive periods; or without the directions."""
@@ -153,6 +170,9 @@ class Closing:
         way = found.way_change.reshape(n, d + k)
         T, dT = (each[which].reshape(n, d + k) * period for each in self.follower.period)
         V = found.way.reshape(n, d + k)[:, 0] / T[:, 0]
+        means = found.integrals.reshape(n, d + k, found.integrals.shape[1])[:, 0] / T[:, :1]
+        d_sums = found.integral_changes.reshape(n, d + k, means.shape[1])
+        d_sums = np.einsum("ndm,ndk->nkm", d_sums[:, :d], start) + d_sums[:, d:]
         way = np.einsum("nd,ndk->nk", way[:, :d], start) + way[:, d:]
         nearer = np.hstack([end + np.einsum("nij,nj->ni", M, step) * self.scales, state[:, d:]])
         if self.at.mechanics is not None and self.follower.is_exact:
@@ -160,6 +180,7 @@ class Closing:
         return Closed(
             state, _sizes(missed), nearer, V, (way - V[:, None] * dT[:, d:]) / T[:, d:],
             start.transpose(0, 2, 1) * self.scales, M, free,
+            means, (d_sums - means[:, None] * dT[:, d:, None]) / T[:, d:, None], T[:, 0], dT[:, d:],
         )  # fmt: skip
 
     def near(self, state: Array, period: int) -> Closed:

@@ -17,7 +17,7 @@ from stickslip.dynamics.mapping import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Graph, Sym
-from stickslip.engine.tangent import has_corners, part_in, tangent
+from stickslip.engine.tangent import has_corners, means_of, part_in, tangent
 from stickslip.engine.trace import kind_of, numbers_of, trace
 from stickslip.engine.values import values_of
 from stickslip.fields import replace_leaf
@@ -26,12 +26,13 @@ from stickslip.sealing import sealed
 from stickslip.status import Status
 
 __all__ = [
-    "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "not_followed", "number_slopes",
-    "orders_differ", "start_changes",
+    "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "means_named", "not_followed",
+    "number_slopes", "orders_differ", "start_changes",
 ]  # fmt: skip
 
 Array = Any
 _corners: dict[Any, bool] = {}
+_means: dict[Any, tuple[str, ...]] = {}
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
 
 
@@ -52,6 +53,8 @@ class Changes:
         Of the runs, as everywhere.
     volume : array (cases,)
         Logarithm of how a volume of starts has grown, where that was asked for.
+    integrals, integral_changes : array (cases, integrals)
+        Integrals over time that were asked for, and their changes.
     """
 
     state: Array
@@ -60,6 +63,8 @@ class Changes:
     way_change: Array
     status: Array
     volume: Array = ()
+    integrals: Array = ()
+    integral_changes: Array = ()
 
 
 def changes_along(
@@ -104,16 +109,21 @@ class Follower:
         How many directions there are.
     at : Coordinates, optional
         Of the model, where they are known.
+    observe : tuple of (name, Observable)
+        A user's own signals.
+    integrals : int
+        How many integrals over time `made` adds.
     """
 
     def __init__(
         self, model: Any, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
-        made: Any = tangent, at: Coordinates | None = None,
+        made: Any = tangent, at: Coordinates | None = None, observe: Any = (), integrals: int = 0,
     ):  # fmt: skip
         self.model, self.at, self.given = model, coordinates(model) if at is None else at, numbers or {}
         tableau, self.tolerance = map_method(model, rtol)
         self.is_exact = tableau is None
-        self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, record=False, made=made), order)
+        self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, False, observe, made, noted=integrals > 0), order)
+        self.integrals = integrals
         self.span, self.slopes = 0.0 if span is None else span, _Slopes(model, self.given, cases)
 
     @cached_property
@@ -146,7 +156,9 @@ class Follower:
         found = lanes.run(self.kernel, self.table.rows[which], start, lanes.Job(periods, 0, False, self.tolerance, 0.75, BUDGET * periods))
         state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0][which], which)
         known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)
-        return Changes(state * known[:, None], change * known[:, None], way, way_change * known, found.status, found.end[:, -1])
+        sums, d_sums = self.carried.integrals(found.end, self.integrals)
+        known = known[:, None]
+        return Changes(state * known, change * known, way, way_change * known[:, 0], found.status, found.end[:, -1], sums, d_sums * known)
 
 
 def _parted(at: Coordinates, states: Array) -> tuple[list[Array], list[Array], list[Array], Array]:
@@ -184,6 +196,11 @@ class _Carried:
             way, d_way = way - start[:, 0] + table.carried[which] * time, d_way + d_last[n]
         return self._state(last, table.offsets[which].T), self._state(d_last, self.offsets[:, which]), way, d_way
 
+    def integrals(self, end: Array, count: int) -> tuple[Array, Array]:
+        """The integrals, which come last, and their changes, which come last among the changes."""
+        first = 1 + 2 * self.n + int(self.table.cyclic)
+        return end[:, first + count + 1 :][:, :count], end[:, first : first + count]
+
     def _state(self, y: Array, offsets: Any) -> Array:
         """In the order of the coordinates."""
         k, j = self.table.count, self.table.count + self.inner
@@ -212,6 +229,18 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
     each = some_of(model, np.repeat(np.arange(cases), d))
     found = changes_along(each, np.repeat(states, d, axis=0), np.tile(np.eye(d), (cases, 1)), None, periods, rtol, span, order)
     return found.change.reshape(cases, d, d).transpose(0, 2, 1)
+
+
+def means_named(model: Any, observe: Any = ()) -> tuple[str, ...]:
+    """Names of what `tangent_of_means` averages over a machine's motion, in order."""
+    key = kind_of(model), observe
+    try:
+        known = _means.get(key)
+    except TypeError:  # a part of the kind that cannot be compared, such as a list
+        return tuple(means_of(trace(model, observe, noted=True)))
+    if known is None:
+        known = _means[key] = tuple(means_of(trace(model, observe, noted=True)))
+    return known
 
 
 def has_corners_of(model: Any) -> bool:

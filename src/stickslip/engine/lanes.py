@@ -114,21 +114,23 @@ _layouts: dict[Any, tuple[StateLayout, tuple[int, ...]]] = {}
 
 
 def kernel_of(
-    model: Any, tableau: Tableau | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None
-) -> Kernel:
+    model: Any, tableau: Tableau | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
+    noted: bool = False,
+) -> Kernel:  # fmt: skip
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
 
-    With `made` it is that of what this function makes of the model's system, such as its `stickslip.engine.tangent.tangent`.
+    With `made` it is that of what this function makes of the model's system, such as its `stickslip.engine.tangent.tangent`; with `noted`
+    this system has signals, also of one body.
 
     A kind that was seen before costs nothing.
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (kind_of(model), tableau and tableau.name, record, observe, made)
+    key = (kind_of(model), tableau and tableau.name, record, observe, made, noted)
 
     def system() -> System:
-        found = trace(model, observe)
-        return found if made is None else made(replace(found, signals=(), ratios=()))  # nothing is noted of what is made of a system
+        found = trace(model, observe, noted)
+        return found if made is None else replace(made(found), signals=(), ratios=())  # nothing is noted of what is made of a system
 
     def compiled() -> Kernel:
         check_numbers(model)

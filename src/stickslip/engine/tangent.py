@@ -17,17 +17,21 @@ kernel serves all directions, a lane for each, and is hardly longer than the sys
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from stickslip.engine.graphs import Along, Substituted
+from stickslip.engine.observed import MEAN
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Switch, System
 from stickslip.engine.taylor import watched
+from stickslip.engine.values import needed_by
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["has_corners", "part_in", "tangent", "with_observables", "with_volume"]
+__all__ = ["has_corners", "means_of", "part_in", "tangent", "tangent_of_means", "with_observables", "with_volume"]
 
+_NONE: Mapping[str, Sym] = MappingProxyType({})
 _NO_JUMP = 1e-9  # of a state's scale in a period: what rounding makes of a rate that does not jump
 #: Of a period, by Taylor and by Rosenbrock steps: a guard further from zero than it goes in this time did not fire by itself.
 _SAME_INSTANT, _SAME_INSTANT_WITHIN_TOLERANCE = 1e-9, 1e-7
@@ -38,7 +42,7 @@ def part_in(name: str) -> str:
     return f"d {name}"
 
 
-def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
+def tangent(system: System, wrt: Iterable[str] | None = None, integrals: Mapping[str, Sym] = _NONE) -> System:
     """The system with the change of its state along one direction: in its start, and in the numbers named in `wrt` (all, if None).
 
     Steps, events and states of the system itself stay as they are, to the last bit: the changes are passive.
@@ -46,8 +50,8 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
     Returns
     -------
     System
-        Its states are those of the system, then the change of each, that of the way where this is no state, and that of the instant of the
-        last event [s].
+        Its states are those of the system, then the change of each, that of the way where this is no state, that of each of the
+        `integrals` over time of expressions of its graph, and that of the instant of the last event [s]; then the integrals themselves.
 
     Raises
     ------
@@ -57,6 +61,8 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
     names = _known(system, system.names if wrt is None else tuple(wrt))
     graph, zero = system.graph, system.graph.constant(0.0)
     rows, rates = _rows(system)
+    sums = [graph.variable(name) for name in integrals]
+    rows, rates = [*rows, *sums], [*rates, *integrals.values()]
     changes = [graph.variable(f"d {y.name}") for y in rows]
     parts = {name: graph.case(part_in(name)) for name in names}
     pace = Along(graph, parts).of(system.period) / system.period
@@ -65,7 +71,7 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
     slopes = [along.of(f) + pace * f for f in rates]
     instants = [*system.instants, *(instant for instant, _ in system.impulses)]
     given = [along.of(instant) - pace * instant for instant in instants]
-    found = _with_passive(system, [*changes, late], [*slopes, zero])
+    found = _with_passive(system, [*changes, late, *sums], [*slopes, zero, *integrals.values()])
     switches = {k: _saltation(system, k, rows, rates, changes, late, along) for k in _switching(system)}
     flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
     held = {system.states + i: along.of(new) + (flow.of(new) - rates[i]) * late for i, new in system.sampled.items()}
@@ -81,6 +87,32 @@ def tangent(system: System, wrt: Iterable[str] | None = None) -> System:
         settled=_settled(system, changes, along),
         forgetting=_forgetting(system, along),
     )
+
+
+def tangent_of_means(system: System) -> System:
+    """The tangent, with the integrals of `means_of` the system."""
+    return tangent(system, integrals=means_of(system))
+
+
+def means_of(system: System) -> dict[str, Sym]:
+    """What is averaged over a motion period, by name: friction powers "P.", a user's own "u."; of one body the drive's power "D".
+
+    A user's observable with a condition that is no guard of the system jumps where no step ends, and is none of them.
+    """
+    signals = [signal for signal in system.signals if signal.kind & MEAN and _ends_steps(system, signal.node)]
+    found = {name: signal.node for signal in signals for name in signal.names if name[0] in "Pu"}
+    if system.single and system.inertia is not None:
+        beside = system.graph.multiply(system.mass, system.free) - system.inertia  # where it is a constant force, such as gravity's
+        (power,) = (node for name, node in found.items() if name[0] == "P")
+        found["D"] = power - beside * (system.y[0] + system.offset)
+    return found
+
+
+def _ends_steps(system: System, node: Sym) -> bool:
+    """Whether all conditions of an expression are those of the system."""
+    flags = [each.name for each in needed_by([node]) if each.op == "flag"]
+    known = {*(f"b{k}" for k in range(system.signs)), *(f"clk{k}" for k in range(len(system.clocks))), *(m.name for m in system.modes)}
+    return known.issuperset(flags)
 
 
 def with_observables(system: System, observed: dict[str, Sym]) -> System:
@@ -252,7 +284,8 @@ def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], change
     tau = _later(system, system.guards[k], at.falls, along.of(system.guards[k]), late)
     moved = [along.of(row) - jump * tau for row, jump in zip(at.rows, at.jumps, strict=True)]
     new = [None if after is S else after for after, S in zip(moved, changes, strict=True)]
-    return Switch(old.modes, (*old.states, *new, tau), old.status)
+    kept = (None,) * (len(rows) - len(_rows(system)[0]))  # integrals go on
+    return Switch(old.modes, (*old.states, *new, tau, *kept), old.status)
 
 
 def _later(system: System, guard: Sym, falls: Sym, moved: Sym, late: Sym) -> Sym:

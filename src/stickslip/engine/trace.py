@@ -48,16 +48,19 @@ def kind_of(model: Any) -> tuple[Any, ...]:
     return tuple((name, _NUMBER if name in numbers else value) for name, value in leaves(model, kinds=True))
 
 
-def trace(model: Any, observe: Observed = ()) -> System:
-    """The equations of a model; `InputError` says what to change in a law, or an observable, that cannot be traced."""
-    return explained(lambda model: _trace(model, observe), model)
+def trace(model: Any, observe: Observed = (), noted: bool = False) -> System:
+    """The equations of a model; `InputError` says what to change in a law, or an observable, that cannot be traced.
+
+    With `noted` one body on one contact has signals too, as others have.
+    """
+    return explained(lambda model: _trace(model, observe, noted), model)
 
 
-def _trace(model: Any, observe: Observed) -> System:
+def _trace(model: Any, observe: Observed, noted: bool) -> System:
     single = machine_of(model).is_single
     if single:
         _check_contact(model)
-        return _traced(model, not knows_position(model), observe)
+        return _traced(model, not knows_position(model), observe, noted)
     if reason := refused(model):
         raise InputError(type(model).__name__, [reason])
     found = _traced(model, False, ())
@@ -86,7 +89,7 @@ def _only_differences(eq: System) -> bool:
     return True
 
 
-def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
+def _traced(model: Any, cyclic: bool, observe: Observed, noted: bool = False) -> System:
     m = Symbolic(model, cyclic)
     graph, zero = m.graph, m.graph.constant(0.0)
     speeds = [law.velocity_scale() for law in m.laws]
@@ -130,7 +133,7 @@ def _traced(model: Any, cyclic: bool, observe: Observed) -> System:
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
         free=m.accelerations({})[0], inertia=_inertia(m), **_of_controllers(m, held),
     )  # fmt: skip
-    return eq if m.single and not observe else with_signals(eq, parts, observe)
+    return eq if m.single and not observe and not noted else with_signals(eq, parts, observe)
 
 
 def _of_controllers(m: Symbolic, held: range) -> dict[str, Any]:

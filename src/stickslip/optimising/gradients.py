@@ -10,13 +10,15 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import labels_of, spread
 from stickslip.dynamics.closing import Closed, Closing, settled
-from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map
+from stickslip.dynamics.mapping import Coordinates, at_rest, coordinates, spread_over, strobe_map
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.sensitivity import directions_of, notes_of, seeds_of
 from stickslip.dynamics.tangents import has_corners_of, not_followed
-from stickslip.errors import InputError, SolveError
+from stickslip.errors import InputError, SolveError, did_you_mean
 from stickslip.fields import leaves
 from stickslip.machine import machine_of
+from stickslip.observables import Observable
+from stickslip.optimising.exact import OWN, STATE, Exact, exactly
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 
 __all__ = ["Gradient", "gradient", "steady_motion"]
@@ -100,32 +102,60 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
     >>> round(slopes["drive.amplitude"], 6), round(slopes["friction.mu_plus"], 6)
     (8.895394, -0.089796)
     """
-    check_quantity("gradient", "of", of, model)
+    _check(of, model)
     moved = directions_of("gradient", model, wrt)
-    if model.period is None:
-        raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
     if not_followed(model):
         return _by_differences(_orbit_of_runs(model), of, moved)
-    motion, orbit = steady_motion(model, moved)
+    at, seeds = coordinates(model), seeds_of(moved)
+    exact = exactly(of, model, at, seeds, len(moved))
+    motion, orbit = steady_motion(model, moved, at, exact)
     beside = _one_sided(motion, orbit, moved)
-    if of == "mean_velocity":
-        slopes = dict(zip(moved, map(float, motion.slopes[0]), strict=True))
-        return Gradient(slopes, of, float(motion.mean_velocity[0]), [*notes_of(motion), *beside])
-    return _by_differences(orbit, of, moved, beside)
+    if exact is None:
+        return _by_differences(orbit, of, moved, beside)
+    value, slopes = (each[0] for each in exact.of(motion))
+    found = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *beside])
+    unknown = {name: moved[name] for name, slope in found.items() if np.isnan(slope)}
+    return _with_differences(found, _by_differences(orbit, of, unknown)) if unknown and np.isfinite(motion.monodromy).all() else found
 
 
-def steady_motion(model: Any, moved: dict[str, tuple[str, ...]]) -> tuple[Closed, PeriodicOrbit]:
+def steady_motion(
+    model: Any, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None
+) -> tuple[Closed, PeriodicOrbit]:
     """The periodic motion that a machine settles on from rest, with its derivatives along what is moved."""
-    at = coordinates(model)
     found = settled(model, at, periods=PERIODS)
     period, V, state = _repeating(int(found.period[0])), float(found.mean_velocity[0]), found.state[0]
-    along = Closing(model, at, seeds_of(moved), len(moved), RTOL_OF_SLOPES)
+    means, observe = (0, ()) if exact is None else (exact.means, exact.observe)
+    along = Closing(model, at, seeds_of(moved), len(moved), RTOL_OF_SLOPES, means=means, observe=observe)
     motion = along.near(state[None], period)
     if not motion.missed[0] <= _MISSED or at.memories:
         orbit = periodic_orbit(model, period, guess=state)
         motion = along.at_state(orbit.state[None], period)
     _check_same(model, V, float(motion.mean_velocity[0]))
     return motion, PeriodicOrbit(model, period, motion.state[0], float(motion.missed[0]), RTOL_OF_SLOPES)
+
+
+def _check(of: Any, model: Any) -> None:
+    """`InputError` for what is no number of a steady motion."""
+    if isinstance(of, Observable):
+        return
+    if not isinstance(of, str) or not of.startswith(STATE):
+        check_quantity("gradient", "of", of, model)
+        return
+    at = coordinates(model)
+    known = [STATE + name for name in at.names[: at.smooth]]
+    if of not in known:
+        raise InputError("gradient", [f"of = {of!r} is no state on the strobe; {did_you_mean(of, known)}"])
+
+
+def named(of: Any) -> str:
+    """What a quantity is called."""
+    return f"the {of.says}" if isinstance(of, Observable) else str(of)
+
+
+def _with_differences(found: Gradient, more: Gradient) -> Gradient:
+    """Derivatives of which some are not followed along the motion, and are differences."""
+    told = f"{', '.join(more)}: by differences, as what the number does to an instant at which a law forgets is not followed"
+    return Gradient({**found, **more}, found.of, found.value, [*found.notes, told, *more.notes[1:]])
 
 
 def _orbit_of_runs(model: Any) -> PeriodicOrbit:
@@ -159,11 +189,13 @@ def _sizes(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
     return np.array([max(abs(float(own[name])) for name in names) or _PLAIN for names in moved.values()])
 
 
-def _beside(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float]) -> tuple[dict[str, Array], Array]:
+def _beside(
+    orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float], observe: dict[str, Any] | None = None
+) -> tuple[dict[str, Array], Array]:
     """Columns of shape (directions, shares): each direction moved by each share of its size, from the strobe state of the motion."""
     sizes, k, m = _sizes(orbit.model, moved), len(moved), len(shares)
     start = coordinates(orbit.model).start(orbit.state)
-    found = results_of(moved_by(orbit.model, _moves(moved, sizes, shares)), k * m, start=start, rtol=1e-10)
+    found = results_of(moved_by(orbit.model, _moves(moved, sizes, shares)), k * m, start=start, rtol=1e-10, observe=observe)
     return {name: values.reshape(k, m) for name, values in found.items()}, sizes
 
 
@@ -176,11 +208,15 @@ def _moves(moved: dict[str, tuple[str, ...]], sizes: Array, shares: Any) -> dict
     return {name: values.ravel() for name, values in found.items()}
 
 
-def _by_differences(orbit: PeriodicOrbit, of: str, moved: dict[str, tuple[str, ...]], beside: Sequence[str] = ()) -> Gradient:
+def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, ...]], beside: Sequence[str] = ()) -> Gradient:
     """Central differences of two steps, extrapolated (Richardson): of ever shorter pairs of steps the two that agree best."""
     shares = [side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0)]
-    found, sizes = _beside(orbit, moved, [0.0, *shares])
-    value, columns, words = float(found[of][0, 0]), found[of][:, 1:].reshape(len(moved), -1, 4), _words(found)
+    observe = {OWN: of} if isinstance(of, Observable) else None
+    found, sizes = _beside(orbit, moved, [0.0, *shares], observe)
+    own = found.get(OWN if observe else of)
+    if own is None:
+        raise InputError("gradient", [f"of = {of!r} is not known of this {type(orbit.model).__name__}; type of='mean_velocity'"])
+    value, columns, words = float(own[0, 0]), own[:, 1:].reshape(len(moved), -1, 4), _words(found)
     steps = np.array(_STEPS) * sizes[:, None]
     long, short = (columns[..., 2 * k] - columns[..., 2 * k + 1] for k in (0, 1))
     slopes = (4.0 * short / steps - 0.5 * long / steps) / 3.0
@@ -191,10 +227,12 @@ def _by_differences(orbit: PeriodicOrbit, of: str, moved: dict[str, tuple[str, .
     apart = abs(np.diff(slopes, axis=1))
     best = [slopes[i, 1 + int(np.nanargmin(row))] if np.isfinite(row).any() else np.nan for i, row in enumerate(apart)]
     told = [
-        f"{name}: no derivative of {of}, as the sequence of modes changes next to it" for name, x in zip(moved, best, strict=True) if x != x
+        f"{name}: no derivative of {named(of)}, as the sequence of modes changes next to it"
+        for name, x in zip(moved, best, strict=True)
+        if x != x
     ]
-    notes = [f"derivatives of {of} are differences of the steady motion", *told, *beside]
-    return Gradient(dict(zip(moved, map(float, best), strict=True)), of, value, notes)
+    notes = [f"derivatives of {named(of)} are differences of the steady motion", *told, *beside]
+    return Gradient(dict(zip(moved, map(float, best), strict=True)), named(of), value, notes)
 
 
 def _words(found: dict[str, Array]) -> list[list[str]]:

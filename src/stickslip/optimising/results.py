@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
-from stickslip.sweeps.columns import COLUMNS
+from stickslip.sweeps.columns import COLUMNS, dim_of, part_columns
 from stickslip.sweeps.planning import SOLVER
 from stickslip.sweeps.robots import Group
 from stickslip.sweeps.solving import columns_of_group
@@ -30,6 +30,7 @@ def results_of(
     start: dict[str, Any] | None = None,
     rtol: float = 1e-6,
     watch: Callable[[int, int], None] | None = None,
+    observe: dict[str, Any] | None = None,
 ) -> dict[str, Array]:
     """The columns of a sweep for every case of a batch; a case that fails has a status and NaN elsewhere.
 
@@ -40,7 +41,7 @@ def results_of(
     >>> found["mean_velocity"].round(9).tolist()
     [0.002014682, 0.004308808]
     """
-    options = SOLVER | {"periods": PERIODS, "rtol": rtol}
+    options = SOLVER | {"periods": PERIODS, "rtol": rtol, "observe": observe}
     found = columns_of_group(Group(np.arange(cases), model, start or {}), options, workers, watch, {})
     found.setdefault("mean_velocity", np.full(cases, np.nan))
     return found
@@ -59,6 +60,11 @@ def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:
     known = quantities(model)
     if not isinstance(name, str) or name.partition(".")[0] not in known:
         raise InputError(what, [f"{argument} = {name!r}; allowed is a number of a run; {did_you_mean(str(name), known)}"])
+    column, parts = name.partition(".")[0], machine_of(model).part_names
+    each, dim = part_columns(column, parts), dim_of(column, parts)
+    if name not in each:
+        of = f" (that of {', '.join(parts[dim])})" if dim else ""
+        raise InputError(what, [f"{argument} = {name!r}; allowed is one of {', '.join(each)}{of}"])
 
 
 def moved_by(model: Any, moves: dict[str, Array]) -> Any:
