@@ -104,6 +104,8 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
     """
     _check(of, model)
     moved = directions_of("gradient", model, wrt)
+    if model.period is None:
+        raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
     if not_followed(model):
         return _by_differences(_orbit_of_runs(model), of, moved)
     at, seeds = coordinates(model), seeds_of(moved)
