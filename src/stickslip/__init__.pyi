@@ -175,6 +175,7 @@ from .optimising import (
     Optimum as Optimum,
     Propagated as Propagated,
     Waveform as Waveform,
+    derivative as derivative,
     gradient as gradient,
     optimise as optimise,
     pareto as pareto,

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import InputError, Problems
 
-__all__ = ["REDUCTIONS", "Observable", "checked", "observable"]
+__all__ = ["REDUCTIONS", "Derived", "Observable", "checked", "observable", "parted"]
 
 #: What can be made of a function of the state over the last motion period, in words.
 REDUCTIONS = {"mean": "mean", "integral": "integral over time", "min": "smallest value", "max": "largest value", "last": "value at the end"}
@@ -48,6 +48,37 @@ class Observable:
     def fingerprint(self) -> str:
         """The same in every process for the same function: by its code, its constants and what it closes over."""
         return f"{self.reduce} [{self.unit}] {hashlib.sha256(repr(_content(self.function)).encode()).hexdigest()[:16]}"
+
+
+@dataclass(frozen=True, eq=False)
+class Derived:
+    """A column that is computed from the machines of a sweep after they are solved; made by `stickslip.derivative`.
+
+    Parameters
+    ----------
+    of, by : str or Observable, str
+        What it is the derivative of, and by which number.
+    unit : str
+        Unit of the result.
+    values : callable
+        Columns of a batch, from the batch, how many cases it has, the columns that are asked for (by name) and the periods that a motion
+        is given to settle.
+    """
+
+    of: Any
+    by: str
+    unit: str
+    values: Callable[[Any, int, dict[str, Derived], int], dict[str, Any]]
+
+    @property
+    def says(self) -> str:
+        """What the column holds."""
+        return f"derivative of {getattr(self.of, 'says', self.of)} by {self.by}, of the steady motion from rest"
+
+    @property
+    def fingerprint(self) -> str:
+        """The same in every process for the same derivative."""
+        return f"derivative of {getattr(self.of, 'fingerprint', self.of)} by {self.by} [{self.unit}]"
 
 
 def _content(thing: Any) -> Any:
@@ -103,8 +134,15 @@ def observable(function: Callable[[Any], Any], reduce: str = "mean", unit: str =
     return Observable(function, reduce, unit)
 
 
-def checked(what: str, observe: Any, taken: Any = ()) -> tuple[tuple[str, Observable], ...]:
-    """Observables by name; `InputError` where one is none, or has a name that is taken.
+def parted(observe: Any) -> tuple[dict[str, Observable], dict[str, Derived]]:
+    """Columns that are observed on the way, and those that are computed afterwards."""
+    observe = observe or {}
+    derived = {name: each for name, each in observe.items() if isinstance(each, Derived)}
+    return {name: each for name, each in observe.items() if name not in derived}, derived
+
+
+def checked(what: str, observe: Any, taken: Any = (), derived: bool = False) -> tuple[tuple[str, Any], ...]:
+    """Observables by name, and derivatives where they are allowed; `InputError` where one is none, or has a name that is taken.
 
     Examples
     --------
@@ -119,7 +157,9 @@ def checked(what: str, observe: Any, taken: Any = ()) -> tuple[tuple[str, Observ
     for name, each in observe.items():
         if not (isinstance(name, str) and name.isidentifier()) or name in taken:
             problems.add(f"observe has {name!r}; allowed is a name of letters that no column and no axis has")
-        if not isinstance(each, Observable):
+        if isinstance(each, Derived) and not derived:
+            problems.add(f"observe[{name!r}] is a derivative: a column of sweeps and maps; type ss.gradient(robot)")
+        elif not isinstance(each, Observable | Derived):
             problems.add(f"observe[{name!r}] = {each!r}; type ss.observable(lambda s: s.v**2) for one")
     problems.check()
     return tuple(observe.items())

@@ -21,15 +21,15 @@ from stickslip.observables import Observable
 from stickslip.optimising.exact import OWN, STATE, Exact, exactly
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 
-__all__ = ["Gradient", "gradient", "steady_motion"]
+__all__ = ["AGREE", "MISSED", "RTOL_OF_SLOPES", "Gradient", "check_of", "gradient", "steady_motion"]
 
 Array = Any
 _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
-_AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
+AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
 RTOL_OF_SLOPES = 1e-8  # of runs under dynamic laws: derivatives are known to about a hundred times that
-_MISSED = 1e-9  # of the scales: how far a motion may be from itself
+MISSED = 1e-9  # of the scales: how far a motion may be from itself
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
@@ -102,7 +102,7 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
     >>> round(slopes["drive.amplitude"], 6), round(slopes["friction.mu_plus"], 6)
     (8.895394, -0.089796)
     """
-    _check(of, model)
+    check_of("gradient", of, model)
     moved = directions_of("gradient", model, wrt)
     if model.period is None:
         raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
@@ -129,24 +129,24 @@ def steady_motion(
     means, observe = (0, ()) if exact is None else (exact.means, exact.observe)
     along = Closing(model, at, seeds_of(moved), len(moved), RTOL_OF_SLOPES, means=means, observe=observe)
     motion = along.near(state[None], period)
-    if not motion.missed[0] <= _MISSED or at.memories:
+    if not motion.missed[0] <= MISSED or at.memories:
         orbit = periodic_orbit(model, period, guess=state)
         motion = along.at_state(orbit.state[None], period)
     _check_same(model, V, float(motion.mean_velocity[0]))
     return motion, PeriodicOrbit(model, period, motion.state[0], float(motion.missed[0]), RTOL_OF_SLOPES)
 
 
-def _check(of: Any, model: Any) -> None:
-    """`InputError` for what is no number of a steady motion."""
+def check_of(what: str, of: Any, model: Any) -> None:
+    """`InputError` of `what` for what is no number of a steady motion."""
     if isinstance(of, Observable):
         return
     if not isinstance(of, str) or not of.startswith(STATE):
-        check_quantity("gradient", "of", of, model)
+        check_quantity(what, "of", of, model)
         return
     at = coordinates(model)
     known = [STATE + name for name in at.names[: at.smooth]]
     if of not in known:
-        raise InputError("gradient", [f"of = {of!r} is no state on the strobe; {did_you_mean(of, known)}"])
+        raise InputError(what, [f"of = {of!r} is no state on the strobe; {did_you_mean(of, known)}"])
 
 
 def named(of: Any) -> str:
@@ -181,7 +181,7 @@ def _repeating(period: int) -> int:
 
 def _check_same(model: Any, settled: float, V: float) -> None:
     """Whether the periodic motion is the one on which the machine has settled, by its mean velocity."""
-    if not abs(V - settled) <= _AGREE * float(machine_of(model).free_velocity or 1.0):
+    if not abs(V - settled) <= AGREE * float(machine_of(model).free_velocity or 1.0):
         raise SolveError(f"gradient: from rest V is {settled:.9g} m/s, and the periodic motion found there has {V:.9g} m/s")
 
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import Labels, spread
+from stickslip.batch import Labels, shape_of, some_of, spread
 from stickslip.errors import InputError, Problems
 from stickslip.machine import machine_of
-from stickslip.observables import checked
+from stickslip.observables import checked, parted
 from stickslip.sweeps.axes import Space, space_of
 from stickslip.sweeps.columns import COLUMNS, part_columns
 from stickslip.sweeps.robots import groups_of, refusals
@@ -145,7 +145,8 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     problems.check()
     plan = Plan(make, space, options, starts, along, 1)
     _check_parts(plan)
-    checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts))
+    checked("sweep", options.get("observe"), (*COLUMNS, *VARIABLES, *space.columns, *space.dims, *plan.parts), derived=True)
+    _check_derived(plan)
     if plan.observed and along is not None:
         raise InputError("sweep", ["observe and continue_along cannot go together; leave one of them out"])
     _check_options(plan)
@@ -191,6 +192,18 @@ def _check_parts(plan: Plan) -> None:
     problems.check()
 
 
+def _check_derived(plan: Plan) -> None:
+    """Derivatives are of the motion from rest; and what cannot be derived is told of the first robot."""
+    derived = parted(plan.options.get("observe"))[1]
+    if not derived:
+        return
+    if plan.start or plan.options["settle"] != "auto":
+        raise InputError("sweep", ['derivatives are of the steady motion from rest; leave start out, and settle="auto" as it is'])
+    if plan.sample is not None:
+        robot = plan.sample[0]
+        next(iter(derived.values())).values(some_of(robot, [0]) if shape_of(robot) else robot, 0, derived, 0)
+
+
 def _check_options(plan: Plan) -> None:
     """What the solver refuses of its arguments for the first robot."""
     from stickslip.solvers.request import request
@@ -212,6 +225,7 @@ def _check_options(plan: Plan) -> None:
 
 def solver_arguments(options: dict[str, Any]) -> dict[str, Any]:
     """Arguments of `solve`: with a duration there are no periods to count."""
+    options = {**options, "observe": parted(options.get("observe"))[0] or None}
     if options["duration"] is None:
         return {name: value for name, value in options.items() if name != "duration"}
     return {**options, "periods": None, "settle": None if options["settle"] == "auto" else options["settle"]}

@@ -14,6 +14,7 @@ from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import law_of
 from stickslip.machine import MachineAdapter, machine_of
+from stickslip.observables import parted
 from stickslip.part_notes import notes_of_cases
 from stickslip.pool import Cancelled
 from stickslip.solvers import orbits, parts
@@ -168,7 +169,10 @@ def columns_of(
     names = machine_of(robot).part_names
     without = _not_of(machine_of(robot))
     found = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
-    found |= {name: many.columns[name] for name in options.get("observe") or ()}
+    observed, derived = parted(options.get("observe"))
+    found |= {name: many.columns[name] for name in observed}
+    if derived:
+        found |= next(iter(derived.values())).values(robot, count, derived, options["periods"])
     if machine_of(robot).is_single:
         found |= _power(robot, many.columns, more) | _alphas(robot)
     ends = {name: values for name, values in more.items() if name.startswith(END)}
@@ -180,7 +184,7 @@ def _summary(robot: Any, start: dict[str, Any], options: dict[str, Any], workers
     from stickslip.solvers import solve
 
     asked = {**solver_arguments(options), "start": start or None, "workers": workers, "keep": "summary", "progress": tell}
-    if options["duration"] is None and not options.get("observe") and options["method"] in ("auto", "exact"):
+    if options["duration"] is None and not asked["observe"] and options["method"] in ("auto", "exact"):
         todo = request(robot, samples=400, options={}, **asked)
         if orbits.applies(todo):
             return orbits.solve(todo)
