@@ -119,10 +119,11 @@ def references(machine: Any, moved: dict[str, tuple[str, ...]]) -> Iterator[tupl
         for name in parts:
             moves.setdefault(name, np.zeros((k, m)))[i] = sizes[i] * SHARES
     near = moved_by(machine, {name: values.ravel() for name, values in moves.items()})
-    starts = np.repeat(motion.state, k * m, axis=0)
+    starts = np.repeat(motion.nearer, k * m, axis=0)
     changes = np.nan_to_num(motion.changes[0])
     starts[:, : at.smooth] += (SHARES[:, None] * (sizes[:, None] * changes)[:, None]).reshape(k * m, -1)
-    closed = Closing(near, at, {}, 0, 1e-11, k * m).near(starts, orbit.period)
+    followed = Closing(near, at, {}, 0, 1e-11, k * m)
+    closed = followed.at_state(followed.near(starts, orbit.period).nearer, orbit.period)
     V = np.where(closed.missed <= 1e-9, closed.mean_velocity, np.nan).reshape(k, 2, len(STEPS))
     slopes = (V[:, 0] - V[:, 1]) / (2 * STEPS * sizes[:, None])
     for each in slopes:

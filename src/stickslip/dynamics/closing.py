@@ -24,7 +24,9 @@ __all__ = ["NEUTRAL", "Closed", "Closing", "Settled", "settled"]
 
 Array = Any
 NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion may be moved as one likes
-_CLOSED, _FLOOR = 1e-12, 1e-9  # of the scales: a motion that misses itself by less is closed; by less than the second, if it gets no better
+_CLOSED, _CLOSED_WITHIN_TOLERANCE = 1e-12, 1e-6  # of the scales: a motion that misses itself by less is closed
+_FLOOR = 1e-9  # by less than this it is, if it gets no better
+_LOOSE = 100.0  # the first step of Newton's method is taken with this times the tolerance
 _MOST = 12  # steps of Newton's method from a run that has settled
 
 
@@ -89,9 +91,9 @@ class Closed:
     missed : array (motions,)
         How far they are from themselves after the motion period, in the scales of the coordinates.
     nearer : array (motions, coordinates)
-        Where Newton's method would begin them next.
+        Where Newton's method begins them next: where the motions begin that are closed.
     mean_velocity : array (motions,)
-        [m/s].
+        Of these [m/s].
     slopes : array (motions, directions)
         Derivatives of the mean velocity.
     changes : array (motions, directions, states)
@@ -156,22 +158,26 @@ class Closing:
         made = tangent_of_means if means else tangent
         self.follower = Follower(each, motions * (d + count), numbers, rtol, made=made, at=at, observe=observe, integrals=means)
 
-    def at_state(self, state: Array, period: int, directions: bool = True) -> Closed:
-        """The motions that begin in some states (motions, coordinates), over so many drive periods; or without the directions."""
+    def at_state(self, state: Array, period: int, directions: bool = True, loose: float = 1.0) -> Closed:
+        """The motions that begin in some states (motions, coordinates), over so many drive periods.
+
+        Without the directions, and to a tolerance so many times as loose, it is said only where they begin, and what is nearer.
+        """
         d, k, n = self.d, self.count if directions else 0, self.motions
         which = slice(None) if directions else (np.arange(n)[:, None] * (d + self.count) + np.arange(d)).ravel()
-        found = self.follower.after(np.repeat(state, d + k, axis=0), self.starts[which], period, which)
+        found = self.follower.after(np.repeat(state, d + k, axis=0), self.starts[which], period, which, loose)
         change = (found.change / self.scales).reshape(n, d + k, d)
         M, forced = change[:, :d].transpose(0, 2, 1), change[:, d:].transpose(0, 2, 1)
         end = found.state.reshape(n, d + k, d)[:, 0]
         missed = self.at.difference(end, state[:, :d]) / self.scales
         solved, free = _solved(np.eye(d) - M, np.concatenate([forced, missed[:, :, None]], axis=2))
-        start, step = solved[:, :, :k], solved[:, :, k]
+        start, step = solved[:, :, :k], np.nan_to_num(solved[:, :, k])
         way = found.way_change.reshape(n, d + k)
         T, dT = (each[which].reshape(n, d + k) * period for each in self.follower.period)
-        V = found.way.reshape(n, d + k)[:, 0] / T[:, 0]
-        means = found.integrals.reshape(n, d + k, found.integrals.shape[1])[:, 0] / T[:, :1]
-        d_sums = found.integral_changes.reshape(n, d + k, means.shape[1])
+        V = (found.way.reshape(n, d + k)[:, 0] + np.einsum("nd,nd->n", way[:, :d], step)) / T[:, 0]  # of the motion that is closed
+        sums = found.integrals.reshape(n, d + k, found.integrals.shape[1])[:, 0]
+        d_sums = found.integral_changes.reshape(n, d + k, sums.shape[1])
+        means = (sums + np.einsum("ndm,nd->nm", d_sums[:, :d], step)) / T[:, :1]
         d_sums = np.einsum("ndm,ndk->nkm", d_sums[:, :d], start) + d_sums[:, d:]
         way = np.einsum("nd,ndk->nk", way[:, :d], start) + way[:, d:]
         nearer = np.hstack([end + np.einsum("nij,nj->ni", M, step) * self.scales, state[:, d:]])
@@ -185,13 +191,12 @@ class Closing:
 
     def near(self, state: Array, period: int) -> Closed:
         """The motions that are closed, by Newton's method from states near them; one that is not found misses itself."""
-        best = self.at_state(state, period, directions=self.follower.is_exact)
-        if not self.follower.is_exact:  # runs settle to their tolerance, so that one step at least is needed
-            best = self.at_state(self._rested(best), period)
+        exact = self.follower.is_exact
+        best = self.at_state(state, period) if exact else self.at_state(self.at_state(state, period, False, _LOOSE).nearer, period)
         for _ in range(_MOST):
-            if np.all((best.missed <= _CLOSED) | ~np.isfinite(best.nearer).all(axis=1)):
+            if np.all((best.missed <= self.close) | ~np.isfinite(best.monodromy).all(axis=(1, 2))):
                 break
-            found = self.at_state(self._rested(best), period)
+            found = self.at_state(best.nearer, period)
             better = found.missed < best.missed
             if not better.any():
                 break
@@ -200,10 +205,14 @@ class Closing:
                 break
         return best
 
-    def _rested(self, found: Closed) -> Array:
-        """Where Newton's method goes next; a motion that is lost stays."""
-        good = np.isfinite(found.nearer).all(axis=1)[:, None]
-        return np.where(good, found.nearer, found.state)
+    @property
+    def close(self) -> float:
+        """How far from itself a motion may be, in the scales, that is to be closed: what is said of it is of second order in that."""
+        return _CLOSED if self.follower.is_exact else _CLOSED_WITHIN_TOLERANCE
+
+    def is_good(self, found: Closed) -> Array:
+        """Of which motions the derivatives are to be trusted."""
+        return found.missed <= max(self.close, _FLOOR)
 
 
 def _solved(A: Array, b: Array) -> tuple[Array, Array]:

@@ -146,14 +146,18 @@ class Follower:
         """The lanes' columns."""
         return _Carried(self.table, self.kernel, self.at, self.slopes)
 
-    def after(self, states: Array, starts: Array, periods: int = 1, which: Any = slice(None)) -> Changes:
-        """What became of changes `starts` of some states (cases, states) after so many drive periods; of all directions, or of some."""
+    def after(self, states: Array, starts: Array, periods: int = 1, which: Any = slice(None), loose: float = 1.0) -> Changes:
+        """What became of changes `starts` of some states (cases, states) after so many drive periods; of all directions, or of some.
+
+        Under dynamic laws the tolerance may be so many times as loose.
+        """
         from stickslip.solvers.stepping import BUDGET
 
         q, u, z, memory = _parted(self.at, np.asarray(states, float))
         first = self.table.placed(np.column_stack([*q, *u, *z, *memory.round()]), which)
         start = self.carried.start(first, np.asarray(starts, float), which)
-        found = lanes.run(self.kernel, self.table.rows[which], start, lanes.Job(periods, 0, False, self.tolerance, 0.75, BUDGET * periods))
+        job = lanes.Job(periods, 0, False, self.tolerance * loose, 0.75, BUDGET * periods)
+        found = lanes.run(self.kernel, self.table.rows[which], start, job)
         state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0][which], which)
         known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)
         sums, d_sums = self.carried.integrals(found.end, self.integrals)

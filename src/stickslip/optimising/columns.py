@@ -18,7 +18,7 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
 from stickslip.observables import Derived, Observable
 from stickslip.optimising.exact import Exact, exactly
-from stickslip.optimising.gradients import AGREE, MISSED, RTOL_OF_SLOPES, check_of
+from stickslip.optimising.gradients import AGREE, RTOL_OF_SLOPES, check_of
 from stickslip.variables import VARIABLES
 
 __all__ = ["derivative"]
@@ -132,6 +132,6 @@ def _slopes(machines: Any, at: Coordinates, asked: dict[str, Derived], first: An
     along = Closing(machines, at, seeds, count, RTOL_OF_SLOPES, len(which), exact.means, exact.observe)
     found = along.near(motions.state[which], period)
     free = np.broadcast_to(np.asarray(machine_of(machines).free_velocity, float), (len(which),))
-    good = (found.missed <= MISSED) & (abs(found.mean_velocity - motions.mean_velocity[which]) <= AGREE * free)
+    good = along.is_good(found) & (abs(found.mean_velocity - motions.mean_velocity[which]) <= AGREE * free)
     slopes = np.where(good[:, None], exact.of(found)[1], np.nan)
     return {name: slopes[:, list(moved).index(each.by)] for name, each in asked.items()}

@@ -54,7 +54,7 @@ def exactly(of: Any, model: Any, at: Coordinates, seeds: dict[str, Array], count
         return _observed(of, model, seeds, count)
     if of.startswith(STATE):
         i = at.names[: at.smooth].index(of.removeprefix(STATE))
-        return Exact(lambda motion: (motion.state[:, i], motion.changes[:, :, i]))
+        return Exact(lambda motion: (motion.nearer[:, i], motion.changes[:, :, i]))
     name, names = _mean_of(of, model), means_named(model)
     if name not in names:
         return None

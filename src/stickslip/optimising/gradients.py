@@ -21,15 +21,14 @@ from stickslip.observables import Observable
 from stickslip.optimising.exact import OWN, STATE, Exact, exactly
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 
-__all__ = ["AGREE", "MISSED", "RTOL_OF_SLOPES", "Gradient", "check_of", "gradient", "steady_motion"]
+__all__ = ["AGREE", "RTOL_OF_SLOPES", "Gradient", "check_of", "gradient", "steady_motion"]
 
 Array = Any
 _BESIDE = 1e-6  # of a number: how far to either side of it the sequence of modes has to stay what it is
 _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer of two steps of the differences
 AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
-RTOL_OF_SLOPES = 1e-8  # of runs under dynamic laws: derivatives are known to about a hundred times that
-MISSED = 1e-9  # of the scales: how far a motion may be from itself
+RTOL_OF_SLOPES = 1e-9  # of runs under dynamic laws: derivatives are known to some thousand times that
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
@@ -129,11 +128,11 @@ def steady_motion(
     means, observe = (0, ()) if exact is None else (exact.means, exact.observe)
     along = Closing(model, at, seeds_of(moved), len(moved), RTOL_OF_SLOPES, means=means, observe=observe)
     motion = along.near(state[None], period)
-    if not motion.missed[0] <= MISSED or at.memories:
+    if not along.is_good(motion)[0] or at.memories:
         orbit = periodic_orbit(model, period, guess=state)
         motion = along.at_state(orbit.state[None], period)
     _check_same(model, V, float(motion.mean_velocity[0]))
-    return motion, PeriodicOrbit(model, period, motion.state[0], float(motion.missed[0]), RTOL_OF_SLOPES)
+    return motion, PeriodicOrbit(model, period, motion.nearer[0], float(motion.missed[0]), RTOL_OF_SLOPES)
 
 
 def check_of(what: str, of: Any, model: Any) -> None:
@@ -254,7 +253,7 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
         return []
     shares = np.array([-_BESIDE, 0.0, _BESIDE])
     near = moved_by(model, _moves(moved, sizes, shares))
-    starts = np.repeat(np.repeat(motion.state, k, axis=0), 3, axis=0)
+    starts = np.repeat(np.repeat(motion.nearer, k, axis=0), 3, axis=0)
     starts[:, : motion.changes.shape[2]] += (shares[:, None] * (sizes[:, None] * motion.changes[0])[:, None]).reshape(3 * k, -1)
     ends = strobe_map(near, starts, orbit.period, orbit.rtol)
     V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
