@@ -113,17 +113,20 @@ class Follower:
         A user's own signals.
     integrals : int
         How many integrals over time `made` adds.
+    more : dict of arrays (cases,), optional
+        Numbers of the kernel that are none of the model.
     """
 
     def __init__(
         self, model: Any, cases: int, numbers: dict[str, Array] | None = None, rtol: float = 1e-12, span: Any = None, order: int = 0,
         made: Any = tangent, at: Coordinates | None = None, observe: Any = (), integrals: int = 0,
+        more: dict[str, Array] | None = None,
     ):  # fmt: skip
         self.model, self.at, self.given = model, coordinates(model) if at is None else at, numbers or {}
         tableau, self.tolerance = map_method(model, rtol)
         self.is_exact = tableau is None
         self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, False, observe, made, noted=integrals > 0), order)
-        self.integrals = integrals
+        self.integrals, self.more = integrals, more
         self.span, self.slopes = 0.0 if span is None else span, _Slopes(model, self.given, cases)
 
     @cached_property
@@ -139,7 +142,7 @@ class Follower:
         from stickslip.solvers.tables import CaseTable
 
         width = 2 * len(self.kernel.owners) + self.at.inner_states + self.at.memories
-        return CaseTable(self.model, self.kernel, np.zeros((self.slopes.cases, width)), self.span, self.given)
+        return CaseTable(self.model, self.kernel, np.zeros((self.slopes.cases, width)), self.span, self.given, more=self.more)
 
     @cached_property
     def carried(self) -> _Carried:
@@ -151,18 +154,21 @@ class Follower:
 
         Under dynamic laws the tolerance may be so many times as loose.
         """
+        start, found = self.lanes(states, starts, periods, which, loose)
+        state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0][which], which)
+        known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)[:, None]
+        sums, d_sums = self.carried.integrals(found.end, self.integrals)
+        return Changes(state * known, change * known, way, way_change * known[:, 0], found.status, found.end[:, -1], sums, d_sums * known)
+
+    def lanes(self, states: Array, starts: Array, periods: int, which: Any = slice(None), loose: float = 1.0) -> tuple[Array, Any]:
+        """The start of the lanes, and what they found."""
         from stickslip.solvers.stepping import BUDGET
 
         q, u, z, memory = _parted(self.at, np.asarray(states, float))
         first = self.table.placed(np.column_stack([*q, *u, *z, *memory.round()]), which)
         start = self.carried.start(first, np.asarray(starts, float), which)
         job = lanes.Job(periods, 0, False, self.tolerance * loose, 0.75, BUDGET * periods)
-        found = lanes.run(self.kernel, self.table.rows[which], start, job)
-        state, change, way, way_change = self.carried.ends(start, found.end, periods * self.period[0][which], which)
-        known = np.where(found.status <= Status.REPEATS, 1.0, np.nan)
-        sums, d_sums = self.carried.integrals(found.end, self.integrals)
-        known = known[:, None]
-        return Changes(state * known, change * known, way, way_change * known[:, 0], found.status, found.end[:, -1], sums, d_sums * known)
+        return start, lanes.run(self.kernel, self.table.rows[which], start, job)
 
 
 def _parted(at: Coordinates, states: Array) -> tuple[list[Array], list[Array], list[Array], Array]:

@@ -29,8 +29,10 @@ from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
 from stickslip.errors import InputError, did_you_mean
 
-__all__ = ["has_corners", "means_of", "part_in", "tangent", "tangent_of_means", "with_observables", "with_volume"]
+__all__ = ["PART", "has_corners", "means_of", "part_in", "tangent", "tangent_of_means", "tangent_until", "with_observables", "with_volume"]
 
+#: The number of a case that is the part of the period at which a run ends.
+PART = "part of the period"
 _NONE: Mapping[str, Sym] = MappingProxyType({})
 _NO_JUMP = 1e-9  # of a state's scale in a period: what rounding makes of a rate that does not jump
 #: Of a period, by Taylor and by Rosenbrock steps: a guard further from zero than it goes in this time did not fire by itself.
@@ -87,6 +89,22 @@ def tangent(system: System, wrt: Iterable[str] | None = None, integrals: Mapping
         settled=_settled(system, changes, along),
         forgetting=_forgetting(system, along),
     )
+
+
+def tangent_until(system: System) -> System:
+    """The tangent of a run that ends within the period, at a part of it that is a number of the case: `PART`.
+
+    What happens at the instant 0 comes once, before such a run begins, and not at its end.
+    """
+    graph, T = system.graph, system.period
+    part, one = graph.case(PART), graph.constant(1.0)
+
+    def once(instant: Sym) -> Sym:
+        return graph.select(one - part, graph.select(instant - _NO_JUMP * T, instant, -T), instant)
+
+    impulses = tuple((once(instant), jumps) for instant, jumps in system.impulses)
+    names, instants = (*system.names, PART), tuple(map(once, system.instants))
+    return tangent(replace(system, names=names, period=part * T, instants=instants, impulses=impulses))
 
 
 def tangent_of_means(system: System) -> System:

@@ -19,6 +19,7 @@ from stickslip.fields import leaves
 from stickslip.machine import machine_of
 from stickslip.observables import Observable
 from stickslip.optimising.exact import OWN, STATE, Exact, exactly
+from stickslip.optimising.extremes import Looked, extreme_of
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 
 __all__ = ["AGREE", "RTOL_OF_SLOPES", "Gradient", "check_of", "gradient", "steady_motion"]
@@ -111,9 +112,12 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
     exact = exactly(of, model, at, seeds, len(moved))
     motion, orbit = steady_motion(model, moved, at, exact)
     beside = _one_sided(motion, orbit, moved)
-    if exact is None:
+    if exact is not None:
+        value, slopes = (each[0] for each in exact.of(motion))
+    elif (extreme := extreme_of(of, model)) is not None and np.isfinite(motion.changes).all():
+        value, slopes = Looked(extreme, orbit, at, seeds, motion.changes[0]).derivatives()
+    else:
         return _by_differences(orbit, of, moved, beside)
-    value, slopes = (each[0] for each in exact.of(motion))
     found = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *beside])
     unknown = {name: moved[name] for name, slope in found.items() if np.isnan(slope)}
     return _with_differences(found, _by_differences(orbit, of, unknown)) if unknown and np.isfinite(motion.monodromy).all() else found

@@ -33,6 +33,8 @@ class CaseTable:
         Parts of a direction in the model's numbers, for the kernel of a tangent (see `stickslip.engine.tangent`).
     which : slice, optional
         The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
+    more : dict of arrays (cases,), optional
+        Numbers of the kernel that are none of the model.
     """
 
     def __init__(
@@ -43,10 +45,11 @@ class CaseTable:
         span: Any,
         along: dict[str, Array] | None = None,
         which: slice = slice(None),
+        more: dict[str, Array] | None = None,
     ):
         cases, own, machine = len(start), numbers_by_name(model, which), machine_of(model)
         self.span = np.broadcast_to(span, (cases,))
-        known = {trace.SPAN: self.span} | {part_in(name): part for name, part in (along or {}).items()} | own
+        known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
         self.rows = np.empty((cases, len(kernel.names)))
         for column, name in enumerate(kernel.names):
             self.rows[:, column] = known.get(name, 0.0)
