@@ -52,7 +52,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     Raises
     ------
     InputError
-        Where it is used: for an unknown name, and for what has no exact derivative.
+        Where it is used: for an unknown name, and for what is not derived over a grid.
 
     Examples
     --------
@@ -117,7 +117,7 @@ def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[lis
         check_of("derivative", each.of, first)
         moved = directions_of("derivative", first, each.by)
         if exactly(each.of, first, at, seeds_of(moved), 1) is None:
-            told = f"{getattr(each.of, 'says', each.of)} has no exact derivative; type ss.gradient(robot, ...) for differences"
+            told = f"{getattr(each.of, 'says', each.of)} is not derived over a grid; type ss.gradient(robot, ...) for one machine"
             raise InputError("derivative", [f"{name}: {told}"])
         together.setdefault(each.of, []).append(name)
     return list(together.values())

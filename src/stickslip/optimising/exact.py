@@ -55,7 +55,10 @@ def exactly(of: Any, model: Any, at: Coordinates, seeds: dict[str, Array], count
     if of.startswith(STATE):
         i = at.names[: at.smooth].index(of.removeprefix(STATE))
         return Exact(lambda motion: (motion.nearer[:, i], motion.changes[:, :, i]))
-    name, names = _mean_of(of, model), means_named(model)
+    name = _mean_of(of, model)
+    if name is None:
+        return None
+    names = means_named(model)
     if name not in names:
         return None
     mean = _mean(names.index(name))

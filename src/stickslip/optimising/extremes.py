@@ -19,6 +19,7 @@ from stickslip.dynamics.orbits import PeriodicOrbit
 from stickslip.dynamics.tangents import Follower
 from stickslip.engine.graphs import Along
 from stickslip.engine.observed import LEAST, MOST
+from stickslip.engine.observing import WAY
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.tangent import PART, part_in, tangent_until
@@ -35,7 +36,13 @@ _INNER = np.array([1e-6, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1 - 1e-6])
 _BESIDE = 1e-10  # of the period: how near to a switch the tangent is looked at on either side of it
 _JUMP = 1e-4  # of the largest rate around: a rate that changes by more from one piece to the next jumps
 _STILL = 1e-12  # of the value, in a period: what changes by less is constant
-_LETTERS = {"velocity_max": ("v", MOST), "velocity_min": ("v", LEAST), "slip_max": ("w", MOST), "slip_min": ("w", LEAST)}
+_LETTERS = {
+    "velocity_max": ("v", MOST),
+    "velocity_min": ("v", LEAST),
+    "slip_max": ("w", MOST),
+    "slip_min": ("w", LEAST),
+    "stop_force_max": ("F", MOST),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,13 +76,15 @@ def extreme_of(of: Any, model: Any) -> Extreme | None:
         letter, kind = _LETTERS.get(column, ("", 0))
         if not kind:
             return None
-        dim = "body" if letter == "v" else "contact"
-        names = machine.mechanics.bodies if letter == "v" else machine.mechanics.contacts
+        mechanics, dim = machine.mechanics, {"v": "body", "w": "contact", "F": "stop"}[letter]
+        names = {"body": mechanics.bodies, "contact": mechanics.contacts, "stop": [stop for stop, _ in mechanics.named_stops]}[dim]
         observe, name = (), f"{letter}.{names[int(number) if number else machine.own[dim]]}"
     if not kind or machine.mechanics.controllers.names:
         return None
     system = trace(model, observe, noted=True)
-    node = next(signal.node for signal in system.signals if name in signal.names)
+    node = next((signal.node for signal in system.signals if name in signal.names), None)
+    if node is None:  # a stop that throws back has no force
+        return None
     found = Extreme(system, node, 1.0 if kind == MOST else -1.0)
     known = {system.modes[k].name for contact in system.contacts for k in contact.modes}
     modes = {each.name for each in needed_by([node, found.rate]) if each.op == "flag" and each.name.startswith("mode")}
@@ -166,7 +175,7 @@ class Looked:
         """The numbers by which expressions are valued."""
         system, pieces = self.extreme.system, self.run.pieces
         mode = np.asarray(pieces.mode).reshape(len(self.ends) - 1, -1)
-        known = dict(self.numbers) | {system.t.name: t} | {s.name: y[:, i] for i, s in enumerate(system.y)}
+        known = dict(self.numbers) | {system.t.name: t, WAY: 0.0} | {s.name: y[:, i] for i, s in enumerate(system.y)}
         for i, contact in enumerate(system.contacts):
             if contact.branches is not None:
                 known[system.modes[contact.modes[0]].name] = mode[piece, i].astype(float)

@@ -30,6 +30,7 @@ _STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)  # of a number: the longer o
 AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are nearer are one
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
 RTOL_OF_SLOPES = 1e-9  # of runs under dynamic laws: derivatives are known to some thousand times that
+MULTIPLIER = "multiplier"  # the name of the largest of a motion
 _PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
@@ -64,18 +65,21 @@ class Gradient(dict[str, float]):
 
 
 @explains_arguments
-def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] | None = None) -> Gradient:
+def gradient(model: Model, of: str | Observable = "mean_velocity", wrt: str | Sequence[str] | None = None) -> Gradient:
     """Derivatives of a number of the steady motion by numbers of the machine.
 
-    The motion is the one that the machine settles on from rest. Derivatives of the mean velocity are exact, by the tangent of the
-    equations through every switch (see `sensitivity`); those of other quantities are central differences of two steps, extrapolated.
+    The motion is the one that the machine settles on from rest. Derivatives are exact, by the tangent of the equations through every
+    switch (see `sensitivity`); those that are differences of two steps, extrapolated, say so in a note.
 
     Parameters
     ----------
     model : Robot or machine
         With a period, and under a law without chance.
-    of : str
-        "mean_velocity", or another column of a sweep: "drive_power", "cost_of_transport", "friction_power", "velocity_max", ….
+    of : str or Observable
+        "mean_velocity", "drive_power", "cost_of_transport", "friction_power", an extreme ("velocity_max", "velocity_min", "slip_max",
+        "slip_min", "stop_force_max"), the state on the strobe ("state.v"), or the mean, the integral or an extreme of an observable of your
+        own. Of a machine of several parts with their number: "velocity_max.0". Of any other column of a sweep, and of "multiplier", the
+        largest one, derivatives are differences.
     wrt : str or sequence of str, optional
         Names as in ``robot.replace``: "drive.amplitude", "friction.mu_plus", "track.tilt"; of a machine of several parts
         "modules[1].drive.amplitude", "phases[1]", "link.stiffness"; without an index the numbers of all parts are moved together. If not
@@ -120,7 +124,7 @@ def gradient(model: Model, of: str = "mean_velocity", wrt: str | Sequence[str] |
         return _by_differences(orbit, of, moved, beside)
     found = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *beside])
     unknown = {name: moved[name] for name, slope in found.items() if np.isnan(slope)}
-    return _with_differences(found, _by_differences(orbit, of, unknown)) if unknown and np.isfinite(motion.monodromy).all() else found
+    return _with_differences(found, orbit, of, unknown) if unknown and np.isfinite(motion.monodromy).all() else found
 
 
 def steady_motion(
@@ -141,7 +145,7 @@ def steady_motion(
 
 def check_of(what: str, of: Any, model: Any) -> None:
     """`InputError` of `what` for what is no number of a steady motion."""
-    if isinstance(of, Observable):
+    if isinstance(of, Observable) or of == MULTIPLIER:
         return
     if not isinstance(of, str) or not of.startswith(STATE):
         check_quantity(what, "of", of, model)
@@ -157,10 +161,14 @@ def named(of: Any) -> str:
     return f"the {of.says}" if isinstance(of, Observable) else str(of)
 
 
-def _with_differences(found: Gradient, more: Gradient) -> Gradient:
-    """Derivatives of which some are not followed along the motion, and are differences."""
-    told = f"{', '.join(more)}: by differences, as what the number does to an instant at which a law forgets is not followed"
-    return Gradient({**found, **more}, found.of, found.value, [*found.notes, told, *more.notes[1:]])
+def _with_differences(found: Gradient, orbit: PeriodicOrbit, of: Any, unknown: dict[str, tuple[str, ...]]) -> Gradient:
+    """Derivatives of which some are not followed along the motion, and are differences where the quantity is a column of sweeps."""
+    told = f"{', '.join(unknown)}: what the number does to an instant at which a law forgets is not followed"
+    try:
+        more = _by_differences(orbit, of, unknown)
+    except InputError:
+        return Gradient(found, found.of, found.value, [*found.notes, f"{told}: there is no derivative"])
+    return Gradient({**found, **more}, found.of, found.value, [*found.notes, f"{told}: by differences", *more.notes[1:]])
 
 
 def _orbit_of_runs(model: Any) -> PeriodicOrbit:
@@ -204,6 +212,20 @@ def _beside(
     return {name: values.reshape(k, m) for name, values in found.items()}, sizes
 
 
+def _multipliers(
+    orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float], _: Any
+) -> tuple[dict[str, Array], Array]:
+    """The largest multiplier of the motions beside one, by their monodromy matrices, which are exact."""
+    sizes, k, m = _sizes(orbit.model, moved), len(moved), len(shares)
+    near, at = moved_by(orbit.model, _moves(moved, sizes, shares)), coordinates(orbit.model)
+    along = Closing(near, at, {}, 0, RTOL, k * m)
+    found = along.near(np.tile(orbit.state, (k * m, 1)), orbit.period)
+    good = along.is_good(found) & np.isfinite(found.monodromy).all(axis=(1, 2))
+    values = np.full(k * m, np.nan)
+    values[good] = np.max(abs(np.linalg.eigvals(found.monodromy[good])), axis=1, initial=0.0)
+    return {MULTIPLIER: values.reshape(k, m), "period": np.full((k, m), orbit.period)}, sizes
+
+
 def _moves(moved: dict[str, tuple[str, ...]], sizes: Array, shares: Any) -> dict[str, Array]:
     """How far each number is moved in each case: by every share of its size, one set of numbers after the other."""
     k, m, found = len(moved), len(shares), dict[str, Array]()
@@ -217,7 +239,7 @@ def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, .
     """Central differences of two steps, extrapolated (Richardson): of ever shorter pairs of steps the two that agree best."""
     shares = [side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0)]
     observe = {OWN: of} if isinstance(of, Observable) else None
-    found, sizes = _beside(orbit, moved, [0.0, *shares], observe)
+    found, sizes = (_multipliers if of == MULTIPLIER else _beside)(orbit, moved, [0.0, *shares], observe)
     own = found.get(OWN if observe else of)
     if own is None:
         raise InputError("gradient", [f"of = {of!r} is not known of this {type(orbit.model).__name__}; type of='mean_velocity'"])
