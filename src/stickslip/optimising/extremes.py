@@ -68,7 +68,7 @@ class Extreme:
 
 def extreme_of(of: Any, model: Any) -> Extreme | None:
     """An extreme by the name of its column, or a user's observable; None where it is none, or not known from states and modes alone."""
-    machine = machine_of(model)
+    machine, observe = machine_of(model), tuple[tuple[str, Observable], ...]()
     if isinstance(of, Observable):
         observe, name, kind = ((OWN, of),), f"u.{OWN}", {"max": MOST, "min": LEAST}.get(of.reduce, 0)
     else:
@@ -78,7 +78,7 @@ def extreme_of(of: Any, model: Any) -> Extreme | None:
             return None
         mechanics, dim = machine.mechanics, {"v": "body", "w": "contact", "F": "stop"}[letter]
         names = {"body": mechanics.bodies, "contact": mechanics.contacts, "stop": [stop for stop, _ in mechanics.named_stops]}[dim]
-        observe, name = (), f"{letter}.{names[int(number) if number else machine.own[dim]]}"
+        name = f"{letter}.{names[int(number) if number else machine.own[dim]]}"
     if not kind or machine.mechanics.controllers.names:
         return None
     system = trace(model, observe, noted=True)
@@ -131,7 +131,7 @@ class Looked:
             if place.inward and self._within(place.t)
             else np.zeros(self.count)
         )
-        T, dT = self._follower(np.ones(self.count)).period
+        T, dT = self._whole.period
         extreme = self.extreme
         ends = [extreme.node, extreme.rate, extreme.change(tuple(self.seeds))]
         known = self._known(t, np.tile(y, (self.count, 1)), np.full(self.count, place.piece))
@@ -145,6 +145,11 @@ class Looked:
         """Whether an instant is none of the strobe, which no direction moves."""
         return abs(t / self.T - round(t / self.T)) > 2 * _BESIDE
 
+    @cached_property
+    def _whole(self) -> Follower:
+        """The same of whole periods."""
+        return self._follower(np.ones(self.count))
+
     def _follower(self, parts: Array) -> Follower:
         """The tangent up to a part of the period."""
         return Follower(self.model, self.count, self.seeds, self.orbit.rtol, made=tangent_until, at=self.at, more={PART: parts})
@@ -154,7 +159,7 @@ class Looked:
         periods = int(0.5 * (self.ends[piece] + self.ends[piece + 1]) / self.T)
         states, starts = np.tile(self.orbit.state, (self.count, 1)), self.changes
         if periods:
-            found = self._follower(np.ones(self.count)).after(states, starts, periods)
+            found = self._whole.after(states, starts, periods)
             states, starts = np.hstack([found.state, states[:, found.state.shape[1] :]]), found.change
         t = t - periods * self.T
         follower = self._follower(np.full(self.count, t / self.T))
@@ -165,11 +170,10 @@ class Looked:
         """States as lanes have them, at some times."""
         run, single = self.run.parted.at(t), machine_of(self.model).is_single
         x, v, z = (None if run[name] is None else np.reshape(run[name], (len(t), -1) if single else run[name].shape) for name in "xvz")
-        states = [*([x] if "x" in self.at.names else []), v, *([] if z is None else [z])] if single else columns_of(self.model, x, v, z)
-        first = self._follower(np.ones(self.count))
+        states: list[Any] = [*([x] if "x" in self.at.names else []), v, *([] if z is None else [z])]
+        states = states if single else columns_of(self.model, x, v, z)  # type: ignore[arg-type]
         q, u, inner = self.at.order.parted(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
-        places = [place - q[0] for place in q[1:]] if self.at.order.cyclic else q
-        return np.column_stack([np.column_stack(u) - first.table.offsets[0], *inner, *places])
+        return self._whole.table.placed(np.column_stack([*q, *u, *inner]), np.zeros(len(t), int))[:, 1:]
 
     def _known(self, t: Any, y: Array, piece: Array) -> dict[str, Any]:
         """The numbers by which expressions are valued."""

@@ -290,9 +290,9 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
         kink = abs(right - left) > _KINK * max(abs(left), abs(right)) + noise
         if below == here == above and not kink:
             continue
-        words = f" (below {below}, here {here}, above {above})" if not below == here == above else ""
+        all_three = f" (below {below}, here {here}, above {above})" if not below == here == above else ""
         told.append(
-            f"{name}: one-sided, as the sequence of modes changes within {_BESIDE:g} of it{words}; "
+            f"{name}: one-sided, as the sequence of modes changes within {_BESIDE:g} of it{all_three}; "
             f"V changes by {left / (_BESIDE * size):.6g} per unit below and by {right / (_BESIDE * size):.6g} above"
         )
     return told
