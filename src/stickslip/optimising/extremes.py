@@ -122,24 +122,48 @@ class Looked:
         self.numbers = numbers_by_name(orbit.model)
 
     def derivatives(self) -> tuple[float, Array]:
-        """The value, and its derivative along each direction."""
+        """The value, and its derivative along each direction; NaN where how a corner moves is not known."""
         place = self._place()
-        inner = place.t + place.inward * self.T
-        y, S, _, t = self._until(inner, place.piece)
-        late = (
-            self._until(place.t + abs(place.inward) * self.T, place.piece)[2]
-            if place.inward and self._within(place.t)
-            else np.zeros(self.count)
-        )
+        e, rate, change, _ = self._valued(place.t + place.inward * self.T, place.piece)
+        if not place.inward:
+            return float(e[0]), change
+        late = self._late(place, e, rate, change) if self._within(place.t) else np.zeros(self.count)
+        return float(e[0] - rate[0] * place.inward * self.T), change + rate * late
+
+    def _valued(self, t: float, piece: int) -> tuple[Array, Array, Array, Array]:
+        """The expression, its rate, its change along each direction, and the change of the last event's instant, at an instant."""
+        y, S, late, t = self._until(t, piece)
         T, dT = self._whole.period
         extreme = self.extreme
         ends = [extreme.node, extreme.rate, extreme.change(tuple(self.seeds))]
-        known = self._known(t, np.tile(y, (self.count, 1)), np.full(self.count, place.piece))
-        known |= {part_in(name): part for name, part in self.seeds.items()} | {"d t": dT / T * t}
+        known = self._known(t, np.tile(y, (self.count, 1)), np.full(self.count, piece)) | self._parts | {"d t": dT / T * t}
         known |= {f"d {s.name}": S[:, i] for i, s in enumerate(extreme.system.y)}
         found = values_of(extreme.system.graph, known, ends)
         e, rate, change = (np.broadcast_to(found[node.number], (self.count,)) for node in ends)
-        return float(e[0] - rate[0] * place.inward * self.T), change + rate * late
+        return e, rate, change, late
+
+    @property
+    def _parts(self) -> dict[str, Array]:
+        """The directions' parts in the numbers."""
+        return {part_in(name): part for name, part in self.seeds.items()}
+
+    def _late(self, place: Place, e: Array, rate: Array, change: Array) -> Array:
+        """By how much later a corner comes along each direction, at the same part of the period."""
+        system, graph = self.extreme.system, self.extreme.system.graph
+        instants = [*system.instants, *(instant for instant, _ in system.impulses)]
+        along = Along(graph, {name: graph.case(part_in(name)) for name in self.seeds})
+        found = values_of(graph, dict(self.numbers) | self._parts, [*instants, *map(along.of, instants)])
+        T, dT = self._whole.period
+        for instant in instants:
+            t = found[instant.number]
+            if np.all(abs((place.t - t + 0.5 * self.T) % self.T - 0.5 * self.T) <= 2 * _BESIDE * self.T):
+                return found[along.of(instant).number] - dT / T * t
+        other = self._valued(place.t - place.inward * self.T, place.piece + (1 if place.inward < 0 else -1))
+        if not instants:
+            return other[3] if place.inward < 0 else self._valued(place.t + place.inward * self.T, place.piece)[3]
+        if abs(e[0] - other[0][0]) > 4 * _BESIDE * self.T * (abs(rate[0]) + abs(other[1][0])):
+            return np.full(self.count, np.nan)  # it jumps there itself
+        return -(change - other[2]) / (rate - other[1])
 
     def _within(self, t: float) -> bool:
         """Whether an instant is none of the strobe, which no direction moves."""

@@ -116,15 +116,20 @@ def gradient(model: Model, of: str | Observable = "mean_velocity", wrt: str | Se
     exact = exactly(of, model, at, seeds, len(moved))
     motion, orbit = steady_motion(model, moved, at, exact)
     beside = _one_sided(motion, orbit, moved)
-    if exact is not None:
-        value, slopes = (each[0] for each in exact.of(motion))
-    elif (extreme := extreme_of(of, model)) is not None and np.isfinite(motion.changes).all():
-        value, slopes = Looked(extreme, orbit, at, seeds, motion.changes[0]).derivatives()
-    else:
+    value, slopes = (each[0] for each in exact.of(motion)) if exact else _extremes(of, orbit, at, seeds, motion)
+    if exact is None and np.isnan(slopes).any():
         return _by_differences(orbit, of, moved, beside)
     found = Gradient(dict(zip(moved, map(float, slopes), strict=True)), named(of), float(value), [*notes_of(motion), *beside])
     unknown = {name: moved[name] for name, slope in found.items() if np.isnan(slope)}
     return _with_differences(found, orbit, of, unknown) if unknown and np.isfinite(motion.monodromy).all() else found
+
+
+def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, Array], motion: Closed) -> tuple[Any, Any]:
+    """The derivatives of an extreme; NaN where it is none, or they are not known."""
+    extreme = None if of == MULTIPLIER else extreme_of(of, orbit.model)
+    if extreme is None or not np.isfinite(motion.changes).all():
+        return np.nan, np.full(motion.changes.shape[1], np.nan)
+    return Looked(extreme, orbit, at, seeds, motion.changes[0]).derivatives()
 
 
 def steady_motion(

@@ -56,8 +56,7 @@ def note_late(lane, kicks, S, D):
         own = math.floor(t / between + 0.5) * S[D[F_C] + (D[SAMPLE_AT] + 1) * L + lane] if t < period * (1.0 - 1e-12) else 0.0
         late = own if not met or abs(own - late) <= 1e-9 * (abs(own) + abs(late)) else math.nan
         met = True
-    if met:  # else it stays that of the last event
-        S[D[F_Y] + (n + D[CARRIED]) * L + lane] = late
+    S[D[F_Y] + (n + D[CARRIED]) * L + lane] = late
     return met
 
 
