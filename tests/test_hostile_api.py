@@ -105,7 +105,7 @@ def examples():
              "noise": 1e-4,
                                "samples": 20, "together": 1, "rivals": None, "using": "velocity", "tilt_deg": 1.7, "law": "coulomb"}),
         "sensitivity": (ss.sensitivity, {"of": run, "wrt": ["drive.amplitude"]}),
-        "gradient": (ss.gradient, {"model": robot, "of": "mean_velocity", "wrt": ["drive.amplitude"]}),
+        "gradient": (ss.gradient, {"model": robot, "of": "mean_velocity", "wrt": ["drive.amplitude"], "rtol": 1e-9}),
         "derivative": (ss.derivative, {"of": "mean_velocity", "by": "friction.mu_plus", "unit": "m/s"}),
         "optimise": (ss.optimise, {"model": robot, "over": {"drive.amplitude": (5e-4, 6e-4)}, "maximise": "mean_velocity", "minimise": None,
              "subject_to": {"stroke": (None, 0.01)}, "robust": None, "quantile": None, "starts": "closed", "seed": 0}),

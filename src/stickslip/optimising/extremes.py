@@ -195,7 +195,7 @@ class Looked:
         run, single = self.run.parted.at(t), machine_of(self.model).is_single
         x, v, z = (None if run[name] is None else np.reshape(run[name], (len(t), -1) if single else run[name].shape) for name in "xvz")
         states: list[Any] = [*([x] if "x" in self.at.names else []), v, *([] if z is None else [z])]
-        states = states if single else columns_of(self.model, x, v, z)  # type: ignore[arg-type]
+        states = states if single else columns_of(self.model, x, v, z)
         q, u, inner = self.at.order.parted(list(np.column_stack(states)[:, : self.at.smooth].T), np.zeros(len(t)))
         return self._whole.table.placed(np.column_stack([*q, *u, *inner]), np.zeros(len(t), int))[:, 1:]
 
