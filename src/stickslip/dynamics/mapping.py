@@ -233,7 +233,7 @@ def spread_over(model: Any, cases: int) -> Any:
     return replace_leaf(model, {name: np.full(cases, float(numbers[name]))})
 
 
-def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -> Ends:
+def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, at: Coordinates | None = None) -> Ends:
     """The states after some drive periods.
 
     Parameters
@@ -246,6 +246,8 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
         How many drive periods.
     rtol : float
         Tolerance for dynamic laws.
+    at : Coordinates, optional
+        Where they are known.
 
     Examples
     --------
@@ -263,7 +265,7 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12) -
         return _one_by_one(model, states, periods, rtol)
     if has_arcs(model):
         return _by_arcs(model, states, periods)
-    return _in_lanes(model, states, periods, rtol)
+    return _in_lanes(model, states, periods, rtol, at=at)
 
 
 def refuse_chance(machine: MachineAdapter) -> None:
@@ -286,9 +288,9 @@ def map_method(model: Any, rtol: float) -> tuple[Any, float]:
     return (tableau(model, rtol), SAFETY * rtol) if machine_of(model).has_inner_states else (None, REPEAT / 10)
 
 
-def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None) -> Ends:
+def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None) -> Ends:
     """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    found, table, end = run_lanes(model, states, periods, rtol, span)
+    found, table, end = run_lanes(model, states, periods, rtol, span, at=at)
     segments = _segments(found, len(machine_of(model).laws), table.span)
     if not machine_of(model).is_single:
         none = np.full(len(states), np.nan)

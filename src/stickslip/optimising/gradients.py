@@ -122,7 +122,7 @@ def gradient(
     at, seeds = coordinates(model), seeds_of(moved)
     exact = exactly(of, model, at, seeds, len(moved))
     motion, orbit = steady_motion(model, moved, at, exact, rtol)
-    beside = _one_sided(motion, orbit, moved)
+    beside = _one_sided(motion, orbit, moved, at)
     value, slopes = (each[0] for each in exact.of(motion)) if exact else _extremes(of, orbit, at, seeds, motion)
     if exact is None and np.isnan(slopes).any():
         return _by_differences(orbit, of, moved, beside)
@@ -281,7 +281,7 @@ def _words(found: dict[str, Array]) -> list[list[str]]:
     return [["/".join(str(values[i, j]) for values in columns) for j in range(shape[1])] for i in range(shape[0])]
 
 
-def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> list[str]:
+def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates) -> list[str]:
     """A sentence for every number next to which the sequence of modes, or the slope of the mean velocity, changes.
 
     One motion period to either side of each number, from where the derivatives say that the motion is there, is all that this takes.
@@ -293,7 +293,7 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
     near = moved_by(model, _moves(moved, sizes, shares))
     starts = np.repeat(np.repeat(motion.nearer, k, axis=0), 3, axis=0)
     starts[:, : motion.changes.shape[2]] += (shares[:, None] * (sizes[:, None] * motion.changes[0])[:, None]).reshape(3 * k, -1)
-    ends = strobe_map(near, starts, orbit.period, orbit.rtol)
+    ends = strobe_map(near, starts, orbit.period, orbit.rtol, at)
     V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
     words = np.array(["/".join(each) for each in zip(*ends.patterns, strict=True)]).reshape(k, 3)
     noise, told = _NOISE * float(machine_of(model).free_velocity), []
