@@ -60,7 +60,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     >>> slopes = {"dV_dmu": ss.derivative("mean_velocity", "friction.mu_plus")}
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4, 8e-4], tilt_deg=1.7, law="coulomb", observe=slopes)
     >>> grid.dV_dmu.values.round(6).tolist()
-    [-0.053482, -0.089796]
+    [-0.054983, -0.089796]
     """
     problems = Problems("derivative")
     if not isinstance(of, str | Observable):
