@@ -14,6 +14,7 @@ __all__ = ["Information"]
 #: by central differences are good to 1e-8 of themselves, by one-sided ones to 1e-5.
 SINGULAR = 1e-6
 PART = 1e-3  # a parameter with a smaller share of a direction does not lie in it
+_EXACT = 1e-13  # singular values below this part of the largest are zero where nothing but rounding makes them
 _NOTHING = 1e-12  # of the largest column: a parameter that moves nothing
 
 
@@ -31,6 +32,9 @@ class Information:
         Derivatives of the residuals.
     singular : float
         Singular values below this part of the largest are zero.
+    prior : array (rows, parameters), optional
+        Derivatives of what is known beforehand, in the same units of noise. They are exact, so that no row is too small to count; what the
+        data leave open they may determine.
 
     Examples
     --------
@@ -43,20 +47,33 @@ class Information:
 
     jacobian: Any
     singular: float = SINGULAR
+    prior: Any = None
+
+    @cached_property
+    def _rows(self) -> Any:
+        """All derivatives, those of what is known beforehand last."""
+        data = np.asarray(self.jacobian)
+        return data if self.prior is None else np.concatenate([data, self.prior])
 
     @cached_property
     def _sizes(self) -> Any:
-        """Lengths of the columns; 1 for those that are nothing."""
-        size = np.sqrt(np.sum(np.asarray(self.jacobian) ** 2, axis=0))
-        return np.where(size > _NOTHING * size.max(initial=0.0), size, np.inf)
+        """Lengths of the columns; infinite for those that are nothing."""
+        data = np.sqrt(np.sum(np.asarray(self.jacobian) ** 2, axis=0))
+        size = np.where(data > _NOTHING * data.max(initial=0.0), data, 0.0)
+        known = 0.0 if self.prior is None else np.sqrt(np.sum(np.asarray(self.prior) ** 2, axis=0))
+        size = np.hypot(size, known)
+        return np.where(size > 0, size, np.inf)
 
     @cached_property
     def _parts(self) -> tuple[Any, Any, Any]:
         """Singular values as one for each parameter, the directions as rows, and which of them are undetermined."""
-        triangle = np.linalg.qr(np.asarray(self.jacobian) / self._sizes, mode="r")
-        _, values, directions = np.linalg.svd(triangle, full_matrices=True)
-        values = np.append(values, np.zeros(len(directions) - len(values)))
-        return values, directions, values <= self.singular * values.max(initial=0.0)
+        values, directions = _decomposed(np.asarray(self.jacobian) / self._sizes)
+        lost = values <= self.singular * values.max(initial=0.0)
+        if self.prior is None or not len(self.prior):
+            return values, directions, lost
+        told = np.where(lost, 0.0, values)[:, None] * directions
+        values, directions = _decomposed(np.concatenate([told, _without_traces(self.prior / self._sizes, directions[lost])]))
+        return values, directions, values <= _EXACT * values.max(initial=0.0)
 
     @cached_property
     def directions(self) -> Any:
@@ -79,7 +96,7 @@ class Information:
         """The pseudo-inverse of the derivatives: steps to the least sum of squares that leave undetermined directions alone."""
         values, directions, lost = self._parts
         kept = directions[~lost]
-        scaled = np.asarray(self.jacobian) / self._sizes
+        scaled = self._rows / self._sizes
         return (kept.T / values[~lost] ** 2) @ kept @ scaled.T / self._sizes[:, None]
 
     def covariance(self, scale: float = 1.0) -> Any:
@@ -87,9 +104,17 @@ class Information:
 
         An undetermined parameter has infinite variance, and no (NaN) covariance with others.
         """
+        return self.marked(self.of_the_determined(scale))
+
+    def of_the_determined(self, scale: float = 1.0) -> Any:
+        """Covariance with undetermined directions left out: that of every combination which does not change along them."""
         values, directions, lost = self._parts
         kept = directions[~lost] / self._sizes
-        found = (kept.T * (scale / values[~lost]) ** 2) @ kept
+        return (kept.T * (scale / values[~lost]) ** 2) @ kept
+
+    def marked(self, covariance: Any) -> Any:
+        """A covariance with infinite variance for the undetermined parameters, and no (NaN) covariance with others."""
+        found = np.array(covariance)
         found[self.undetermined] = found[:, self.undetermined] = np.nan
         found[np.diag_indices(len(found))] = np.where(self.undetermined, np.inf, np.diag(found))
         return found
@@ -112,3 +137,15 @@ class Information:
             sizes = self._sizes[members]
             found.append((members, rows / np.where(np.isfinite(sizes), sizes, 1.0)))
         return found
+
+
+def _without_traces(rows: Any, lost: Any) -> Any:
+    """Rows without the shares in undetermined directions that only the accuracy of these makes."""
+    share = rows @ lost.T
+    return rows - np.where(abs(share) < PART * np.linalg.norm(rows, axis=1, keepdims=True), share, 0.0) @ lost
+
+
+def _decomposed(rows: Any) -> tuple[Any, Any]:
+    """Singular values, one for each parameter, and their directions."""
+    _, values, directions = np.linalg.svd(np.linalg.qr(rows, mode="r"), full_matrices=True)
+    return np.append(values, np.zeros(len(directions) - len(values))), directions

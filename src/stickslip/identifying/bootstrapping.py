@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.errors import Problems
-from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.search import polished
-from stickslip.identifying.uncertainty import effective
+from stickslip.identifying.spread import effective
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
@@ -59,7 +58,7 @@ def bootstrap(fit: Fit, repeats: int, seed: int, workers: int = 1) -> Any:
     problems.whole("repeats", repeats, 2, example=200)
     problems.whole("workers", workers, 1, example=2)
     problems.check()
-    resampled = [fit.problem.with_values(_resampled_values(fit, np.random.default_rng([seed, r]))) for r in range(repeats)]
+    resampled = [_resampled_problem(fit, np.random.default_rng([seed, r])) for r in range(repeats)]
     with ThreadPoolExecutor(workers) as pool:
         places, settled = _stepped(fit, resampled, pool)
         rest = [r for r in range(repeats) if not settled[r]]
@@ -95,11 +94,16 @@ def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[A
 
 def _residuals(problems: list[Any], places: Any, which: Any, mapped: Callable[..., Any]) -> Any:
     """Residuals of some replicates: array (replicates, values)."""
-    if isinstance(problems[0], DrivenProblem):
-        found = problems[0].batch(places[which]).T
-        measured = np.stack([problems[r].y for r in which])
-        return np.nan_to_num((found - measured) / problems[0].sigma, nan=1e4)
+    if problems[0].batched:
+        found = problems[0].batch(places[which])
+        return np.stack([problems[r].rest(found[:, k], places[r]) for k, r in enumerate(which)])
     return np.stack(list(mapped(lambda r: problems[r].residuals(places[r]), which)))
+
+
+def _resampled_problem(fit: Fit, rng: Any) -> Any:
+    """Other noise, and other calibrations of what is known beforehand."""
+    y = _resampled_values(fit, rng)
+    return fit.problem.with_values(y, rng.normal(size=len(fit.jacobian) - fit.count))
 
 
 def _resampled_values(fit: Fit, rng: Any) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import dataclasses
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -48,6 +49,7 @@ class Motion:
     flipped: bool
     label: str
     cut: str | None = None  # which samples were left out, and why
+    given_sigma: bool = False  # whether the user gave the noise
 
     @property
     def kind(self) -> str:
@@ -69,6 +71,40 @@ class Motion:
         """Number of values."""
         return len(self.force) - self.before
 
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return self._times[self.before :]
+
+    @property
+    def _times(self) -> Any:
+        return self.t - 0.5 * (self.t[self.before] + self.t[-1])
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def acceleration(self) -> Any:
+        """Acceleration at the values [m/s^2]."""
+        return self._accelerations[self.before :]
+
+    @property
+    def _accelerations(self) -> Any:
+        """From the mean velocities before and after each sample."""
+        middle = self.t[1:] - 0.5 * np.diff(self.t)
+        return np.gradient(np.interp(self.t, middle, self.v[1:]), self.t)
+
+    def borne(self, reading: dict[str, Any]) -> Any:
+        """The measured forces without what the sensor adds: array (n,), or (n, cases) [N]."""
+        if not set(reading) & {"offset", "drift", "inertia", "gain"}:
+            return self.force
+        parts = {"offset": np.ones(len(self.t)), "drift": self._times, "inertia": self._accelerations}
+        added = sum(np.multiply.outer(parts[what], reading[what]) for what in parts if what in reading)
+        whole = self.force if np.ndim(added) < 2 else self.force[:, None]
+        return (whole - added) / reading.get("gain", 1.0)
+
     def mean_square(self, rest: Any) -> float:
         """Mean square of what is left of all samples."""
         return float(np.mean(rest**2))
@@ -79,7 +115,8 @@ class Motion:
         x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-        return Motion(t, v, self.load[last], self.force[last], int(np.searchsorted(last, self.before)), self.flipped, self.label)
+        before = int(np.searchsorted(last, self.before))
+        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before)
 
 
 def motion_of(rec: Any, load: float | None, label: str) -> Motion:
@@ -128,32 +165,83 @@ def _first_period(rec: Any, t: Any, F: Any) -> int:
     return lead if abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F) else 0
 
 
-def driven_force(law: Any, motion: Motion, cases: int = 1) -> Any:
+def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None) -> Any:
     """Friction force of a law at every sample of a motion: array (samples, cases) [N].
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
     them; a law's discrete memory is switched at the end of a step. A law that holds a body (a set-valued one at rest, Karnopp's in its
-    band) gives there whatever was measured, within its break-away.
+    band) gives there whatever was measured, within its break-away; `reading` has what the sensor adds to that, and a preload.
     """
-    known = adapted(law)
+    known, reading = adapted(law), reading or {}
+    load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
+    measured = motion.borne(reading)
+    measured = measured if measured.ndim == 2 else measured[:, None]
     if not known.dynamic:
-        return _set_valued(known, motion, cases)
+        return _set_valued(known, motion.v[:, None], load, measured, cases)
+    found = None if known.modes or known.random else _at_once(known, motion, load, measured, cases)
+    return _step_by_step(known, motion, load, measured, cases) if found is None else found
+
+
+def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
     out = np.empty((len(motion.t), cases))
-    z = _wide(known.start(float(motion.load[0])), cases)
+    z = _wide(known.start(load[0]), cases)
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
-    nudge = _nudges(known, float(motion.load.mean()), cases)
+    nudge = _nudges(known, load.mean(axis=0), cases)
     steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
-    columns = (a.tolist() for a in (motion.v, motion.load, steps, motion.force))
-    for k, (v, N, h, measured) in enumerate(zip(*columns, strict=True)):
+    one = load.shape[1] == 1
+    columns = motion.v.tolist(), load[:, 0].tolist() if one else load, steps.tolist(), measured
+    for k, (v, N, h, given) in enumerate(zip(*columns, strict=True)):
         if mode and v * side < 0:
             z, mode = _switched(known, 0.0, N, z, mode, came=side)
         side = v or side
         z, mode = _stepped(known, v, N, h, z, mode, nudge)
-        out[k] = known.response(v, tuple(z), N, mode, measured)[0]
+        out[k] = known.response(v, tuple(z), N, mode, given)[0]
     return out
 
 
-def _nudges(law: LawAdapter, load: float, cases: int) -> Any:
+def _at_once(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+    """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
+    v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
+    states, count = known.states, len(motion.t)
+    try:
+        typical = _nudges(known, load.mean(axis=0), cases) / _NUDGE
+        rates = [_rates(known, v, part[:, None] * typical, load, (count, cases)) for part in _PARTS[:, :1] * np.ones(states)]
+        slope = (rates[1] - rates[0]) / (_PARTS[1, 0] * typical[:, None])
+        uneven = _PARTS[2, np.arange(states) % _PARTS.shape[1]][:, None] * typical
+        there = _rates(known, v, uneven, load, (count, cases))
+    except (ValueError, TypeError):  # a law that takes one velocity at a time
+        return None
+    told = rates[0] + slope * uneven[:, None]
+    if not (abs(there - told) <= 1e-9 * (abs(rates[0]) + abs(slope * uneven[:, None]))).all():
+        return None
+    return _recurrent(known, v, h, rates[0], slope, load, measured)
+
+
+#: Inner states at which rates are looked at, in typical sizes: none, all alike, each its own.
+_PARTS = np.array([[0.0, 0.0, 0.0, 0.0, 0.0], [0.7, 0.7, 0.7, 0.7, 0.7], [-0.41, 0.63, 0.29, -0.83, 0.57]])
+
+
+def _rates(known: LawAdapter, v: Any, z: Any, load: Any, shape: tuple[int, ...]) -> Any:
+    """Rates of the inner states at all samples: array (states, samples, cases)."""
+    parts = known.rate(v, tuple(np.broadcast_to(each, shape) for each in z), load)
+    return np.array([np.broadcast_to(part, shape) for part in parts], float).reshape(known.states, *shape)
+
+
+def _recurrent(known: LawAdapter, v: Any, h: Any, rate: Any, slope: Any, load: Any, measured: Any) -> Any:
+    """Forces where z after a step is A z + B."""
+    moves = (v != 0) & (h > 0)
+    a = np.minimum(slope * h, 30.0)
+    part = h * np.where(abs(a) < 1e-8, 1.0, np.expm1(a) / np.where(abs(a) < 1e-8, 1.0, a))
+    A, B = np.where(moves, 1.0 + part * slope, 1.0), np.where(moves, part * rate, 0.0)
+    states, count, cases = rate.shape
+    z, path = _wide(known.start(load[0]), cases), np.empty_like(rate)
+    for k in range(count if states else 0):
+        z = A[:, k] * z + B[:, k]
+        path[:, k] = z
+    return np.broadcast_to(known.response(v, tuple(path), load, (), measured)[0], (count, cases)) + 0.0
+
+
+def _nudges(law: LawAdapter, load: Any, cases: int) -> Any:
     """Small steps of the inner states: array (states, cases)."""
     typical = law.scale(load)
     return _NUDGE * abs(_wide((1e-6,) * law.states if typical is None else typical, cases))
@@ -164,7 +252,7 @@ def _wide(parts: tuple[Any, ...], cases: int) -> Any:
     return np.array([np.broadcast_to(part, cases) for part in parts], float).reshape(len(parts), cases)
 
 
-def _stepped(law: LawAdapter, v: float, N: float, h: float, z: Any, mode: Any, nudge: Any) -> tuple[Any, Any]:
+def _stepped(law: LawAdapter, v: float, N: Any, h: float, z: Any, mode: Any, nudge: Any) -> tuple[Any, Any]:
     """Inner states and memory after a step of length h at constant velocity."""
     if v != 0 and h > 0 and z.size:
         f, ahead = (_wide(law.rate(v, tuple(at), N, mode), z.shape[1]) for at in (z, z + nudge))
@@ -175,7 +263,7 @@ def _stepped(law: LawAdapter, v: float, N: float, h: float, z: Any, mode: Any, n
     return _switched(law, v, N, z, mode) if mode else (z, mode)
 
 
-def _switched(law: LawAdapter, v: float, N: float, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
+def _switched(law: LawAdapter, v: float, N: Any, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
     """The memory after every switch whose guard has fallen; where v passes zero, every one that falls only there."""
     before = None if came is None else [guard for guard, _, _ in law.switches(came, tuple(z), N, mode)]
     for i, (guard, new_mode, new_z) in enumerate(law.switches(v, tuple(z), N, mode)):
@@ -188,8 +276,7 @@ def _switched(law: LawAdapter, v: float, N: float, z: Any, mode: Any, came: floa
     return z, mode
 
 
-def _set_valued(law: LawAdapter, motion: Motion, cases: int) -> Any:
-    v, N, F = motion.v[:, None], motion.load[:, None], motion.force[:, None]
+def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
     moving = v != 0
     sliding = np.broadcast_to(law.sliding(np.where(moving, v, 1.0), N), (len(v), cases))
     backward, forward = law.breakaway(N)
@@ -208,17 +295,23 @@ class DrivenProblem:
         Standard deviation of the force, the same for all samples [N].
     thin : int
         The multistart looks at every so many-th sample.
+    holds : bool
+        Whether a contact may be held and then bears what is measured.
     """
 
     resolution: ClassVar[float] = 1e-4  # singular values of the derivatives, which are of first order, below this are zero
+    batched: ClassVar[bool] = True
+    nuisances: ClassVar[int] = 0
+    timing: ClassVar[int] = 0
+    quiet: ClassVar[float] = -np.inf  # the noise of a force is not known beforehand
 
     parameters: Parameters
     targets: tuple[Motion, ...]
     level: float
     thin: int = 1
+    holds: bool = False
     solves: int = 0
     values: Any = None  # measured values that replace those of the targets (bootstrap)
-    _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
 
     @property
     def y(self) -> Any:
@@ -230,65 +323,47 @@ class DrivenProblem:
         """Standard deviation of each value."""
         return np.full(len(self.y), self.level)
 
-    @property
-    def nuisances(self) -> int:
-        """None are fitted besides the free parameters."""
-        return 0
-
     def with_values(self, y: Any) -> DrivenProblem:
         """The same fit for other measured values."""
-        return DrivenProblem(self.parameters, self.targets, self.level, self.thin, values=y)
+        return dataclasses.replace(self, values=y)
 
     def only(self, fixed: dict[str, float]) -> DrivenProblem:
         """The same fit with some parameters held."""
-        return DrivenProblem(self.parameters.only(fixed), self.targets, self.level, self.thin, values=self.values)
+        return dataclasses.replace(self, parameters=self.parameters.only(fixed))
 
     def rough(self) -> DrivenProblem:
         """The same fit with fewer samples, for the search."""
         if self.thin <= 1 or self.values is not None:
             return self
-        return DrivenProblem(self.parameters, tuple(m.every(self.thin) for m in self.targets), self.level)
+        return dataclasses.replace(self, targets=tuple(m.every(self.thin) for m in self.targets), thin=1)
 
-    @property
-    def quiet(self) -> float:
-        """The noise of a force is not known beforehand."""
-        return -np.inf
-
-    def batch(self, places: Any) -> Any:
-        """Forces for many places (cases, parameters): array (values, cases); NaN where a place makes no law."""
+    def batch(self, places: Any, readings: Any) -> Any:
+        """Forces for many places (cases, parameters) and readings of the sensors: array (values, cases); NaN where a place makes no law."""
         places = np.asarray(places, float)
         good, batches = self.parameters.batches(places)
         found = np.full((len(self.y), len(places)), np.nan)
         if good.any():
             cases = int(good.sum())
             self.solves += cases * len(self.targets)
+            own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
             with np.errstate(all="ignore"):
-                parts = [driven_force(law, m, cases)[m.before :] for law, m in zip(batches, self.targets, strict=True)]
+                parts = [driven_force(law, m, cases, r)[m.before :] for law, m, r in zip(batches, self.targets, own, strict=True)]
             found[:, good] = np.concatenate(parts)
         return found
 
-    def predicted(self, place: Any) -> Any:
-        """Values in the order of `y`; None where the parameters make no law."""
-        key = tuple(np.asarray(place, float).tolist())
-        if key not in self._memory:
-            if len(self._memory) > 4:
-                self._memory.clear()
-            found = self.batch(np.asarray(place)[None, :])[:, 0]
-            self._memory[key] = found if np.isfinite(found).all() else None
-        return self._memory[key]
+    def held(self, h: Any, readings: Any) -> Any:
+        """Which values are those of a contact that is held, and so bears whatever is measured."""
+        if not self.holds:
+            return np.zeros(len(h), bool)
+        borne = [m.borne(r)[m.before :] for m, r in zip(self.targets, readings, strict=True)]
+        return h == np.concatenate([b if b.ndim == 1 else b[:, 0] for b in borne])
 
-    def residuals(self, place: Any) -> Any:
-        """(model - measured) / sigma."""
-        found = self.predicted(place)
-        return np.full(len(self.y), 1e4) if found is None else (found - self.y) / self.sigma
-
-    def jacobian(self, place: Any) -> Any:
-        """Derivatives of the residuals by differences, all parameters in one batch."""
+    def slopes(self, place: Any, readings: Any) -> Any:
+        """Derivatives of the values by differences, all parameters in one batch."""
         place = np.asarray(place, float)
         sign = np.where(place + _STEP <= 1.0, 1.0, -1.0)
-        moved = self.batch(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]))
-        slopes = (moved[:, 1:] - moved[:, :1]) / (sign * _STEP)
-        return np.nan_to_num(slopes) / self.level
+        moved = self.batch(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
+        return np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP))
 
     def aligned(self, place: Any) -> Any:
         """Nothing is aligned: force and motion have one clock."""
@@ -298,9 +373,3 @@ class DrivenProblem:
         """Bounds of a place."""
         n = len(self.parameters.free)
         return np.zeros(n), np.ones(n)
-
-    def coarse(self, places: Any) -> Any:
-        """Sum of squares of many places, as one batch."""
-        rest = (self.batch(places) - self.y[:, None]) / self.level
-        score = np.sum(rest * rest, axis=0)
-        return np.where(np.isfinite(score), score, np.inf)

@@ -12,17 +12,21 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
-from stickslip.information import Information
+from stickslip.identifying.spread import information_of
+from stickslip.identifying.words import unit_of_kind
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from stickslip.information import Information
+
 __all__ = ["Fit", "Quality"]
 
 #: Parameters that are correlated more than this are named.
 CORRELATED = 0.95
+PARTS = ("total", "statistical", "systematic")
 #: Ways to an interval, and the options of each.
 METHODS: dict[str, tuple[str, ...]] = {"covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
 
@@ -43,6 +47,8 @@ class Quality:
         Part of the variance that is explained; NaN for a single number.
     correlation : float
         Of neighbouring residuals: 0 for white noise; near 1 what is left has a shape, so the law or the drive is not right.
+    coloured : bool
+        Whether residuals are those of noise at equal phases of the drive, so that a correlation is not due to law or drive.
     """
 
     label: str
@@ -52,6 +58,14 @@ class Quality:
     noise: float
     r2: float
     correlation: float
+    coloured: bool = False
+
+    @property
+    def excess(self) -> str:
+        """What is left, in words."""
+        unit = unit_of_kind(self.kind)
+        beside = f" where the noise is {self.noise:.3g} {unit}" if np.isfinite(self.noise) else ""
+        return f"residuals of {self.rms:.3g} {unit}{beside}, neighbours correlated {self.correlation:.2f}"
 
     @property
     def suspicious(self) -> bool:
@@ -74,13 +88,11 @@ class Fit:
     ----------
     values : dict
         The free parameters.
-    errors : dict
-        Their standard errors, from the covariance; infinite for those that the data do not determine (see `undetermined`).
-    covariance : array
-        Of the free parameters in the order of `values`.
-    problem : SteadyProblem or DrivenProblem
+    spread : array
+        Covariance of all numbers that were fitted, on the scale of the search; infinite variance for those that the data do not determine.
+    problem : Sensed
     place, jacobian, residuals : arrays
-        Where the search ended, on its own scale.
+        Where the search ended, on its own scale; the derivatives have a row more for each number of which something is known beforehand.
     scale : float
         Factor on the noise: 1 where the noise was given, else what the residuals ask for.
     starts, agree, steps : int
@@ -90,6 +102,10 @@ class Fit:
     provenance : dict
     records : tuple
         What was fitted: records, and mean velocities.
+    penalty : float
+        Sum of squares of what is known beforehand.
+    stopped : bool
+        Whether the search was interrupted.
 
     Examples
     --------
@@ -102,8 +118,7 @@ class Fit:
     """
 
     values: dict[str, float]
-    errors: dict[str, float]
-    covariance: NDArray[np.float64]
+    spread: NDArray[np.float64]
     problem: Any
     place: NDArray[np.float64]
     jacobian: NDArray[np.float64]
@@ -116,6 +131,8 @@ class Fit:
     law: str
     provenance: dict[str, Any] = field(default_factory=dict)
     records: tuple[Any, ...] = ()
+    penalty: float = 0.0
+    stopped: bool = False
 
     # ---- how sure ----
     @property
@@ -130,8 +147,9 @@ class Fit:
 
     @property
     def fitted(self) -> int:
-        """How many numbers were fitted, phases and offsets included."""
-        return len(self.names) + self.problem.nuisances
+        """How many numbers were fitted, phases and those of sensors included; of what is known beforehand, nothing more is asked."""
+        known = len(self.jacobian) - self.count
+        return max(len(self.names) + self.problem.nuisances - known, 0)
 
     @property
     def dof(self) -> int:
@@ -140,13 +158,45 @@ class Fit:
 
     @property
     def cost(self) -> float:
-        """Sum of squared residuals in standard deviations."""
-        return float(self.residuals @ self.residuals)
+        """Sum of squared residuals in standard deviations, with that of what is known beforehand."""
+        return float(self.residuals @ self.residuals) + self.penalty
 
     @cached_property
     def information(self) -> Information:
-        """What the data say about the parameters (on the scale of the search), phases and offsets included."""
-        return Information(self.jacobian, self.problem.resolution)
+        """What the data say about the parameters (on the scale of the search), phases and numbers of sensors included."""
+        return information_of(self.problem, self.jacobian)
+
+    @cached_property
+    def covariance(self) -> NDArray[np.float64]:
+        """Covariance of the free parameters in the order of `values`."""
+        n = len(self.names)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.spread[:n, :n] * np.outer(self.slopes, self.slopes))
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the free parameters; infinite for those that the data do not determine (see `undetermined`)."""
+        return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    @property
+    def sensor(self) -> dict[str, tuple[float, float]]:
+        """What the sensors add: name -> (value, standard error); zero for what was held, infinite for what the data do not determine.
+
+        The delay of a record of steady motion is never determined: the drive's phase in the record is not known.
+        """
+        first = self.problem.first
+        found = {n.name: (float(self.place[k]), float(np.sqrt(self.spread[k, k]))) for k, n in enumerate(self.problem.numbers, first)}
+        found |= {n.name: (n.value, 0.0) for n in self.problem.held}
+        asked = self.problem.given is None or "delay" in self.problem.given
+        steady = any(t.kind in ("velocity", "position") for t in self.problem.targets)
+        return found | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in found else {})
+
+    @cached_property
+    def combinations(self) -> list[tuple[str, float, float]]:
+        """What the data do determine of numbers that they do not determine one by one: (formula, value, standard error)."""
+        from stickslip.identifying.formulas import combinations
+
+        return combinations(self)
 
     @property
     def undetermined(self) -> tuple[str, ...]:
@@ -169,7 +219,9 @@ class Fit:
         return found
 
     @explains_arguments
-    def interval(self, name: str, level: float = 0.95, method: str = "covariance", **options: Any) -> tuple[float, float]:
+    def interval(
+        self, name: str, level: float = 0.95, method: str = "covariance", part: str = "total", **options: Any
+    ) -> tuple[float, float]:
         """A confidence interval of a parameter.
 
         Parameters
@@ -179,6 +231,9 @@ class Fit:
         method : {"covariance", "profile", "bootstrap"}
             From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
             parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers=1``; the same numbers for any workers).
+        part : {"total", "statistical", "systematic"}
+            Statistical is what noise alone would leave if the sensors, and all that is known beforehand, were as they are fitted;
+            systematic is what these add. Lengths on either side add up in squares to the total.
 
         Returns
         -------
@@ -192,15 +247,20 @@ class Fit:
             problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type for example level=0.95")
         if method not in METHODS:
             problems.add(f"method = {method!r}; {did_you_mean(method, METHODS)}")
+        if part not in PARTS:
+            problems.add(f"part = {part!r}; {did_you_mean(part, PARTS)}")
         for option in options:
             if option not in METHODS.get(method, options):
                 typed = f'; type method="bootstrap", {option}={options[option]!r}' if option in METHODS["bootstrap"] else ""
                 problems.add(f"{option!r} is no option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
         problems.check()
         from stickslip.identifying.bootstrapping import by_bootstrap
-        from stickslip.identifying.uncertainty import by_covariance, by_profile
+        from stickslip.identifying.uncertainty import by_covariance, by_profile, calibrated, in_parts
 
-        return {"covariance": by_covariance, "profile": by_profile, "bootstrap": by_bootstrap}[method](self, name, level, **options)
+        by: Any = {"covariance": by_covariance, "profile": by_profile, "bootstrap": by_bootstrap}[method]
+        whole = (float("nan"),) * 2 if part == "statistical" else by(self, name, level, **options)
+        noise = (float("nan"),) * 2 if part == "total" else by(calibrated(self, name), name, level, **options)
+        return {"total": whole, "statistical": noise, "systematic": in_parts(self.values[name], whole, noise)}[part]
 
     # ---- what was fitted ----
     @explains_arguments

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -11,20 +12,26 @@ from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
+from stickslip.friction.adapter import adapted
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.parameters import Parameters, parameters
+from stickslip.identifying.nesting import nested_seeds
+from stickslip.identifying.priors import ALLOWED, prior_of
 from stickslip.identifying.problems import SteadyProblem
-from stickslip.identifying.search import multistart, polished, searched
+from stickslip.identifying.search import Found, multistart, polished, searched
+from stickslip.identifying.sensed import Sensed
+from stickslip.identifying.sensors import EFFECTS, sensors_of
+from stickslip.identifying.spread import information_of, noise_scale, spread_of
 from stickslip.identifying.targets import target
 from stickslip.identifying.words import counted
-from stickslip.information import Information
 from stickslip.quantities import between
 from stickslip.records import Record
 
 __all__ = ["identify"]
 
 USES = ("auto", "velocity", "position", "mean", "force")
+_ROUNDS, _SAME = 3, 0.05  # times that the noise is found anew, and by how much it may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
 
@@ -41,6 +48,7 @@ def identify(
     load: float | None = None,
     settle: int | str = "auto",
     transient: bool = False,
+    sensor: dict[str, Any] | None = None,
     starts: int = 64,
     seed: int = 0,
     rtol: float = 1e-8,
@@ -51,18 +59,24 @@ def identify(
 
     Curves are compared at the record's own instants; the drive's phase in each record is fitted along. Of more than 20 000 samples of a
     velocity those at neighbouring phases of the motion are averaged, in five parts of the record apart. The search begins at many
-    places of a Sobol sequence, judged in batches, and goes on from the best by trust-region steps.
+    places of a Sobol sequence, judged in batches, and goes on from the best by trust-region steps, and from the best places of the
+    simpler laws inside the one that is fitted. Ctrl-C ends it with the best place so far, and a note.
+
+    The sensor is part of the model: it shows ``gain * h(t - delay) + offset + drift * t`` of what the model gives, so that a zero which
+    is off or a gain of 1.02 widens the intervals instead of moving the numbers. A free offset takes the mean velocity away from what a
+    record tells: a speed measured otherwise is given beside it, as ``[record, ("normal", 2.1e-3, 2e-5)]``.
 
     Parameters
     ----------
     records : Record, number, or a list of them
-        A number is a mean velocity [m/s].
+        A number is a mean velocity [m/s]; beside records it says how sure it is: ``("normal", mean, sd)`` or ``(value, "1%")``.
     make : callable or Robot or law
         A maker with its arguments, such as ``ss.presets.piezo_rig``; a robot, whose fields are then named with dots; or the class of a
         law (or a law), which is then fitted as force against motion.
     free : dict
-        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm. ``"amplitude[0]"`` is
-        that of the first record alone, ``"amplitude[:]"`` one for each record.
+        Bounds of the free parameters: ``(low, high)``, or ``(low, high, "log")`` for a search in the logarithm; or what is known of
+        them: ``("normal", mean, sd)``, ``("uniform", low, high)``, ``(value, "1%")``. ``"amplitude[0]"`` is that of the first record
+        alone, ``"amplitude[:]"`` one for each record.
     tied : dict, optional
         Arguments that follow from others: another's name, or a function of the dict of all of them.
     using : {"auto", "velocity", "position", "mean", "force"}
@@ -79,6 +93,13 @@ def identify(
     transient : bool
         Fit the start too: each record is simulated from its first sample on, its velocity at the strobe time before that fitted along, its
         bristles unbent there.
+    sensor : dict, optional
+        What the sensors add. None fits an offset and a drift for each record, one gain (1 with a standard deviation of 2 %) and, of
+        forces, one delay, where a record has values enough; ``{}`` is an ideal sensor. Else the effects that are to be considered:
+        ``dict(offset=0.0, gain=("normal", 1.0, 0.02), drift=None)`` holds one, says what is known of another, and leaves a third free.
+        Names: offset and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal
+        force) and inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one
+        for each.
     starts : int
         Places of the multistart.
     seed : int
@@ -105,43 +126,54 @@ def identify(
     """
     records = as_list(records)
     _check(records, using, noise, starts, seed)
-    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed)
+    problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"))
-    best = polished(problem, best.place)
-    problem.solves += rough.solves
-    return _fit(problem, best, starts, agree, notes, noise is not None, seed, tuple(records))
+    best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), nested_seeds(rough, starts, seed))
+    problem, best = _finished(problem, best)
+    solved = problem.solves + rough.solves
+    return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved)
 
 
 def as_list(records: Any) -> list[Any]:
     """One record, or several."""
-    return list(records) if isinstance(records, (list, tuple)) else [records]
+    return [records] if prior_of(records) or not isinstance(records, (list, tuple)) else list(records)
 
 
 def problem_of(
     records: list[Any], make: Any, free: dict[str, Any], tied: dict[str, Any] | None, using: str, noise: float | None,
     frequency: float | None, load: float | None, rtol: float, arguments: dict[str, Any],
-    settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0,
-) -> SteadyProblem | DrivenProblem:  # fmt: skip
+    settle: int | str = "auto", transient: bool = False, starts: int = 64, seed: int = 0, sensor: dict[str, Any] | None = None,
+) -> Sensed:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
     first = of.first_models(multistart(len(of.free), starts, seed))
     if using == "force" or (using == "auto" and not hasattr(first[0], "friction")):
-        return _driven(records, of, load, noise)
-    targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
-    return SteadyProblem(of, targets, rtol)
+        model: Any = _driven(records, of, load, noise, first)
+    else:
+        targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
+        model = SteadyProblem(of, targets, rtol)
+    numbers, held = sensors_of(sensor, model.targets)
+    return Sensed(model, numbers, held, given=sensor)
 
 
 def _check(records: list[Any], using: str, noise: float | None, starts: int, seed: int) -> None:
     problems = Problems("identify")
     if not records:
         problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
+    curves = any(isinstance(rec, Record) for rec in records)
     for i, rec in enumerate(records):
-        if not isinstance(rec, (Record, int, float, np.number)) or isinstance(rec, bool):
-            problems.add(f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)) or a mean velocity [m/s]")
-        elif not isinstance(rec, Record) and not abs(float(rec)) <= 1e9:
+        if isinstance(rec, Record) or prior_of(rec):
+            continue
+        if not isinstance(rec, (int, float, np.number)) or isinstance(rec, bool):
+            problems.add(f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)), a mean velocity [m/s], or one with its error: {ALLOWED}")
+        elif not abs(float(rec)) <= 1e9:
             problems.add(f"records[{i}] = {rec!r}; allowed is a mean velocity up to 1e9 m/s in size")
+        elif curves and noise is None:
+            problems.add(
+                f"records[{i}] = {rec!r} stands beside records and does not say how sure it is; "
+                f'type ("normal", {rec!r}, standard deviation) or ({rec!r}, "1%")'
+            )
     if not is_one_of(using, USES):
         problems.add(f"using = {using!r}; allowed is one of {', '.join(USES)}")
     if noise is not None:
@@ -151,36 +183,73 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
     problems.check()
 
 
-def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None) -> DrivenProblem:
-    motions = tuple(motion_of(rec, load, f"record {i}") for i, rec in enumerate(records))
+def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any]) -> DrivenProblem:
+    motions = tuple(dataclasses.replace(motion_of(rec, load, f"record {i}"), given_sigma=noise is not None) for i, rec in enumerate(records))
     spread = float(np.std(np.concatenate([m.y for m in motions])))
     thin = max(sum(len(m.t) for m in motions) // _SAMPLES, 1)
-    return DrivenProblem(of, motions, noise or 0.01 * spread or 1.0, thin)
+    holds = any(not law.dynamic or law.needs_applied for law in map(adapted, first))
+    return DrivenProblem(of, motions, noise or 0.01 * spread or 1.0, thin, holds)
 
 
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
     notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
     notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
-    if isinstance(problem, DrivenProblem):
-        notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if m.flipped]
+    notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if getattr(m, "flipped", False)]
     return notes
 
 
-def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], given: bool, seed: int, records: tuple[Any, ...]) -> Fit:
+def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
+    """The problem with its noise as the residuals have it, and the best place."""
+    if rough.stopped:
+        return problem, Found(rough.place, problem.residuals(rough.place), problem.jacobian(rough.place), rough.steps, True)
+    best = polished(problem, rough.place)
+    for _ in range(_ROUNDS):
+        scale = noise_scale(problem, best)
+        if best.stopped or not problem.has_known_rows or abs(scale / problem.trust - 1) < _SAME:
+            break
+        problem = problem.trusting(scale)
+        best = polished(problem, best.place)
+    return problem, best if best.stopped else _canonical(problem, best)
+
+
+def _canonical(problem: Sensed, best: Found) -> Found:
+    """The same fit where numbers of sensors that the data do not determine are those of ideal sensors."""
+    lost = {problem.numbers[k - problem.first].name for k in _undetermined(problem, best) if k >= problem.first}
+    held: list[str] = []
+    reduced, place = problem, best.place
+    while names := [n.name for n in reduced.numbers if n.name in lost]:
+        held.append(names[0])
+        kept = np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
+        reduced = problem.holding(held)
+        found = polished(reduced, best.place[kept])
+        lost = {reduced.numbers[k - reduced.first].name for k in _undetermined(reduced, found) if k >= reduced.first}
+        place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
+        place[kept] = found.place
+    if not held:
+        return best
+    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
+
+
+def _undetermined(problem: Sensed, found: Found) -> list[int]:
+    return [int(k) for k in np.flatnonzero(information_of(problem, found.jacobian).undetermined)]
+
+
+def _fit(
+    problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int
+) -> Fit:
     free = problem.parameters.free
-    n, count = len(free), len(best.residuals)
+    n, count = len(free), len(problem.y)
     if best.cost >= 0.99 * count * 1e8:
         raise InputError("identify", ["the model could not be solved at any place that was tried; check the arguments that are fixed"])
-    dof = count - n - problem.nuisances
-    scale = 1.0 if given or dof < 1 else float(np.sqrt(best.cost / dof))
+    given = all(t.given_sigma for t in problem.targets)
+    dof = len(best.residuals) - n - problem.nuisances
+    scale = noise_scale(problem, best)
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
-    slope = np.array([f.slope(p) for f, p in zip(free, best.place, strict=False)])
-    with np.errstate(invalid="ignore"):
-        covariance = Information(best.jacobian, problem.resolution).covariance(scale)[:n, :n] * np.outer(slope, slope)
-    errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(values)}
     if dof < 1 and not given:
         notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
+    if best.stopped:
+        notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     from stickslip import __version__
 
     law = _law_name(problem.parameters.model(values, 0))
@@ -188,17 +257,16 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         "stickslip": __version__,
         "seed": seed,
         "starts": starts,
-        "solves": problem.solves,
+        "solves": solves,
         "arguments": [_plain(f) for f in problem.parameters.fixed],
     }
     return Fit(
         values,
-        errors,
-        covariance,
+        spread_of(problem, best.jacobian, best.residuals, scale),
         problem,
         best.place,
         best.jacobian,
-        best.residuals,
+        best.residuals[:count],
         scale,
         starts,
         agree,
@@ -207,6 +275,8 @@ def _fit(problem: Any, best: Any, starts: int, agree: int, notes: list[str], giv
         law,
         provenance,
         records,
+        penalty=float(best.residuals[count:] @ best.residuals[count:]),
+        stopped=best.stopped,
     )
 
 

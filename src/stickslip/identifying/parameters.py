@@ -12,6 +12,7 @@ from stickslip.arguments import parameters_of
 from stickslip.batch import made_model, stacked
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
+from stickslip.identifying.priors import ALLOWED, Prior, prior_of
 from stickslip.sealing import sealed
 
 __all__ = ["Free", "Parameters"]
@@ -29,12 +30,15 @@ class Free:
         Bounds.
     log : bool
         Whether the search moves its logarithm.
+    prior : Prior, optional
+        What is known of it beforehand.
     """
 
     name: str
     low: float
     high: float
     log: bool = False
+    prior: Prior | None = None
 
     def inner(self, value: Any) -> Any:
         """The value on the scale of the search, 0 to 1 between the bounds."""
@@ -201,14 +205,16 @@ def _free(free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
     found = []
     for name, bounds in free.items():
         parts = tuple(bounds) if isinstance(bounds, (tuple, list)) else ()
+        known = prior_of(bounds)
+        parts = known.bounds if known else parts
         log = len(parts) == 3 and parts[2] == "log"
         if len(parts) not in (2, 3) or (len(parts) == 3 and not log) or not _ordered(parts[:2], log):
-            allowed = '(low, high) with low < high, or (low, high, "log") with 0 < low'
+            allowed = f'(low, high) with low < high, (low, high, "log") with 0 < low, or an uncertain number: {ALLOWED}'
             problems.add(f'free: {name} = {bounds!r}; allowed is {allowed}; type for example "{name}": (0.05, 0.5)')
             continue
         low, high = float(parts[0]), float(parts[1])
         each = [name.replace("[:]", f"[{i}]") for i in range(count)] if name.endswith("[:]") else [name]
-        found += [Free(one, low, high, log) for one in each]
+        found += [Free(one, low, high, log, known) for one in each]
     for f in found:
         if f.record is not None and f.record >= count:
             problems.add(f"free: {f.name} names record {f.record}; there are {count}, counted from 0")

@@ -1,4 +1,4 @@
-"""Residuals of several records under one model, and their derivatives: steady motion of robots."""
+"""What one model gives for several records, and its derivatives: steady motion of robots."""
 
 from __future__ import annotations
 
@@ -16,8 +16,6 @@ from stickslip.solvers import solve
 
 __all__ = ["SteadyProblem"]
 
-#: Residual of a value that a model cannot give, in standard deviations.
-IMPOSSIBLE = 1e4
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 _GRID = 256  # phases tried for the alignment of a curve
 
@@ -40,6 +38,7 @@ class SteadyProblem:
     """
 
     resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
+    batched: ClassVar[bool] = False
 
     parameters: Parameters
     targets: tuple[Target, ...]
@@ -58,7 +57,12 @@ class SteadyProblem:
     @property
     def nuisances(self) -> int:
         """How many phases and offsets are fitted besides the free parameters."""
-        return len(self._timing) + sum(t.kind == "position" for t in self.targets)
+        return self.timing + sum(t.kind == "position" for t in self.targets)
+
+    @property
+    def timing(self) -> int:
+        """How many numbers a place has behind the free parameters."""
+        return len(self._timing)
 
     @property
     def _timing(self) -> tuple[tuple[int, str], ...]:
@@ -150,15 +154,17 @@ class SteadyProblem:
             return None
         return found
 
-    def residuals(self, place: Any) -> Any:
-        """(model - measured) / sigma."""
-        found = self.predicted(place)
-        if found is None or not np.isfinite(found).all():
-            return np.full(sum(t.count for t in self.targets), IMPOSSIBLE)
-        return (found - self.y) / self.sigma
+    def batch(self, places: Any, readings: Any = None) -> Any:
+        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+        found = [self.predicted(place) for place in places]
+        return np.stack([np.full(len(self.y), np.nan) if each is None else each for each in found], axis=1)
 
-    def jacobian(self, place: Any) -> Any:
-        """Derivatives of the residuals, by differences; those for the phases need no solve."""
+    def held(self, h: Any, readings: Any) -> Any:
+        """No value is that of a contact at rest, which bears what is measured."""
+        return np.zeros(len(h), bool)
+
+    def slopes(self, place: Any, readings: Any = None) -> Any:
+        """Derivatives of the values, by differences; those for the phases need no solve."""
         n, here = len(self.parameters.free), self.predicted(place)
         columns = []
         for k in range(n):
@@ -166,7 +172,7 @@ class SteadyProblem:
         slopes = {i: self._phase_slope(place, i) for i in self.curves}
         for k, (i, what) in enumerate(self._timing):
             columns.append(self._slope(place, n + k, here) if what == "start" else slopes[i] * (self._course(i) if what == "slip" else 1.0))
-        return np.stack(columns, axis=1) / self.sigma[:, None]
+        return np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
 
     def _slope(self, place: Any, k: int, here: Any) -> Any:
         """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""
@@ -229,18 +235,21 @@ class SteadyProblem:
         n, m = len(self.parameters.free), len(self._timing)
         return np.concatenate([np.zeros(n), np.full(m, -np.inf)]), np.concatenate([np.ones(n), np.full(m, np.inf)])
 
-    def coarse(self, places: Any) -> Any:
-        """How badly many places fit, told from mean and extreme velocities alone: one batch for each record. Lower is better."""
+    def coarse(self, places: Any, offsets: Any) -> Any:
+        """How badly many places fit, told from mean and extreme velocities alone: one batch for each record. Lower is better.
+
+        Of a record whose offset is None, the sensor's zero is not known.
+        """
         places = np.asarray(places, float)
         good, batches = self.parameters.batches(places)
         score = np.full(len(places), np.inf)
         if not good.any():
             return score
         total = np.zeros(int(good.sum()))
-        for target, batch in zip(self.targets, batches, strict=True):
+        for target, batch, offset in zip(self.targets, batches, offsets, strict=True):
             many = solve(batch, periods=100, settle="auto", rtol=1e-5, keep="summary")
             self.solves += len(total)
-            total = total + _distance(target, {name: np.asarray(getattr(many, name), float) for name in _FEATURES})
+            total = total + _distance(target, {name: np.asarray(getattr(many, name), float) for name in _FEATURES}, offset)
         score[good] = np.where(np.isfinite(total), total, np.inf)
         return score
 
@@ -248,7 +257,7 @@ class SteadyProblem:
 _FEATURES = ("mean_velocity", "velocity_max", "velocity_min")
 
 
-def _distance(target: Target, seen: dict[str, Any]) -> Any:
+def _distance(target: Target, seen: dict[str, Any], offset: float | None) -> Any:
     """Squared distance of mean and extreme velocities from those of a record."""
     if target.kind == "mean":
         return ((seen["mean_velocity"] - target.y[0]) / target.sigma) ** 2
@@ -258,7 +267,10 @@ def _distance(target: Target, seen: dict[str, Any]) -> Any:
     low, high = np.quantile(_smoothed(target), (0.0, 1.0))
     scale = max(high - low, 1e-300)
     wanted = {"mean_velocity": float(np.average(target.y, weights=target.weight)), "velocity_max": high, "velocity_min": low}
-    return sum(((seen[name] - wanted[name]) / scale) ** 2 for name in _FEATURES)
+    if offset is None:  # the extremes from the mean, which says nothing
+        wanted, seen = ({name: each[name] - each["mean_velocity"] for name in _FEATURES} for each in (wanted, seen))
+        offset = 0.0
+    return sum(((seen[name] + offset - wanted[name]) / scale) ** 2 for name in _FEATURES)
 
 
 def _smoothed(target: Target) -> Any:

@@ -12,7 +12,8 @@ import numpy as np
 from stickslip.arguments import Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.fit import Fit
-from stickslip.identifying.uncertainty import effective
+from stickslip.identifying.spread import effective
+from stickslip.identifying.uncertainty import faults
 from stickslip.sealing import sealed
 
 __all__ = ["Ranked", "Ranking", "rank"]
@@ -38,6 +39,8 @@ class Ranked:
         Akaike weight.
     held_out : float
         Rms on records that were not fitted [SI]; NaN where there are none.
+    faults : tuple of str
+        Why the fit is not one of a law that holds: correlated or too large residuals, numbers at bounds, a search that was interrupted.
     """
 
     label: str
@@ -47,6 +50,7 @@ class Ranked:
     bic: float
     weight: float
     held_out: float
+    faults: tuple[str, ...] = ()
 
 
 @sealed
@@ -66,6 +70,8 @@ class Ranking:
         Independent values in the data.
     count : int
         Values in the data.
+    supported : tuple of str
+        The laws that the data support: whose fits have no fault and are within 4 of the least AICc of such fits. None where no law fits.
     """
 
     rows: tuple[Ranked, ...]
@@ -73,6 +79,12 @@ class Ranking:
     verdict: str
     effective: float
     count: int
+    supported: tuple[str, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """Why the data support what they do: the verdict, and the faults of the fits."""
+        return "; ".join([self.verdict, *(f"{row.label}: {fault}" for row in self.rows for fault in row.faults)])
 
     @property
     def best(self) -> Ranked:
@@ -87,7 +99,7 @@ class Ranking:
             lines.append(
                 f"{r.label:<{width}}  {r.parameters:<7}  {r.rms:<9.4g}  {r.aicc:<9.4g}  {r.bic:<9.4g}  {r.weight:<6.3f}  {held}".rstrip()
             )
-        return "\n".join([*lines, self.verdict])
+        return "\n".join([*lines, *(f"{r.label}: {fault}" for r in self.rows for fault in r.faults), self.verdict])
 
     __repr__ = __str__
 
@@ -96,8 +108,10 @@ class Ranking:
 def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequence[float]] | None = None) -> Ranking:
     """Order fits of several laws to the same records by information criteria and by records that were held out.
 
-    Residuals that are correlated say less than their number: all criteria count the independent ones, as those of the best fit are. If
-    that leaves too little, or criteria and held-out records disagree, the verdict is that these data cannot tell.
+    A law is not supported if the residuals of its fit are correlated or larger than the noise, if a number of it sits at a bound, or if
+    its search was interrupted, however much better than others it fits; where no fit is without such a fault, no law fits. Correlated
+    residuals also say less than their number: all criteria count the independent ones, as those of the best fit are. If that leaves too
+    little, or criteria and held-out records disagree, the verdict is that these data cannot tell.
 
     Parameters
     ----------
@@ -140,20 +154,21 @@ def rank(fits: Sequence[Fitted] | dict[str, Fitted], held_out: dict[str, Sequenc
                 parts[label][1] - least[1],
                 float(weights[label] / total),
                 outside[label],
+                tuple(faults(fit)),
             )
             for label, fit in named.items()
         ),
         key=lambda r: r.aicc,
     )
-    decided, verdict = _verdict(rows, held_out)
-    return Ranking(tuple(rows), decided, verdict, independent, count)
+    supported, decided, verdict = _verdict(rows, held_out)
+    return Ranking(tuple(rows), decided, verdict, independent, count, supported)
 
 
 @explains_arguments
 def prediction_errors(
     fit: Fitted, records: Measured | Sequence[Measured], *, load: float | None = None, frequency: float | None = None, **arguments: Any
 ) -> list[float]:
-    """How well a fit predicts records that it has not seen: rms for each record [SI]. Only the drive's phase is fitted there.
+    """How well a fit predicts records that it has not seen: rms for each record [SI]. The drive's phase and the sensor are fitted there.
 
     Parameters
     ----------
@@ -181,15 +196,16 @@ def prediction_errors(
 
     of = fit.problem.parameters
     free = {f.name: (f.low, f.high, "log") if f.log else (f.low, f.high) for f in of.free}
+    sensor = fit.problem.given
     using = fit.problem.targets[0].kind
     transient = any(getattr(t, "transient", False) for t in fit.problem.targets)
     if not as_list(records):
         raise InputError("prediction_errors", ["no record is given; type for example ss.prediction_errors(fit, ss.read(path))"])
-    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient)
+    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor)
     problem = whole.only(fit.values)
     found = polished(problem, problem.aligned(np.empty(0)))
     edges = np.cumsum([0, *(t.count for t in problem.targets)])
-    rest = found.residuals * problem.sigma
+    rest = found.residuals[: edges[-1]] * problem.sigma
     return [float(np.sqrt(np.mean(rest[a:b] ** 2))) for a, b in pairwise(edges)]
 
 
@@ -224,7 +240,7 @@ def _noise(fit: Fit) -> str:
 
 
 def _given(fit: Fit) -> bool:
-    return all(getattr(t, "given_sigma", False) for t in fit.problem.targets)
+    return all(t.given_sigma for t in fit.problem.targets)
 
 
 def _criteria(fit: Fit, independent: float, given: bool) -> tuple[float, float]:
@@ -239,15 +255,25 @@ def _mean_square(values: Any) -> float:
     return float(np.sqrt(np.mean(np.square(np.asarray(values, float)))))
 
 
-def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[bool, str]:
-    first, second = rows[0], rows[1]
-    if not np.isfinite(first.aicc) or np.isnan(second.aicc) or not np.isfinite(second.aicc):
-        return False, "these data cannot tell: there are fewer independent values than fitted numbers"
-    if second.aicc < UNDECIDED:
-        return False, f"these data cannot tell {first.label} from {second.label}: ΔAICc is {second.aicc:.2g}, less than {UNDECIDED:g}"
-    if held_out is not None and first.label in held_out and second.label in held_out:
-        return _held_out_verdict(rows, held_out)
-    return True, f"{first.label} is supported: ΔAICc to {second.label} is {second.aicc:.3g}"
+def _verdict(rows: list[Ranked], held_out: dict[str, Any] | None) -> tuple[tuple[str, ...], bool, str]:
+    """The supported laws, whether it is one, and a sentence."""
+    sound = [r for r in rows if not r.faults]
+    if not sound:
+        return (), False, f"no law fits: what is left of the best, {rows[0].label}, is not noise, or its numbers are not to be believed"
+    first = sound[0]
+    alike = tuple(r.label for r in sound if r.aicc - first.aicc < UNDECIDED)
+    other = next(r for r in rows if r is not first)
+    apart = other.aicc - first.aicc
+    if not np.isfinite(first.aicc) or not np.isfinite(apart):
+        return alike, False, "these data cannot tell: there are fewer independent values than fitted numbers"
+    if len(alike) > 1:
+        return alike, False, f"these data cannot tell {first.label} from {alike[1]}: ΔAICc is {apart:.2g}, less than {UNDECIDED:g}"
+    if apart < UNDECIDED:
+        return alike, True, f"{first.label} is supported: {other.label} has an AICc that is higher by {apart:.3g}, but its fit has a fault"
+    if held_out is not None and first.label in held_out and other.label in held_out:
+        decided, verdict = _held_out_verdict([first, other, *(r for r in rows if r not in (first, other))], held_out)
+        return alike if decided else (), decided, verdict
+    return alike, True, f"{first.label} is supported: ΔAICc to {other.label} is {apart:.3g}"
 
 
 def _held_out_verdict(rows: list[Ranked], held_out: dict[str, Any]) -> tuple[bool, str]:

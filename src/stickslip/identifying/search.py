@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -27,6 +28,7 @@ class Found:
     residuals: Any
     jacobian: Any
     steps: int
+    stopped: bool = False  # whether somebody said stop before the search had ended
 
     @property
     def cost(self) -> float:
@@ -42,40 +44,45 @@ def multistart(numbers: int, starts: int, seed: int) -> Any:
     return np.concatenate([np.full((1, numbers), 0.5), places])
 
 
-def searched(problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None) -> tuple[Found, int]:
+def searched(
+    problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None, seeds: Any = ()
+) -> tuple[Found, int]:
     """The best place of a multistart, and how many of the polished starts ended there, roughly.
 
     Parameters
     ----------
-    problem : SteadyProblem or DrivenProblem
+    problem : Sensed
     starts : int
         Places of the multistart (a Sobol sequence, and the middle).
     seed : int
     progress : callable, optional
         Called with (done, in all).
+    seeds : sequence of places
+        Whole places from which steps are taken in any case: the best of simpler models inside this one.
     """
     places = multistart(len(problem.parameters.free), starts, seed)
     score = problem.coarse(places)
-    if not np.isfinite(score).any():
+    if not np.isfinite(score).any() and not len(seeds):
         none = f"at none of {len(places)} places between the bounds can the model be solved"
         raise InputError("identify", [f"{none}; widen or correct the bounds"])
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
-    if problem.nuisances == 0:  # the batch has judged them already
-        chosen = [(float(score[i]), problem.aligned(places[i])) for i in order]
+    if problem.batched:  # the batch has judged them already
+        chosen = [problem.aligned(place) for _, place in _spread([(float(score[i]), places[i]) for i in order], problem.first)]
     else:
-        chosen = sorted((_judged(problem, places[i]) for i in order), key=lambda pair: pair[0])
+        judged = sorted((_judged(problem, places[i]) for i in order), key=lambda pair: pair[0])
+        chosen = [place for _, place in _spread(judged, problem.first)]
     ends: list[Found] = []
-    for k, (_, place) in enumerate(_spread(chosen)):
+    for k, place in enumerate([*seeds, *chosen]):
         if progress:
-            progress(k, _POLISHED + 1)
+            progress(min(k, _POLISHED), _POLISHED + 1)
         ends.append(polished(problem, place, rough=True))
-        if ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
+        if ends[-1].stopped or ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
             break
     best = min(ends, key=lambda end: end.cost)
     agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
     if progress:
         progress(_POLISHED + 1, _POLISHED + 1)
-    return best, agree
+    return dataclasses.replace(best, stopped=ends[-1].stopped), agree
 
 
 def _judged(problem: Any, place: Any) -> tuple[float, Any]:
@@ -84,11 +91,11 @@ def _judged(problem: Any, place: Any) -> tuple[float, Any]:
     return float(rest @ rest), whole
 
 
-def _spread(chosen: list[tuple[float, Any]]) -> list[tuple[float, Any]]:
-    """The best places that are apart from one another."""
+def _spread(chosen: list[tuple[float, Any]], first: int) -> list[tuple[float, Any]]:
+    """The best places that are apart from one another in the numbers of the model."""
     kept: list[tuple[float, Any]] = []
     for cost, place in chosen:
-        if all(abs(place - other).max() > _APART for _, other in kept):
+        if all(abs(place - other)[:first].max() > _APART for _, other in kept):
             kept.append((cost, place))
         if len(kept) == _POLISHED:
             break
@@ -96,7 +103,7 @@ def _spread(chosen: list[tuple[float, Any]]) -> list[tuple[float, Any]]:
 
 
 def polished(problem: Any, place: Any, rough: bool = False) -> Found:
-    """Trust-region steps from a place to the nearest least sum of squares."""
+    """Trust-region steps from a place to the nearest least sum of squares; who interrupts them gets the best place so far."""
     from scipy.optimize import least_squares
 
     low, high = problem.bounds()
@@ -104,8 +111,28 @@ def polished(problem: Any, place: Any, rough: bool = False) -> Found:
     if len(inside) == 0:
         rest = problem.residuals(inside)
         return Found(inside, rest, np.empty((len(rest), 0)), 0)
-    fit = least_squares(
-        problem.residuals, inside, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
-        ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
-    )  # fmt: skip
+    best = _Best(problem)
+    try:
+        fit = least_squares(
+            best, inside, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
+            ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        if best.place is None:
+            raise
+        return Found(best.place, best.residuals, problem.jacobian(best.place), best.steps, stopped=True)
     return Found(fit.x, fit.fun, fit.jac, int(fit.nfev))
+
+
+class _Best:
+    """The residuals of a problem, and the best place at which they were asked for."""
+
+    def __init__(self, problem: Any):
+        self.problem, self.place, self.residuals, self.steps = problem, None, None, 0
+
+    def __call__(self, place: Any) -> Any:
+        found = self.problem.residuals(place)
+        self.steps += 1
+        if self.residuals is None or found @ found < self.residuals @ self.residuals:
+            self.place, self.residuals = np.array(place), found
+        return found

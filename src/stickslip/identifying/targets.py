@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identifying.averages import MOST, averaged
+from stickslip.identifying.priors import prior_of
 from stickslip.records import Record
 from stickslip.records.given import given_frequency
 from stickslip.records.measures import LONGEST, _repeats, mean_velocity
@@ -63,6 +64,11 @@ class Target:
         return (self.phase - 0.5 * (self.phase[0] + self.phase[-1])) / max(float(self.phase[-1] - self.phase[0]), 1e-300)
 
     @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return (self.phase - 0.5 * (self.phase[0] + self.phase[-1])) / self.frequency
+
+    @property
     def count(self) -> int:
         """Number of values."""
         return len(self.y)
@@ -113,7 +119,10 @@ def _fewer(target: Target, repeats: int | None) -> Target:
 
 
 def mean_target(value: Any, sigma: float | None, label: str) -> Target:
-    """A bare mean velocity [m/s] as a target."""
+    """A mean velocity [m/s] as a target, with its error or bare."""
+    known = prior_of(value)
+    if known:
+        return dataclasses.replace(mean_target(known.mean, known.sd, label), given_sigma=True)
     try:
         y = np.array([float(value)])
     except (TypeError, ValueError):

@@ -2,29 +2,65 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.identifying.search import polished
-from stickslip.identifying.words import undetermined, unit_of_kind
+from stickslip.identifying.spread import effective, neighbours, spread_of
+from stickslip.identifying.words import undetermined
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
-__all__ = ["by_covariance", "by_profile", "effective", "quality", "remarks"]
+__all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
+
+
+def calibrated(fit: Fit, name: str) -> Fit:
+    """The same fit if the sensors, and all else of which something is known beforehand, were known to be as they are fitted."""
+    free = [f.name for f in fit.problem.parameters.free if f.prior and f.name != name]
+    return known_to_be(fit, [n.name for n in fit.problem.numbers], free)
+
+
+def known_to_be(fit: Fit, numbers: list[str], free: Sequence[str] = ()) -> Fit:
+    """The same fit if these numbers of the sensors and these parameters were known to be as they are fitted."""
+    of, first = fit.problem.parameters.free, fit.problem.first
+    problem = fit.problem.holding(numbers, fit.place).only({name: fit.values[name] for name in free})
+    place = [f.name not in free for f in of] + [True] * (first - len(of)) + [n.name not in numbers for n in fit.problem.numbers]
+    known = [f.name not in free for f in of if f.prior] + [n.name not in numbers for n in fit.problem.numbers if n.prior]
+    kept, rows = np.array(place, bool), np.array([True] * fit.count + known, bool)
+    jacobian = fit.jacobian[rows][:, kept]
+    return dataclasses.replace(
+        fit, values={n: v for n, v in fit.values.items() if n not in free}, problem=problem, place=fit.place[kept], jacobian=jacobian,
+        spread=spread_of(problem, jacobian, fit.residuals, fit.scale), penalty=problem.penalty(fit.place[kept]),
+    )  # fmt: skip
+
+
+def costs(fit: Fit) -> dict[str, dict[str, float]]:
+    """Standard error of each parameter if one effect of the sensors were known: effect -> name -> error; under "" if all were."""
+    effects = dict.fromkeys(n.what for n in fit.problem.numbers)
+    one = {what: known_to_be(fit, [n.name for n in fit.problem.numbers if n.what == what]).errors for what in effects}
+    return one | ({"": known_to_be(fit, [n.name for n in fit.problem.numbers]).errors} if effects else {})
+
+
+def in_parts(value: float, whole: tuple[float, float], noise: tuple[float, float]) -> tuple[float, float]:
+    """What is left of an interval if a part of it is taken away in squares, on either side of a value."""
+    lengths = [np.sqrt(max((w - value) ** 2 - (n - value) ** 2, 0.0)) for w, n in zip(whole, noise, strict=True)]
+    return float(value - lengths[0]), float(value + lengths[1])
 
 
 def _inner_error(fit: Fit, k: int) -> float:
     """Standard error on the scale of the search."""
-    return float(fit.information.errors(fit.scale)[k])
+    return float(np.sqrt(fit.spread[k, k]))
 
 
 def _quantile(fit: Fit, level: float) -> float:
     from scipy.stats import norm, t
 
     half = 0.5 + 0.5 * level
-    given = all(getattr(target, "given_sigma", False) for target in fit.problem.targets)
+    given = all(target.given_sigma for target in fit.problem.targets)
     return float(norm.ppf(half) if given or fit.dof == 0 else t.ppf(half, fit.dof))
 
 
@@ -85,29 +121,6 @@ def _risen(fit: Fit, k: int, held: float, start: Any) -> tuple[float, Any]:
     return found.cost - fit.cost, np.insert(found.place, k, held)
 
 
-def neighbours(rest: Any) -> float:
-    """Correlation of neighbouring residuals."""
-    if len(rest) < 4 or not np.std(rest) > 0:
-        return 0.0
-    r = rest - rest.mean()
-    return float((r[1:] @ r[:-1]) / (r @ r))
-
-
-def effective(rest: Any) -> float:
-    """How many independent values residuals are worth (Geyer's initial positive sequence)."""
-    n = len(rest)
-    if n < 8 or not np.std(rest) > 0:
-        return float(n)
-    r = rest - rest.mean()
-    lines = np.fft.rfft(r, 2 * n)
-    rho = np.fft.irfft(lines * np.conj(lines))[:n].real
-    rho = rho / rho[0]
-    pairs = rho[: n // 2 * 2].reshape(-1, 2).sum(axis=1)
-    last = int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else len(pairs)
-    time = max(2 * float(pairs[:last].sum()) - 1, 1.0)
-    return float(n / time)
-
-
 def quality(fit: Fit) -> tuple[Quality, ...]:
     """How well each record is met."""
     from stickslip.identifying.fit import Quality
@@ -118,11 +131,28 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
         square, spread = target.mean_square(rest), target.mean_square(y - np.average(y, weights=target.weight * np.ones(len(y))))
         r2 = 1 - square / spread if len(y) > 1 and spread > 0 else float("nan")
         noise = float(getattr(target, "sigma", float("nan")))
-        known = target.kind in ("velocity", "position") or getattr(target, "given_sigma", False)
+        known = target.kind in ("velocity", "position") or target.given_sigma
+        periodic = target.kind == "velocity" and not target.transient and target.phase[-1] > 2 * target.period
         order = np.argsort(np.mod(target.phase, target.period), kind="stable") if target.kind == "velocity" else np.arange(len(rest))
-        shape = max(neighbours(rest), neighbours(rest[order]), key=abs)
-        found.append(Quality(target.label, target.kind, len(rest), float(np.sqrt(square)), noise if known else float("nan"), r2, shape))
+        folded, shape = neighbours(rest[order]), max(neighbours(rest), neighbours(rest[order]), key=abs)
+        coloured = periodic and abs(folded) < 3.5 / np.sqrt(len(rest))
+        found.append(
+            Quality(target.label, target.kind, len(rest), float(np.sqrt(square)), noise if known else float("nan"), r2, shape, coloured)
+        )
     return tuple(found)
+
+
+def faults(fit: Fit) -> list[str]:
+    """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are no noise."""
+    found = ["the search was interrupted"] if fit.stopped else []
+    for k, free in enumerate(fit.problem.parameters.free):
+        if not fit.information.undetermined[k] and min(fit.place[k], 1 - fit.place[k]) < 1e-4:
+            found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}")
+    for k, number in enumerate(fit.problem.numbers, fit.problem.first):
+        low, high = number.bounds
+        if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
+            found.append(f"{number.name} of the sensor ends at its bound {fit.place[k]:.5g}")
+    return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
 
 
 def remarks(fit: Fit) -> list[str]:
@@ -137,13 +167,18 @@ def remarks(fit: Fit) -> list[str]:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
     for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
-            unit = unit_of_kind(q.kind)
-            why = f"residuals of {q.rms:.3g} {unit}" + (f" where the noise is {q.noise:.3g} {unit}" if np.isfinite(q.noise) else "")
-            narrow = np.sqrt(q.count / effective(rest))
-            found.append(
-                f"{q.label}: {why}, neighbours correlated {q.correlation:.2f}: the law or the drive is not that of the record; "
-                f"intervals are too narrow, by a factor of about {max(narrow, 1.0):.2g}"
-            )
+            found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1 and not fit.cost < fit.problem.quiet:
         found.append("only one polished start ended here; type starts= with a larger number to look for a better place")
     return found
+
+
+def _why(q: Quality, rest: Any) -> str:
+    """What residuals that are no noise say."""
+    narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
+    if q.coloured:
+        return f"they follow time and not the drive, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"
+    return (
+        "the law or the drive is not that of the record; intervals suppose that it is, and are too narrow, "
+        f"by a factor of about {narrow:.2g} or more"
+    )

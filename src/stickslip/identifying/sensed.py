@@ -1,0 +1,355 @@
+"""What is measured of a model: its curves or forces as sensors show them, with what is known of sensors and numbers beforehand."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from stickslip.identifying.sensors import EFFECTS, SensorNumber
+
+__all__ = ["Sensed"]
+
+#: Residual of a value that a model cannot give, in standard deviations.
+IMPOSSIBLE = 1e4
+_LINEAR = ("offset", "drift", "gain", "inertia")
+_NUDGE = 1e-5  # of the mean load: differences for the derivative by a preload
+
+
+@dataclass(eq=False)
+class Sensed:
+    r"""The least-squares problem of a fit: a model, what its sensors do, and what is known beforehand.
+
+    .. math:: y = g\,h(t - \tau) + b + d\,t + m\,a
+
+    with the model's h, gain g, delay :math:`\tau`, offset b, drift d (t from the middle of the record) and, of forces, the inertia m of
+    the parts between contact and sensor, times their acceleration. A preload acts on the model itself. Uncertain numbers add a row each,
+    (value - mean) / sd. A place is that of the model (free parameters between 0 and 1, then phases), followed by the numbers of the
+    sensors.
+
+    Parameters
+    ----------
+    model : SteadyProblem or DrivenProblem
+    numbers, held : tuple of SensorNumber
+        Those that are fitted, and those that are not.
+    trust : float
+        The noise of records, found from the residuals, over what the problem supposes: rows whose standard deviation is known count by it.
+    shifts : array or float
+        By how much rows of what is known are moved, in standard deviations (bootstrap).
+    given : None or dict
+        What the user typed for the sensor.
+    """
+
+    model: Any
+    numbers: tuple[SensorNumber, ...] = ()
+    held: tuple[SensorNumber, ...] = ()
+    trust: float = 1.0
+    shifts: Any = 0.0
+    given: Any = None
+    _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
+
+    # ---- what the model says ----
+    @property
+    def parameters(self) -> Any:
+        """Free, fixed and tied parameters."""
+        return self.model.parameters
+
+    @property
+    def targets(self) -> Any:
+        """What is fitted of each record."""
+        return self.model.targets
+
+    @property
+    def resolution(self) -> float:
+        """Singular values of the derivatives below this part of the largest are zero."""
+        return float(self.model.resolution)
+
+    @property
+    def solves(self) -> int:
+        """How many models were solved."""
+        return int(self.model.solves)
+
+    @property
+    def quiet(self) -> float:
+        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
+        return float(self.model.quiet)
+
+    @property
+    def batched(self) -> bool:
+        """Whether many places cost little more than one."""
+        return bool(self.model.batched)
+
+    @property
+    def nuisances(self) -> int:
+        """How many phases, offsets and numbers of sensors are fitted besides the free parameters."""
+        return int(self.model.nuisances) + len(self.numbers)
+
+    @property
+    def first(self) -> int:
+        """Where in a place the numbers of the sensors begin."""
+        return len(self.parameters.free) + int(self.model.timing)
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return self.model.y
+
+    @property
+    def sigma(self) -> Any:
+        """Standard deviation of each value."""
+        trust = np.concatenate([np.full(t.count, self.trust if t.given_sigma else 1.0) for t in self.targets])
+        return self.model.sigma / trust
+
+    # ---- others like it ----
+    def _like(self, model: Any, **changes: Any) -> Sensed:
+        return dataclasses.replace(self, model=model, _memory={}, **changes)
+
+    def with_values(self, y: Any, shifts: Any = 0.0) -> Sensed:
+        """The same fit for other measured values."""
+        return self._like(self.model.with_values(y), shifts=shifts)
+
+    def only(self, fixed: dict[str, float]) -> Sensed:
+        """The same fit with some free parameters held."""
+        return self._like(self.model.only(fixed))
+
+    def rough(self) -> Sensed:
+        """The same fit for the search."""
+        return self._like(self.model.rough())
+
+    def trusting(self, trust: float) -> Sensed:
+        """The same fit where the records' noise is known better."""
+        return self._like(self.model, trust=trust)
+
+    def holding(self, names: Any, place: Any = None) -> Sensed:
+        """The same fit with some numbers of the sensors held: where a place has them, else at those of an ideal sensor."""
+        values = [EFFECTS[n.what].neutral for n in self.numbers] if place is None else place[self.first :]
+        kept = tuple(n for n in self.numbers if n.name not in names)
+        fixed = tuple(dataclasses.replace(n, value=float(v)) for n, v in zip(self.numbers, values, strict=True) if n.name in names)
+        return self._like(self.model, numbers=kept, held=(*self.held, *fixed))
+
+    def _phase(self, place: Any, record: int) -> Any:
+        return self.model._phase(place, record)
+
+    # ---- predictions ----
+    def readings(self, places: Any) -> list[dict[str, Any]]:
+        """Effects of the sensor of each record: name -> value, or one for each column of places (numbers, cases)."""
+        found: list[dict[str, Any]] = [{} for _ in self.targets]
+        values = [*zip(self.numbers, places[self.first :], strict=True), *((n, n.value) for n in self.held)]
+        for number, value in values:
+            for i in number.records:
+                found[i][number.what] = value
+        return found
+
+    def batch(self, places: Any) -> Any:
+        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+        columns = np.asarray(places, float).T
+        readings = self.readings(columns)
+        return self._shown(self.model.batch(columns[: self.first].T, readings), readings)
+
+    def predicted(self, place: Any) -> Any:
+        """Values of all records in the order of `y`; None where the parameters make no model."""
+        h = self._modelled(place)
+        return None if h is None else self._shown(h, self.readings(place))
+
+    def _modelled(self, place: Any) -> Any:
+        """What the model gives before any sensor; the last few places are remembered."""
+        key = tuple(np.asarray(place, float).tolist())
+        if key not in self._memory:
+            if len(self._memory) > 4:
+                self._memory.clear()
+            found = self.model.batch(np.asarray(place, float)[None, : self.first], self.readings(np.asarray(place, float)[:, None]))[:, 0]
+            self._memory[key] = found if np.isfinite(found).all() else None
+        return self._memory[key]
+
+    def _parts(self, whole: Any) -> list[Any]:
+        edges = np.cumsum([0, *(t.count for t in self.targets)])
+        return [whole[a:b] for a, b in pairwise(edges)]
+
+    def _shown(self, h: Any, readings: list[dict[str, Any]]) -> Any:
+        return np.concatenate([_shown(t, part, r) for t, part, r in zip(self.targets, self._parts(h), readings, strict=True)])
+
+    # ---- residuals ----
+    def rest(self, found: Any, place: Any) -> Any:
+        """(model - measured) / sigma of values that a place gives, then the rows of what is known."""
+        values = np.full(len(self.y), IMPOSSIBLE) if found is None or not np.isfinite(found).all() else (found - self.y) / self.sigma
+        return np.concatenate([values, self._known_rows(place)])
+
+    def _known_rows(self, place: Any) -> Any:
+        away = np.array([(k.value(place) - k.mean) / k.sd for k in self._known])
+        return self.trust * (away - self.shifts * np.ones(len(away)))
+
+    def penalty(self, place: Any) -> float:
+        """Sum of squares of the rows of what is known."""
+        rows = self._known_rows(place)
+        return float(rows @ rows)
+
+    def residuals(self, place: Any) -> Any:
+        """(model - measured) / sigma, then the rows of what is known."""
+        return self.rest(self.predicted(place), place)
+
+    @property
+    def has_known_rows(self) -> bool:
+        """Whether the noise of some values is known beside that of others, so that it matters how large that is."""
+        given = [t.given_sigma for t in self.targets]
+        return not all(given) and (any(given) or bool(self._known))
+
+    @property
+    def _known(self) -> list[_Known]:
+        free = [_Known(k, f.prior.mean, f.prior.sd, f) for k, f in enumerate(self.parameters.free) if f.prior]
+        return free + [_Known(self.first + k, n.prior.mean, n.prior.sd) for k, n in enumerate(self.numbers) if n.prior]
+
+    def jacobian(self, place: Any) -> Any:
+        """Derivatives of the residuals."""
+        place = np.asarray(place, float)
+        readings = self.readings(place)
+        own = self._parts(self.model.slopes(place[: self.first], self.readings(place[:, None])))
+        main = np.concatenate([_through(t, part, r) for t, part, r in zip(self.targets, own, readings, strict=True)])
+        slopes = np.concatenate([main, self._sensor_slopes(place, readings)], axis=1) / self.sigma[:, None]
+        known = np.zeros((len(self._known), len(place)))
+        for row, k in zip(known, self._known, strict=True):
+            row[k.index] = self.trust * k.slope(place) / k.sd
+        return np.concatenate([slopes, known])
+
+    def _sensor_slopes(self, place: Any, readings: list[dict[str, Any]]) -> Any:
+        """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
+        h = self._modelled(place)
+        found = np.zeros((len(self.y), len(self.numbers)))
+        if h is None or not self.numbers:
+            return found
+        bound = self._parts(self.model.held(h, self.readings(place[:, None])))
+        parts = list(zip(self.targets, self._parts(h), readings, bound, strict=True))
+        for k, number in enumerate(self.numbers):
+            preload = number.what == "preload"
+            found[:, k] = self._preload_slope(place, self.first + k, number) if preload else _of_records(number, parts)
+        return found
+
+    def _preload_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
+        step = _NUDGE * float(np.mean([self.targets[i].load.mean() for i in number.records]))
+        both = np.stack([place, place])
+        both[:, k] += (step, -step)
+        up, down = self.batch(both).T
+        return (up - down) / (2 * step)
+
+    # ---- search ----
+    def aligned(self, place: Any) -> Any:
+        """The place of the free parameters with the best phases behind it, and the best numbers of the sensors that act in proportion."""
+        own = self.model.aligned(place)
+        whole = np.concatenate([own, [n.value for n in self.numbers]])
+        h = self._modelled(whole)
+        return whole if h is None else np.concatenate([own, self._linear(h, whole)[0]])
+
+    def _linear(self, h: Any, whole: Any) -> tuple[Any, float]:
+        """The numbers of the sensors that fit best to what a model gives, those that act in proportion; and the sum of squares then."""
+        readings = self.readings(whole)
+        rest = (self._shown(h, readings) - self.y) / self.sigma
+        moved = [k for k, n in enumerate(self.numbers) if n.what in _LINEAR]
+        values = np.array([n.value for n in self.numbers])
+        if not moved:
+            return values, float(rest @ rest)
+        bound = self._parts(self.model.held(h, self.readings(whole[:, None])))
+        parts = list(zip(self.targets, self._parts(h), readings, bound, strict=True))
+        columns = np.stack([_of_records(self.numbers[k], parts) for k in moved], axis=1) / self.sigma[:, None]
+        sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
+        away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
+        rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
+        size = np.sqrt(np.sum(rows**2, axis=0))
+        size = np.where(size > 0, size, 1.0)
+        change = np.linalg.lstsq(rows / size, -target, rcond=1e-9)[0] / size
+        low, high = (np.array([n.bounds[side] for n in self.numbers]) for side in (0, 1))
+        left = target + rows @ change
+        values[moved] += change
+        return np.clip(values, low, high), float(left @ left)
+
+    def bounds(self) -> tuple[Any, Any]:
+        """Bounds of a whole place."""
+        low, high = self.model.bounds()
+        return np.append(low, [n.bounds[0] for n in self.numbers]), np.append(high, [n.bounds[1] for n in self.numbers])
+
+    def coarse(self, places: Any) -> Any:
+        """How badly many places fit, as one batch, the best numbers of the sensors taken. Lower is better."""
+        whole = np.array([*np.zeros(self.first), *(n.value for n in self.numbers)])
+        if not self.batched:
+            free = {i for n in self.numbers if n.what == "offset" for i in n.records}
+            return self.model.coarse(places, [None if i in free else r.get("offset", 0.0) for i, r in enumerate(self.readings(whole))])
+        found = self.model.batch(places, self.readings(np.tile(whole[:, None], len(places))))
+        return np.array([self._linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in found.T])
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A number of a place of which something is known beforehand."""
+
+    index: int
+    mean: float
+    sd: float
+    free: Any = None
+
+    def value(self, place: Any) -> float:
+        return float(place[self.index] if self.free is None else self.free.outer(place[self.index]))
+
+    def slope(self, place: Any) -> float:
+        return 1.0 if self.free is None else float(self.free.slope(place[self.index]))
+
+
+def _wide(values: Any, like: Any) -> Any:
+    """A number for each value, as a column where there are many cases."""
+    return values if like.ndim == 1 else values[:, None]
+
+
+def _middle(target: Any) -> float:
+    """What a gain leaves where it is: zero, or the mean of a position, which is counted from anywhere."""
+    return float(np.average(target.y, weights=target.weight * np.ones(target.count))) if target.kind == "position" else 0.0
+
+
+def _course(target: Any) -> Any:
+    """What a drift of one unit a second adds."""
+    t = target.time
+    return t - np.average(t, weights=target.weight * np.ones(target.count)) if target.kind == "position" else t
+
+
+def _delayed(target: Any, h: Any, delay: Any) -> Any:
+    """Values a little later; between samples they change evenly."""
+    if delay is None or not np.any(delay) or h.size == 0:
+        return h
+    if h.ndim == 1:
+        return np.interp(target.time - delay, target.time, h)
+    return np.stack([_delayed(target, column, d) for column, d in zip(h.T, np.broadcast_to(delay, h.shape[1]), strict=True)], axis=1)
+
+
+def _through(target: Any, h: Any, reading: dict[str, Any]) -> Any:
+    """What gain and delay make of a change."""
+    return reading.get("gain", 1.0) * _delayed(target, h, reading.get("delay"))
+
+
+def _shown(target: Any, h: Any, reading: dict[str, Any]) -> Any:
+    """What a sensor shows where the model gives h: array (values,) or (values, cases)."""
+    if not reading:
+        return h
+    middle = _middle(target)
+    found = middle + _through(target, h - middle, reading) + reading.get("offset", 0.0)
+    for what, of in _ADDED.items():
+        if what in reading:
+            found = found + _wide(of(target), found) * reading[what]
+    return found
+
+
+_ADDED = {"drift": _course, "inertia": lambda target: target.acceleration}
+
+
+def _of_records(number: SensorNumber, parts: list[Any]) -> Any:
+    """Derivative of all values by a number of a sensor, from (target, values of the model, readings, which values a rest bears)."""
+    made = ((i in number.records, *part) for i, part in enumerate(parts))
+    return np.concatenate([_column(number.what, t, h, r) * ~held if own else np.zeros(t.count) for own, t, h, r, held in made])
+
+
+def _column(what: str, target: Any, h: Any, reading: dict[str, Any]) -> Any:
+    """Derivative of what a sensor shows by one of its numbers: array (values,)."""
+    if what in _ADDED:
+        return _ADDED[what](target)
+    if what == "offset":
+        return np.ones(target.count)
+    seen = _delayed(target, h - _middle(target), reading.get("delay"))
+    return seen if what == "gain" else -reading.get("gain", 1.0) * np.gradient(seen, target.time)

@@ -1,0 +1,179 @@
+"""What a sensor adds to what it measures: offset, drift, gain, delay; of forces also preload and the inertia of moving parts."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import Problems, did_you_mean
+from stickslip.identifying.priors import ALLOWED, Prior, prior_of
+
+__all__ = ["EFFECTS", "SensorNumber", "sensors_of"]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One thing that a sensor does.
+
+    Parameters
+    ----------
+    kinds : tuple of str
+        Kinds of records in which it is fitted.
+    neutral : float
+        The value of an ideal sensor.
+    prior : Prior, optional
+        What is supposed where nothing is typed; None for nothing.
+    default : bool
+        Whether it is fitted where nothing is said.
+    per : str
+        Its unit, after that of the record; empty where it has its own.
+    unit : str
+        Its own unit.
+    """
+
+    kinds: tuple[str, ...]
+    neutral: float
+    prior: Prior | None
+    default: bool
+    per: str | None
+    unit: str = ""
+
+
+#: The effects by name. A constant offset of a position is where it is counted from, which is always fitted; the delay of a steady motion is
+#: part of the drive's phase, which is too.
+EFFECTS = {
+    "offset": Effect(("velocity", "force"), 0.0, None, True, ""),
+    "drift": Effect(("velocity", "position", "force"), 0.0, None, True, "/s"),
+    "gain": Effect(("velocity", "position", "force"), 1.0, Prior(1.0, 0.02), True, None),
+    "delay": Effect(("force",), 0.0, None, True, None, "s"),
+    "preload": Effect(("force",), 0.0, None, False, None, "N"),
+    "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
+}
+_DELAY = 5.0  # samples by which a delay is looked for where nothing is typed
+_ENOUGH = 10  # values of a record for each number of its sensor
+
+
+@dataclass(frozen=True)
+class SensorNumber:
+    """A number of a sensor that is fitted, or held.
+
+    Parameters
+    ----------
+    name : str
+        ``offset`` of all records, ``offset[0]`` of the first.
+    records : tuple of int
+    value : float
+        Where it is held, or where the search begins.
+    prior : Prior, optional
+    """
+
+    name: str
+    records: tuple[int, ...]
+    value: float
+    prior: Prior | None = None
+
+    @property
+    def what(self) -> str:
+        """The effect."""
+        return self.name.partition("[")[0]
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Where the search looks."""
+        low, high = (-np.inf, np.inf) if self.prior is None else (self.prior.low, self.prior.high)
+        return (max(low, 1e-3), high) if EFFECTS[self.what].neutral == 1.0 else (low, high)
+
+    def unit(self, of_record: str) -> str:
+        """Its unit, where that of the record is known."""
+        effect = EFFECTS[self.what]
+        return effect.unit if effect.per is None else f"{of_record}{effect.per}"
+
+
+def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[SensorNumber, ...], tuple[SensorNumber, ...]]:
+    """Numbers of the sensors that are fitted, and those that are held, as the user says; everything wrong with it at once.
+
+    Parameters
+    ----------
+    given : None or dict
+        None for what the data can bear of what is usual; else effect -> a value that holds it, an uncertain number, or None for the usual.
+    targets : sequence
+        What is fitted: each with `kind`, `count` and `step`.
+    """
+    problems, fitted, held = Problems(what), [], []
+    taken: set[tuple[str, int]] = set()
+    for name, said in _usual(targets).items() if given is None else _typed(given, len(targets), problems):
+        records = _records(name, targets, problems)
+        made = _number(name, records, said, targets, problems) if records else None
+        twice = {(made.what, i) for i in made.records} & taken if made else set()
+        problems.found += [f"sensor: {what} of record {i} is named twice; leave one of them out" for what, i in sorted(twice)]
+        if made:
+            taken |= {(made.what, i) for i in made.records}
+            (held if _is_value(said) else fitted).append(made)
+    problems.check()
+    return tuple(fitted), tuple(held)
+
+
+def _usual(targets: Any) -> dict[str, None]:
+    """The effects that are fitted where nothing is said: one gain and one delay of a sensor, an offset and a drift of each record."""
+    able = [i for i, t in enumerate(targets) if t.count >= _ENOUGH * len(EFFECTS)]
+    one, kinds = len(targets) == 1, {targets[i].kind for i in able}
+    names = {}
+    for effect, about in EFFECTS.items():
+        there = [i for i in able if targets[i].kind in about.kinds]
+        shared = about.per is None and len(kinds) == 1
+        if there and about.default:
+            names.update(dict.fromkeys([effect] if one or (shared and len(there) == len(targets)) else [f"{effect}[{i}]" for i in there]))
+    return names
+
+
+def _typed(given: Any, count: int, problems: Problems) -> list[tuple[str, Any]]:
+    """What the user typed, ``[:]`` as one name for each record."""
+    if not isinstance(given, dict):
+        typed = 'sensor={} for an ideal sensor, or for example sensor=dict(offset=0.0, gain=("normal", 1.0, 0.02))'
+        problems.add(f"sensor = {given!r}; allowed is None, or a dict of {', '.join(EFFECTS)}; type {typed}")
+        return []
+    each = {name: [f"{str(name)[:-3]}[{i}]" for i in range(count)] if str(name).endswith("[:]") else [str(name)] for name in given}
+    return [(one, given[name]) for name, ones in each.items() for one in ones]
+
+
+def _records(name: str, targets: Any, problems: Problems) -> tuple[int, ...]:
+    """The records that a name means, all or one, as far as they have the effect."""
+    found = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", name)
+    if found is None or found[1] not in EFFECTS:
+        problems.add(f"sensor: {name!r} is not known; {did_you_mean(name, EFFECTS)}")
+        return ()
+    if found[2] and int(found[2]) >= len(targets):
+        problems.add(f"sensor: {name} names record {found[2]}; there are {len(targets)}, counted from 0")
+        return ()
+    meant, able = [int(found[2])] if found[2] else range(len(targets)), EFFECTS[found[1]].kinds
+    records = tuple(i for i in meant if targets[i].kind in able)
+    kinds = sorted({targets[i].kind for i in meant})
+    if not records and not (found[1] == "delay" and set(kinds) <= {"velocity", "position"}):  # a steady motion has it in its phase
+        problems.add(f"sensor: {name} belongs to records of {' and '.join(able)}; these are of {' and '.join(kinds)}; leave it out")
+    return records
+
+
+def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, problems: Problems) -> SensorNumber | None:
+    effect = name.partition("[")[0]
+    about = EFFECTS[effect]
+    if said is None:
+        prior = about.prior
+        if effect == "delay":
+            most = _DELAY * max(targets[i].step for i in records)
+            prior = prior_of(("uniform", -most, most))
+        return SensorNumber(name, records, about.neutral, prior)
+    if _is_value(said):
+        return SensorNumber(name, records, float(said))
+    prior = prior_of(said)
+    if prior is None:
+        typed = f"{about.neutral:g}" if about.neutral else "0.0"
+        problems.add(f"sensor: {name} = {said!r}; allowed is a number that holds it, {ALLOWED}, or None; type for example {name}={typed}")
+        return None
+    return SensorNumber(name, records, min(max(prior.mean, prior.low), prior.high), prior)
+
+
+def _is_value(said: Any) -> bool:
+    return isinstance(said, (int, float, np.number)) and not isinstance(said, bool) and bool(np.isfinite(said))

@@ -1,0 +1,96 @@
+"""How sure the numbers of a fit are: their covariance from derivatives and residuals, coloured noise included."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.information import Information
+
+__all__ = ["autocorrelation", "determined_spread", "effective", "information_of", "neighbours", "noise_scale", "spread_of"]
+
+_WHITE = 3.5  # standard errors within which the correlation of neighbours is that of white noise
+
+
+def information_of(problem: Any, jacobian: Any) -> Information:
+    """What data, and what is known beforehand, say about the numbers of a place."""
+    count = len(problem.y)
+    return Information(jacobian[:count], problem.resolution, jacobian[count:])
+
+
+def noise_scale(problem: Any, found: Any) -> float:
+    """The noise of the records over what the problem supposes, from all residuals; 1 where it was given, or nothing is left to tell it."""
+    free = len(found.residuals) - len(problem.parameters.free) - problem.nuisances
+    known = all(t.given_sigma for t in problem.targets)
+    return 1.0 if known or free < 1 else float(np.sqrt(found.cost / free))
+
+
+def spread_of(problem: Any, jacobian: Any, residuals: Any, scale: float) -> Any:
+    """Covariance of the numbers of a place, infinite variance for those that are undetermined."""
+    return information_of(problem, jacobian).marked(determined_spread(problem, jacobian, residuals, scale))
+
+
+def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float) -> Any:
+    r"""Covariance of the numbers of a place with undetermined directions left out.
+
+    With the pseudo-inverse P of the derivatives it is :math:`P\,\Omega\,P^T`. Omega, the covariance of the residuals, is scale² times one
+    where they are white. Of a record whose neighbouring residuals are correlated, it has their autocorrelation beside the diagonal.
+    """
+    info = information_of(problem, jacobian)
+    found, inverse, begin = info.of_the_determined(scale), info.inverse, 0
+    for target in problem.targets:
+        end = begin + target.count
+        rest = residuals[begin:end]
+        if np.ndim(target.weight) == 0 or np.ptp(target.weight) == 0:  # averaged values have lost their order
+            found = found + _coloured(inverse[:, begin:end], rest, scale)
+        begin = end
+    return found
+
+
+def _coloured(inverse: Any, rest: Any, scale: float) -> Any:
+    """What correlations of the residuals of one record add to the covariance."""
+    n = len(rest)
+    if n < 50 or abs(neighbours(rest)) < _WHITE / np.sqrt(n):
+        return 0.0
+    rho = autocorrelation(rest)
+    rho = rho[: _memory(rho)]
+    kernel = np.zeros(2 * n)
+    kernel[1 : len(rho)] = rho[1:]
+    kernel[-len(rho) + 1 :] = rho[:0:-1]
+    lines = np.fft.rfft(inverse, 2 * n, axis=1)
+    power = np.fft.rfft(kernel).real
+    power = np.maximum(power, -1.0)  # with the diagonal no frequency has less than no power
+    moved = np.fft.irfft(power * lines, 2 * n, axis=1)[:, :n]
+    return scale**2 * (inverse @ moved.T)
+
+
+def neighbours(rest: Any) -> float:
+    """Correlation of neighbouring residuals."""
+    if len(rest) < 4 or not np.std(rest) > 0:
+        return 0.0
+    r = rest - rest.mean()
+    return float((r[1:] @ r[:-1]) / (r @ r))
+
+
+def autocorrelation(rest: Any) -> Any:
+    """Correlation of residuals over their distance, 1 at zero: array (n,)."""
+    n, r = len(rest), rest - rest.mean()
+    lines = np.fft.rfft(r, 2 * n)
+    found = np.fft.irfft(lines * np.conj(lines))[:n].real
+    return found / found[0]
+
+
+def _memory(rho: Any) -> int:
+    """Over how many samples residuals are correlated (Geyer's initial positive sequence)."""
+    pairs = rho[: len(rho) // 2 * 2].reshape(-1, 2).sum(axis=1)
+    return 2 * (int(np.argmax(pairs <= 0)) if (pairs <= 0).any() else len(pairs))
+
+
+def effective(rest: Any) -> float:
+    """How many independent values residuals are worth."""
+    n = len(rest)
+    if n < 8 or not np.std(rest) > 0:
+        return float(n)
+    rho = autocorrelation(rest)
+    return float(n / max(2 * float(rho[: _memory(rho)].sum()) - 1, 1.0))
