@@ -331,6 +331,10 @@ class DrivenProblem:
         """The same fit with some parameters held."""
         return dataclasses.replace(self, parameters=self.parameters.only(fixed))
 
+    def leaving_out(self, effects: Any) -> DrivenProblem:
+        """The same fit of a law without some effects."""
+        return dataclasses.replace(self, parameters=self.parameters.leaving_out(effects))
+
     def rough(self) -> DrivenProblem:
         """The same fit with fewer samples, for the search."""
         if self.thin <= 1 or self.values is not None:

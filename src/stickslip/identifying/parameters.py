@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from stickslip.arguments import parameters_of
 from stickslip.batch import made_model, stacked
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
+from stickslip.identifying.effects import plainer
 from stickslip.identifying.priors import ALLOWED, Prior, prior_of
 from stickslip.sealing import sealed
 
@@ -82,12 +83,15 @@ class Parameters:
         For each record the arguments that do not change.
     tied : dict
         Argument -> another argument's name, or a function of the dict of all free values.
+    left_out : tuple of str
+        Effects of the law that the models are made without (see `nesting`).
     """
 
     make: Any
     free: tuple[Free, ...]
     fixed: tuple[dict[str, Any], ...]
     tied: dict[str, Any]
+    left_out: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -115,7 +119,12 @@ class Parameters:
     def model(self, values: dict[str, Any], record: int) -> Any:
         """The model of one record; raises `InputError` where the values make none."""
         arguments = self.arguments(values, record)
-        return made_model("identify", self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
+        made = made_model("identify", self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
+        return plainer(made, self.left_out) if self.left_out else made
+
+    def leaving_out(self, effects: Any) -> Parameters:
+        """The same, of a law without some effects."""
+        return replace(self, left_out=tuple(effects))
 
     def first_models(self, places: Any) -> list[Any]:
         """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""
@@ -156,7 +165,7 @@ class Parameters:
                 for record, each in enumerate(held):
                     if f.record in (None, record):
                         each[f.argument] = fixed[f.name]
-        return Parameters(self.make, kept, tuple(held), self.tied)
+        return replace(self, free=kept, fixed=tuple(held))
 
 
 def parameters(

@@ -96,6 +96,10 @@ class SteadyProblem:
         """The same fit with some parameters held."""
         return SteadyProblem(self.parameters.only(fixed), self.targets, self.rtol, self.central, _warm=dict(self._warm))
 
+    def leaving_out(self, effects: Any) -> SteadyProblem:
+        """The same fit of a law without some effects."""
+        return SteadyProblem(self.parameters.leaving_out(effects), self.targets, self.rtol, self.central)
+
     def rough(self) -> SteadyProblem:
         """The same fit for the search: looser tolerance, one-sided differences."""
         return SteadyProblem(self.parameters, self.targets, max(self.rtol, 1e-6), False, _warm=dict(self._warm))

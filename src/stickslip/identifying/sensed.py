@@ -115,6 +115,10 @@ class Sensed:
         """The same fit with some free parameters held."""
         return self._like(self.model.only(fixed))
 
+    def leaving_out(self, effects: Any) -> Sensed:
+        """The same fit of a law without some effects."""
+        return self._like(self.model.leaving_out(effects))
+
     def rough(self) -> Sensed:
         """The same fit for the search."""
         return self._like(self.model.rough())
