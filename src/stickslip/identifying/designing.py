@@ -11,7 +11,10 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.identifying.parameters import Parameters, parameters
+from stickslip.identifying.sensed import of_records
+from stickslip.identifying.sensors import sensors_of
 from stickslip.identifying.steady_curves import steady_curve
+from stickslip.identifying.targets import Target
 from stickslip.identifying.words import NOT_DETERMINED
 from stickslip.information import Information
 from stickslip.sealing import sealed
@@ -114,6 +117,7 @@ def design(
     together: int = 1,
     rivals: list[Any] | None = None,
     using: str = "velocity",
+    sensor: dict[str, Any] | None = None,
     rtol: float = 1e-9,
     **arguments: Any,
 ) -> Design:
@@ -136,6 +140,8 @@ def design(
     rivals : list of robots' makers or laws, optional
         Other makers that take the same arguments, already fitted: the design that separates them best from `make` is sought.
     using : {"velocity", "position"}
+    sensor : dict, optional
+        What the sensors add, as for `identify`, which will fit it then; ``{}`` is an ideal sensor.
     rtol : float
         Of the solver.
     **arguments
@@ -155,10 +161,11 @@ def design(
     """
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
     rivals = [] if rivals is None else list(rivals)
-    slopes, curves, apart, dropped = {}, {}, {}, []
+    slopes, curves, apart, seen, dropped = {}, {}, {}, {}, []  # type: ignore[var-annotated]
     for i, chosen in enumerate(settings):
         try:
-            curves[i], slopes[i] = _sensitivity(of, free, i, using, samples, rtol)
+            curves[i], slopes[i], period = _sensitivity(of, free, i, using, samples, rtol)
+            seen[i] = _target(curves[i], using, noise, period)
             if rivals:
                 apart[i] = _apart(rivals, of, free, i, curves[i], using, samples, rtol)
         except (InputError, SolveError) as error:
@@ -168,7 +175,7 @@ def design(
         raise InputError(
             "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
         )
-    found = [_expected(chosen, slopes, apart, settings, free, noise) for chosen in combinations(slopes, together)]
+    found = [_expected(chosen, slopes, apart, settings, free, noise, _sensed(chosen, seen, sensor, noise)) for chosen in combinations(slopes, together)]
     key = (lambda e: -e[0].separation) if rivals else (lambda e: e[1])
     found.sort(key=key)
     best = found[0]
@@ -239,15 +246,33 @@ def _curve_of(model: Any, using: str, samples: int, rtol: float) -> Any:
 
 
 def _sensitivity(of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float) -> Any:
-    """The curve of an experiment, and its derivatives by the parameters and by the phase (and, for a position, its offset)."""
-    here = _curve_of(of.model(free, i), using, samples, rtol)
+    """The curve of an experiment, its derivatives by the parameters and by the phase (and, for a position, its offset), and its period."""
+    model = of.model(free, i)
+    here = _curve_of(model, using, samples, rtol)
     columns = []
     for name, value in free.items():
         h = _STEP * (abs(value) or 1.0)
         sides = [_curve_of(of.model({**free, name: value + s * h}, i), using, samples, rtol) for s in (1, -1)]
         columns.append((sides[0] - sides[1]) / (2 * h))
     nuisances = [np.gradient(here) * samples] + ([np.ones(samples)] if using == "position" else [])
-    return here, (np.stack(columns, axis=1), np.stack(nuisances, axis=1))
+    return here, (np.stack(columns, axis=1), np.stack(nuisances, axis=1)), float(model.drive.period)
+
+
+def _target(here: Any, using: str, noise: float, period: float) -> Target:
+    """A record of the curve, as a fit would have it: one motion period in equal steps."""
+    phase = np.arange(len(here)) / len(here)
+    return Target(using, phase, here, noise, 1.0 / period, False, "experiment", np.ones(len(here)))
+
+
+def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None, noise: float) -> tuple[Any, Any]:
+    """Derivatives of all values by the numbers of the sensors, and the rows of what is known of these."""
+    targets = [seen[i] for i in chosen]
+    numbers, _ = sensors_of(sensor, targets, "design")
+    parts = [(t, t.y, {}, np.zeros(t.count, bool)) for t in targets]
+    columns = [of_records(number, parts) for number in numbers]
+    known = [np.where(np.arange(len(numbers)) == k, noise / n.prior.sd, 0.0) for k, n in enumerate(numbers) if n.prior]
+    count = sum(t.count for t in targets)
+    return np.stack(columns, axis=1) if columns else np.empty((count, 0)), np.array(known).reshape(len(known), len(numbers))
 
 
 def _apart(rivals: list[Any], of: Parameters, free: dict[str, float], i: int, here: Any, using: str, samples: int, rtol: float) -> float:
@@ -264,7 +289,9 @@ def _apart(rivals: list[Any], of: Parameters, free: dict[str, float], i: int, he
     return min(found)
 
 
-def _expected(chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[str, float], noise: float) -> tuple[Experiment, float, Any]:
+def _expected(
+    chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[str, float], noise: float, sensors: tuple[Any, Any]
+) -> tuple[Experiment, float, Any]:
     """Expected errors of a joint fit to the chosen experiments, and the logarithm of the volume of the confidence region."""
     n = len(free)
     rows = []
@@ -272,7 +299,9 @@ def _expected(chosen: Any, slopes: Any, apart: Any, settings: Any, free: dict[st
         main, own = slopes[i]
         blocks = [main] + [own if j == k else np.zeros_like(slopes[c][1]) for j, c in enumerate(chosen)]
         rows.append(np.concatenate(blocks, axis=1))
-    covariance = Information(np.concatenate(rows) / noise).covariance()[:n, :n]
+    whole = np.concatenate([np.concatenate(rows), sensors[0]], axis=1)
+    known = np.concatenate([np.zeros((len(sensors[1]), whole.shape[1] - sensors[0].shape[1])), sensors[1]], axis=1)
+    covariance = Information(whole / noise, prior=known / noise).covariance()[:n, :n]
     size = np.array([abs(v) or 1.0 for v in free.values()])
     relative = covariance / np.outer(size, size)
     volume = float(np.linalg.slogdet(relative)[1]) if np.isfinite(relative).all() else float("inf")

@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 
-__all__ = ["Sensed"]
+__all__ = ["Sensed", "of_records"]
 
 #: Residual of a value that a model cannot give, in standard deviations.
 IMPOSSIBLE = 1e4
@@ -227,7 +227,7 @@ class Sensed:
         parts = list(zip(self.targets, self._parts(h), readings, bound, strict=True))
         for k, number in enumerate(self.numbers):
             preload = number.what == "preload"
-            found[:, k] = self._preload_slope(place, self.first + k, number) if preload else _of_records(number, parts)
+            found[:, k] = self._preload_slope(place, self.first + k, number) if preload else of_records(number, parts)
         return found
 
     def _preload_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
@@ -255,7 +255,7 @@ class Sensed:
             return values, float(rest @ rest)
         bound = self._parts(self.model.held(h, self.readings(whole[:, None])))
         parts = list(zip(self.targets, self._parts(h), readings, bound, strict=True))
-        columns = np.stack([_of_records(self.numbers[k], parts) for k in moved], axis=1) / self.sigma[:, None]
+        columns = np.stack([of_records(self.numbers[k], parts) for k in moved], axis=1) / self.sigma[:, None]
         sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
         away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
         rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
@@ -343,7 +343,7 @@ def _shown(target: Any, h: Any, reading: dict[str, Any]) -> Any:
 _ADDED = {"drift": _course, "inertia": lambda target: target.acceleration}
 
 
-def _of_records(number: SensorNumber, parts: list[Any]) -> Any:
+def of_records(number: SensorNumber, parts: list[Any]) -> Any:
     """Derivative of all values by a number of a sensor, from (target, values of the model, readings, which values a rest bears)."""
     made = ((i in number.records, *part) for i, part in enumerate(parts))
     return np.concatenate([_column(number.what, t, h, r) * ~held if own else np.zeros(t.count) for own, t, h, r, held in made])

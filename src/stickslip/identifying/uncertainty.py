@@ -10,10 +10,12 @@ import numpy as np
 
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import effective, neighbours, spread_of
-from stickslip.identifying.words import undetermined
+from stickslip.identifying.words import listed, undetermined
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
+
+_LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares at one standard error, of which a parabola has one
 
 __all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
 
@@ -165,11 +167,42 @@ def remarks(fit: Fit) -> list[str]:
             found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: widen the bound, or these data cannot tell it")
         elif not _inner_error(fit, k) < 0.3:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
+    bent = bent_parameters(fit)
+    if bent:
+        found.append(
+            f"the sum of squares bends away from a parabola within the interval of {listed(bent)}: "
+            f'believe interval(name, method="profile") rather than the covariance or the bootstrap'
+        )
     for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
             found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
     if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1 and not fit.cost < fit.problem.quiet:
         found.append("only one polished start ended here; type starts= with a larger number to look for a better place")
+    return found
+
+
+def bent_parameters(fit: Fit) -> list[str]:
+    """Parameters along whose interval the model is not linear: covariance and bootstrap are then not to be believed, a profile is.
+
+    One standard error away, the others along, the sum of squares should have risen by one.
+    """
+    low, high = fit.problem.bounds()
+    found = []
+    for k, name in enumerate(fit.names):
+        error = _inner_error(fit, k)
+        if not (np.isfinite(error) and error > 0) or fit.stopped:
+            continue
+        along = np.nan_to_num(fit.spread[:, k]) / error
+        along[k] = error
+        rises = []
+        for sign in (1.0, -1.0):
+            place = fit.place + sign * along
+            if (place < low).any() or (place > high).any():
+                continue
+            rest = fit.problem.residuals(place)
+            rises.append((float(rest @ rest) - fit.cost) / fit.scale**2)
+        if not all(_LEAST < rise < _MOST for rise in rises):
+            found.append(name)
     return found
 
 

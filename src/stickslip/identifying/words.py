@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.naming import described
 
-__all__ = ["NOT_DETERMINED", "counted", "parameter_rows", "rounded", "sure", "told", "undetermined", "unit_of_kind", "unit_of_parameter"]
+__all__ = ["NOT_DETERMINED", "counted", "listed", "parameter_rows", "rounded", "sure", "told", "undetermined", "unit_of_kind", "unit_of_parameter"]
 
 NOT_DETERMINED = "not determined"
 
@@ -59,24 +59,43 @@ def sure(error: float, digits: str = ".2g") -> str:
 
 def undetermined(fit: Any) -> list[str]:
     """Sentences on the parameters that the data do not determine: which change together while nothing measured changes."""
-    found = []
+    found, first = [], fit.problem.first
     for members, directions in fit.information.groups:
         names = [fit.names[k] for k in members if k < len(fit.names)]
-        own = len(names) < len(members)
+        sensors = [fit.problem.numbers[k - first].name for k in members if k >= first]
         if not names:
             continue
         if len(members) == 1:
             found.append(f"{names[0]} is not determined: it changes nothing that was measured; fix it, or {fit.remedy}")
             continue
-        together = " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
-        beside = " beside the phases and offsets of the records" if own else ""
-        said = f"{together} {'are' if len(names) > 1 else 'is'} not determined{beside}"
-        if len(directions) == 1 and not own:
+        phases = " the phases and offsets of the records" if len(names) + len(sensors) < len(members) else ""
+        beside = f" beside {listed([f'the {s} of the sensor' for s in sensors])}" if sensors else f" beside{phases}" if phases else ""
+        said = f"{listed(names)} {'are' if len(names) > 1 else 'is'} not determined{beside}"
+        if len(directions) == 1 and len(names) == len(members):
             said += f": nothing measured changes while {_changes(fit, members, directions[0])}; fix one of them"
         else:
-            said += f": the data determine {len(members) - len(directions)} of {len(members)} combinations; fix {len(directions)} of them"
+            said += f": the data determine {len(members) - len(directions)} of {len(members)} combinations; {_advice(fit, sensors, len(directions))}"
         found.append(said)
-    return found
+    return found + _determined(fit)
+
+
+def _advice(fit: Any, sensors: list[str], count: int) -> str:
+    """What to do about directions that nothing determines."""
+    if not sensors:
+        return f"fix {count} of them"
+    effects = [n.name for n in (*fit.problem.numbers, *fit.problem.held)]
+    typed = ", ".join(f'"{name}": {"0.0" if name in sensors else "None"}' for name in effects)
+    return f"fix {count} of them; if the sensor is calibrated, type sensor={{{typed}}}, or what is known of it, as (\"normal\", mean, sd)"
+
+
+def _determined(fit: Any) -> list[str]:
+    """The combinations of undetermined parameters that the data do determine."""
+    return [f"what the data determine of these is {text} = {rounded(value, error)} {sure(error)}" for text, value, error in fit.combinations]
+
+
+def listed(names: list[str]) -> str:
+    """Names as a sentence has them."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _changes(fit: Any, members: list[int], direction: Any) -> str:
@@ -86,6 +105,35 @@ def _changes(fit: Any, members: list[int], direction: Any) -> str:
     part = part / part[np.argmax(abs(part))]
     steps = [f"{fit.names[k]} changes by {p:+.3g} {'%' if v else '/100'}" for p, k, v in zip(part, members, values, strict=True)]
     return ", ".join(steps)
+
+
+def sensor_lines(fit: Any) -> list[str]:
+    """What the sensors add, one sentence for all."""
+    units = {n.name: n.unit(unit_of_kind(fit.problem.targets[n.records[0]].kind)) for n in (*fit.problem.numbers, *fit.problem.held)}
+    told = [
+        f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'} {units[name]}".rstrip()
+        for name, (value, error) in fit.sensor.items()
+        if name in units
+    ]
+    return [f"sensor: {', '.join(told)}"] if told else []
+
+
+def cost_lines(fit: Any) -> list[str]:
+    """What the sensors cost: standard errors with them, with all their numbers known, and with those of one effect known."""
+    from stickslip.identifying.uncertainty import costs
+
+    found = costs(fit)
+    lines = []
+    for name, error in fit.errors.items():
+        each = [f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])]
+        if found and _matters(error, found[""][name]):
+            lines.append(f"{name}: {sure(error)}, {sure(found[''][name])} with the sensor known{', ' if each else ''}{', '.join(each)}")
+    return lines
+
+
+def _matters(error: float, without: float) -> bool:
+    """Whether a standard error becomes smaller by a twentieth or more."""
+    return bool(without < 0.95 * error)
 
 
 def counted(number: int, what: str) -> str:
@@ -105,6 +153,7 @@ def told(fit: Any) -> str:
             continue
         error_text = f"{sure(error, '.2g')} {unit}".rstrip()
         rows.append(f"  {name:<{width}} = {rounded(value, error)} {error_text}   95 % {rounded(low, error)} to {rounded(high, error)}")
+    rows += [f"  {line}" for line in (*sensor_lines(fit), *cost_lines(fit))]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {unit_of_kind(q.kind)}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""
