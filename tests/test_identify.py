@@ -86,11 +86,11 @@ def test_harmonics_of_a_drive_that_is_not_harmonic_are_an_error_that_says_what_t
 def test_four_parameters_are_found_from_two_noisy_records(fit):
     for name, value in TRUTH.items():
         assert abs(fit.values[name] - value) < 4 * fit.errors[name]
-    assert fit.errors["mu0"] < 0.002 and all(not q.suspicious for q in fit.quality)
+    assert fit.errors["mu0"] < 0.003 and all(not q.suspicious for q in fit.quality)
 
 
 def test_the_vibrometer_of_the_paper_tells_four_digits():
-    fit = ss.identify(records(1e-6), rig, free=FREE, tilt_deg=1.7, amplitude=TWO)
+    fit = ss.identify(records(1e-6), rig, free=FREE, tilt_deg=1.7, amplitude=TWO, sensor={})
     for name, value in TRUTH.items():
         low, high = fit.interval(name, level=0.9999)
         assert low < value < high and high - low < 0.01 * value
@@ -199,7 +199,7 @@ def test_a_wrong_drive_is_seen_in_the_residuals():
 def test_parameters_that_data_confound_are_named():
     """At 1.2 mm the robot of P4's kind never sticks: mu0 and sigma2 then do the same, and f0 and v_s hardly anything."""
     recs, given = records(1e-3, amplitudes=[1.2e-3]), dict(tilt_deg=1.7, amplitude=1.2e-3)
-    sliding = ss.identify(recs, rig, free={name: FREE[name] for name in ("mu0", "sigma2")}, **given)
+    sliding = ss.identify(recs, rig, free={name: FREE[name] for name in ("mu0", "sigma2")}, sensor={}, **given)
     assert any("mu0 and sigma2 correlated -" in w and "add a second amplitude" in w for w in sliding.warnings)
     assert any(w.startswith("v_s is hardly told") for w in ss.identify(recs, rig, free=FREE, **given).warnings)
 
@@ -545,7 +545,7 @@ def period_two():
 
 
 def test_a_long_record_of_period_two_tells_what_a_short_one_tells_and_more(period_two):
-    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, **ONE) for rec in period_two.values())
+    short, long = (ss.identify(rec, rig, free={"mu0": (0.02, 0.08)}, sensor={}, **ONE) for rec in period_two.values())
     assert long.count < 5000 and short.count == 6000
     for fit in (short, long):
         assert abs(fit.values["mu0"] - 0.04) < 3 * fit.errors["mu0"] and not fit.quality[0].suspicious
@@ -562,7 +562,7 @@ def test_a_long_record_is_compared_over_its_own_period(period_two):
 
 def test_averages_of_a_long_record_lose_neither_its_kinks_nor_a_frequency_that_is_off():
     rec = ss.virtual_rig(rig(law="coulomb", **ONE), noise=1e-6, seed=2, periods=600, samples=97.3)
-    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", **ONE)
+    fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", sensor={}, **ONE)
     assert fit.count < 20_000 and abs(fit.values["mu0"] - 0.18) < 3 * fit.errors["mu0"] < 3e-7
     seen = target(rec, "velocity", 1e-6, 32.7 * (1 + 1e-6), "record")
     bent = target(rec, "velocity", None, 32.7 * (1 + 1e-4), "record")  # 0.012 periods in each part: all but rest is no noise

@@ -175,7 +175,10 @@ def design(
         raise InputError(
             "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
         )
-    found = [_expected(chosen, slopes, apart, settings, free, noise, _sensed(chosen, seen, sensor, noise)) for chosen in combinations(slopes, together)]
+    found = [
+        _expected(chosen, slopes, apart, settings, free, noise, _sensed(chosen, seen, sensor, noise))
+        for chosen in combinations(slopes, together)
+    ]
     key = (lambda e: -e[0].separation) if rivals else (lambda e: e[1])
     found.sort(key=key)
     best = found[0]

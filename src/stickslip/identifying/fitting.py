@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,8 @@ from stickslip.fields import checked_number
 from stickslip.friction.adapter import adapted
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
-from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.nesting import nested_seeds
+from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.priors import ALLOWED, prior_of
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, multistart, polished, searched
@@ -129,7 +130,7 @@ def identify(
     problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor)
     notes = _notes(records, problem)
     rough = problem.rough()
-    best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), nested_seeds(rough, starts, seed))
+    best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), partial(nested_seeds, rough, starts, seed))
     problem, best = _finished(problem, best)
     solved = problem.solves + rough.solves
     return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved)
@@ -166,7 +167,9 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
         if isinstance(rec, Record) or prior_of(rec):
             continue
         if not isinstance(rec, (int, float, np.number)) or isinstance(rec, bool):
-            problems.add(f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)), a mean velocity [m/s], or one with its error: {ALLOWED}")
+            problems.add(
+                f"records[{i}] = {rec!r}; allowed is a Record (ss.read(path)), a mean velocity [m/s], or one with its error: {ALLOWED}"
+            )
         elif not abs(float(rec)) <= 1e9:
             problems.add(f"records[{i}] = {rec!r}; allowed is a mean velocity up to 1e9 m/s in size")
         elif curves and noise is None:
@@ -184,7 +187,9 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
 
 
 def _driven(records: list[Any], of: Parameters, load: float | None, noise: float | None, first: list[Any]) -> DrivenProblem:
-    motions = tuple(dataclasses.replace(motion_of(rec, load, f"record {i}"), given_sigma=noise is not None) for i, rec in enumerate(records))
+    motions = tuple(
+        dataclasses.replace(motion_of(rec, load, f"record {i}"), given_sigma=noise is not None) for i, rec in enumerate(records)
+    )
     spread = float(np.std(np.concatenate([m.y for m in motions])))
     thin = max(sum(len(m.t) for m in motions) // _SAMPLES, 1)
     holds = any(not law.dynamic or law.needs_applied for law in map(adapted, first))
@@ -195,7 +200,11 @@ def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
     notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
     notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
-    notes += [f"{m.label}: the sign of the force was turned, so that friction takes energy" for m in problem.targets if getattr(m, "flipped", False)]
+    notes += [
+        f"{m.label}: the sign of the force was turned, so that friction takes energy"
+        for m in problem.targets
+        if getattr(m, "flipped", False)
+    ]
     return notes
 
 
@@ -235,9 +244,7 @@ def _undetermined(problem: Sensed, found: Found) -> list[int]:
     return [int(k) for k in np.flatnonzero(information_of(problem, found.jacobian).undetermined)]
 
 
-def _fit(
-    problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int
-) -> Fit:
+def _fit(problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int) -> Fit:
     free = problem.parameters.free
     n, count = len(free), len(problem.y)
     if best.cost >= 0.99 * count * 1e8:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import combinations as chosen
-from itertools import permutations, product
+from itertools import combinations as chosen, permutations, product
 from typing import Any
 
 import numpy as np

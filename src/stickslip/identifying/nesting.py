@@ -97,7 +97,9 @@ def _fitted(problem: Any, effects: Any, inside: list[Any], starts: int, seed: in
     if not idle or not kept:
         return None
     middle = problem.parameters.values(np.full(len(problem.parameters.free), 0.5))
-    reduced = problem.leaving_out(effects).only({problem.parameters.free[k].name: float(middle[problem.parameters.free[k].name]) for k in idle})
+    reduced = problem.leaving_out(effects).only(
+        {problem.parameters.free[k].name: float(middle[problem.parameters.free[k].name]) for k in idle}
+    )
     try:
         if inside:
             end = min((polished(reduced, np.delete(place, idle), rough=True) for place in inside), key=lambda e: e.cost)
@@ -105,6 +107,8 @@ def _fitted(problem: Any, effects: Any, inside: list[Any], starts: int, seed: in
             end, _ = searched(reduced, min(starts, _STARTS), seed)
     except InputError:
         return None
+    if end.stopped:
+        raise KeyboardInterrupt
     place = end.place
     for k in idle:
         place = np.insert(place, k, 0.5)

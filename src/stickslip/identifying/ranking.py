@@ -201,7 +201,9 @@ def prediction_errors(
     transient = any(getattr(t, "transient", False) for t in fit.problem.targets)
     if not as_list(records):
         raise InputError("prediction_errors", ["no record is given; type for example ss.prediction_errors(fit, ss.read(path))"])
-    whole = problem_of(as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor)
+    whole = problem_of(
+        as_list(records), of.make, free, of.tied, using, None, frequency, load, 1e-8, arguments, transient=transient, sensor=sensor
+    )
     problem = whole.only(fit.values)
     found = polished(problem, problem.aligned(np.empty(0)))
     edges = np.cumsum([0, *(t.count for t in problem.targets)])

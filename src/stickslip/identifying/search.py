@@ -45,7 +45,7 @@ def multistart(numbers: int, starts: int, seed: int) -> Any:
 
 
 def searched(
-    problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None, seeds: Any = ()
+    problem: Any, starts: int, seed: int, progress: Callable[[int, int], None] | None = None, seeds: Callable[[], list[Any]] = list
 ) -> tuple[Found, int]:
     """The best place of a multistart, and how many of the polished starts ended there, roughly.
 
@@ -57,32 +57,50 @@ def searched(
     seed : int
     progress : callable, optional
         Called with (done, in all).
-    seeds : sequence of places
-        Whole places from which steps are taken in any case: the best of simpler models inside this one.
+    seeds : callable
+        Gives whole places from which steps are taken in any case: the best of simpler models inside this one.
     """
-    places = multistart(len(problem.parameters.free), starts, seed)
-    score = problem.coarse(places)
-    if not np.isfinite(score).any() and not len(seeds):
-        none = f"at none of {len(places)} places between the bounds can the model be solved"
-        raise InputError("identify", [f"{none}; widen or correct the bounds"])
-    order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
-    if problem.batched:  # the batch has judged them already
-        chosen = [problem.aligned(place) for _, place in _spread([(float(score[i]), places[i]) for i in order], problem.first)]
-    else:
-        judged = sorted((_judged(problem, places[i]) for i in order), key=lambda pair: pair[0])
-        chosen = [place for _, place in _spread(judged, problem.first)]
-    ends: list[Found] = []
-    for k, place in enumerate([*seeds, *chosen]):
-        if progress:
-            progress(min(k, _POLISHED), _POLISHED + 1)
-        ends.append(polished(problem, place, rough=True))
-        if ends[-1].stopped or ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
-            break
+    judged: list[tuple[float, Any]] = []
+    try:
+        ends = _ends(problem, starts, seed, progress, seeds, judged)
+    except KeyboardInterrupt:
+        if not judged:
+            raise
+        place = min(judged, key=lambda pair: pair[0])[1]
+        ends = [Found(place, problem.residuals(place), problem.jacobian(place), 0, stopped=True)]
     best = min(ends, key=lambda end: end.cost)
     agree = sum(end.cost < 1.01 * best.cost + 1e-9 for end in ends)
     if progress:
         progress(_POLISHED + 1, _POLISHED + 1)
     return dataclasses.replace(best, stopped=ends[-1].stopped), agree
+
+
+def _ends(
+    problem: Any, starts: int, seed: int, progress: Any, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
+) -> list[Found]:
+    """Where steps from the best places end; the places that were judged by their curves are noted."""
+    places = multistart(len(problem.parameters.free), starts, seed)
+    score = problem.coarse(places)
+    order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
+    if problem.batched:  # the batch has judged them already
+        chosen = [place for _, place in _spread([(float(score[i]), places[i]) for i in order], problem.first)]
+        judged += [_judged(problem, place) for place in chosen]
+    else:
+        for i in order:
+            judged.append(_judged(problem, places[i]))
+    inside = seeds()
+    if not order and not inside:
+        none = f"at none of {len(places)} places between the bounds can the model be solved"
+        raise InputError("identify", [f"{none}; widen or correct the bounds"])
+    kept = _spread(sorted(judged, key=lambda pair: pair[0]), problem.first)
+    ends: list[Found] = []
+    for k, place in enumerate([*inside, *(place for _, place in kept)]):
+        if progress:
+            progress(min(k, _POLISHED), _POLISHED + 1)
+        ends.append(polished(problem, place, rough=True))
+        if ends[-1].stopped or ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
+            break
+    return ends
 
 
 def _judged(problem: Any, place: Any) -> tuple[float, Any]:

@@ -8,7 +8,18 @@ import numpy as np
 
 from stickslip.naming import described
 
-__all__ = ["NOT_DETERMINED", "counted", "listed", "parameter_rows", "rounded", "sure", "told", "undetermined", "unit_of_kind", "unit_of_parameter"]
+__all__ = [
+    "NOT_DETERMINED",
+    "counted",
+    "listed",
+    "parameter_rows",
+    "rounded",
+    "sure",
+    "told",
+    "undetermined",
+    "unit_of_kind",
+    "unit_of_parameter",
+]
 
 NOT_DETERMINED = "not determined"
 
@@ -74,7 +85,8 @@ def undetermined(fit: Any) -> list[str]:
         if len(directions) == 1 and len(names) == len(members):
             said += f": nothing measured changes while {_changes(fit, members, directions[0])}; fix one of them"
         else:
-            said += f": the data determine {len(members) - len(directions)} of {len(members)} combinations; {_advice(fit, sensors, len(directions))}"
+            told = f"the data determine {len(members) - len(directions)} of {len(members)} combinations"
+            said += f": {told}; {_advice(fit, sensors, len(directions))}"
         found.append(said)
     return found + _determined(fit)
 
@@ -85,12 +97,14 @@ def _advice(fit: Any, sensors: list[str], count: int) -> str:
         return f"fix {count} of them"
     effects = [n.name for n in (*fit.problem.numbers, *fit.problem.held)]
     typed = ", ".join(f'"{name}": {"0.0" if name in sensors else "None"}' for name in effects)
-    return f"fix {count} of them; if the sensor is calibrated, type sensor={{{typed}}}, or what is known of it, as (\"normal\", mean, sd)"
+    return f'fix {count} of them; if the sensor is calibrated, type sensor={{{typed}}}, or what is known of it, as ("normal", mean, sd)'
 
 
 def _determined(fit: Any) -> list[str]:
     """The combinations of undetermined parameters that the data do determine."""
-    return [f"what the data determine of these is {text} = {rounded(value, error)} {sure(error)}" for text, value, error in fit.combinations]
+    return [
+        f"what the data determine of these is {text} = {rounded(value, error)} {sure(error)}" for text, value, error in fit.combinations
+    ]
 
 
 def listed(names: list[str]) -> str:
@@ -125,7 +139,9 @@ def cost_lines(fit: Any) -> list[str]:
     found = costs(fit)
     lines = []
     for name, error in fit.errors.items():
-        each = [f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])]
+        each = [
+            f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])
+        ]
         if found and _matters(error, found[""][name]):
             lines.append(f"{name}: {sure(error)}, {sure(found[''][name])} with the sensor known{', ' if each else ''}{', '.join(each)}")
     return lines

@@ -1,0 +1,370 @@
+"""A sensor that is off widens intervals instead of moving numbers; what a record cannot tell is said, with what it can."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.errors import InputError
+from stickslip.friction.adapter import adapted
+from stickslip.identifying.driven import Motion, _at_once, _step_by_step, driven_force
+from stickslip.identifying.effects import EFFECTS
+from stickslip.identifying.fitting import problem_of
+from stickslip.identifying.problems import SteadyProblem
+from stickslip.identifying.spread import determined_spread
+from stickslip.identifying.uncertainty import costs
+from stickslip.information import Information
+
+RIG, ONE = ss.presets.piezo_rig, dict(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+MU = {"mu0": (0.05, 0.5)}
+BOTH = {"mu_plus": (0.02, 1.0), "mu_minus": (0.02, 1.0)}
+
+
+def off(offset=0.0, drift=0.0, gain=1.0, noise=1e-3, seed=1):
+    """A record of a robot with mu0 = 0.18 by a sensor that is off."""
+    clean = ss.virtual_rig(RIG(**ONE), noise=noise, seed=seed)["velocity"]
+    middle = 0.5 * (clean.t[0] + clean.t[-1])
+    return ss.Record.of(clean.t, {"v [m/s]": gain * clean.values + offset + drift * (clean.t - middle)}, synthetic=True)
+
+
+def motion(n=1500, load=10.0, speed=1.0):
+    t = np.linspace(0, 2, n)
+    x = 2e-4 * np.sin(2 * np.pi * speed * t) + 4e-5 * np.sin(2 * np.pi * 5 * speed * t)
+    return Motion(t, np.concatenate([[0.0], np.diff(x) / np.diff(t)]), np.broadcast_to(load, n) * 1.0, np.zeros(n), 0, False, "")
+
+
+def forces(law, noise=0.02, zero=0.0, reading=None, load=10.0, seed=0, **more):
+    """A record of what a law gives over a motion, as a load cell shows it."""
+    m = motion(load=load, **more)
+    F = driven_force(law, m, 1, reading)[:, 0] + zero + np.random.default_rng(seed).normal(scale=noise, size=len(m.t))
+    x = np.concatenate([[0.0], np.cumsum(m.v[1:] * np.diff(m.t))])
+    return ss.Record.of(m.t, {"x [m]": x, "F [N]": F, "N [N]": m.load}, roles={"F": "force", "N": "load"})
+
+
+# velocity ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("what", "size"), [("offset", 1e-3), ("drift", 5e-3), ("gain", 1.03)])
+def test_a_sensor_that_is_off_does_not_move_the_numbers(what, size):
+    fit = ss.identify(off(**{what: size}), RIG, free=MU, starts=4, **ONE)
+    value, error = fit.sensor[what]
+    low, high = fit.interval("mu0", level=0.999)
+    assert low < 0.18 < high and abs(value - size) < 3.3 * error and not fit.quality[0].suspicious
+    assert fit.sensor["delay"] == (0.0, np.inf)  # it is in the drive's phase
+
+
+def test_a_sensor_taken_as_ideal_moves_them():
+    fit = ss.identify(off(offset=1e-3), RIG, free=MU, starts=4, sensor={}, **ONE)
+    low, high = fit.interval("mu0", level=0.999)
+    assert not low < 0.18 < high and "offset" not in fit.sensor
+
+
+@pytest.fixture(scope="module")
+def fit():
+    return ss.identify(off(), RIG, free=MU, starts=4, **ONE)
+
+
+def test_parts_of_an_interval_add_up_in_squares(fit):
+    ends = {part: np.array(fit.interval("mu0", part=part)) for part in ("total", "statistical", "systematic")}
+    half = {part: abs(end - fit.values["mu0"]) for part, end in ends.items()}
+    assert half["statistical"] ** 2 + half["systematic"] ** 2 == pytest.approx(half["total"] ** 2, rel=1e-9)
+    assert half["systematic"].min() > half["statistical"].max() > 0
+    ideal = ss.identify(off(), RIG, free=MU, starts=4, sensor={}, **ONE)
+    assert ideal.errors["mu0"] == pytest.approx(np.mean(half["statistical"]) / 1.96, rel=0.05)  # at another place of the sensor
+    with pytest.raises(InputError, match="part = 'both'"):
+        fit.interval("mu0", part="both")
+
+
+def test_the_report_says_what_a_sensor_costs(fit):
+    text, each = fit.report(), costs(fit)
+    assert "with the sensor known" in text and "sensor: offset = " in text
+    assert each[""]["mu0"] < min(each[what]["mu0"] for what in ("offset", "gain")) < fit.errors["mu0"]
+
+
+def test_three_ways_to_an_interval_agree_with_a_sensor_beside(fit):
+    """The bootstrap resamples what is known of the gain too; 200 repeats know the end of an interval to a tenth of its length."""
+    by = {m: np.array(fit.interval("mu0", method=m)) for m in ("covariance", "profile")}
+    by["bootstrap"] = np.array(fit.interval("mu0", method="bootstrap", repeats=200, seed=1))
+    width = np.ptp(by["covariance"])
+    assert abs(by["profile"] - by["covariance"]).max() < 0.1 * width
+    assert abs(by["bootstrap"] - by["covariance"]).max() < 0.3 * width
+
+
+def test_a_speed_measured_otherwise_gives_back_what_a_free_offset_takes(fit):
+    speed = ss.periodic_mean_velocity(RIG(**ONE))
+    beside = ss.identify([off(), ("normal", speed, 1e-6)], RIG, free=MU, starts=4, **ONE)
+    zero = ss.identify(off(), RIG, free=MU, starts=4, sensor={"offset": 0.0, "drift": None, "gain": None}, **ONE)
+    assert beside.errors["mu0"] < 0.8 * fit.errors["mu0"] and abs(beside.values["mu0"] - 0.18) < 3.3 * beside.errors["mu0"]
+    assert zero.errors["mu0"] == pytest.approx(costs(fit)["offset"]["mu0"], rel=0.1) and zero.sensor["offset"] == (0.0, 0.0)
+    with pytest.raises(InputError, match=r"does not say how sure it is; type \(\"normal\", 0.002"):
+        ss.identify([off(), 0.002], RIG, free=MU, **ONE)
+
+
+def test_what_is_known_of_a_number_beforehand_is_a_part_of_its_error():
+    """An amplitude read to 2 %: with all else ideal mu0 is then known to what the amplitude leaves."""
+    known = {k: v for k, v in ONE.items() if k != "amplitude"}
+    fit = ss.identify(off(), RIG, free={**MU, "amplitude": (6.1e-4, "2%")}, starts=8, sensor={}, **known)
+    alone = ss.identify(off(), RIG, free=MU, starts=4, sensor={}, **ONE)
+    low, high = fit.interval("mu0", level=0.999)
+    assert low < 0.18 < high and fit.errors["amplitude"] < 1.25e-5
+    assert np.ptp(fit.interval("mu0", part="statistical")) == pytest.approx(np.ptp(alone.interval("mu0")), rel=0.1)
+
+
+def test_everything_wrong_with_a_sensor_is_said_at_once():
+    with pytest.raises(InputError) as error:
+        ss.identify(off(), RIG, free=MU, sensor={"ofset": 0.0, "inertia": 0.1, "gain": "much", "drift[3]": 0.0}, **ONE)
+    told = "\n".join(error.value.problems)
+    assert len(error.value.problems) == 4 and "did you mean 'offset'" in told and "inertia belongs to records of force" in told
+    assert "gain = 'much'; allowed is a number that holds it" in told and "drift[3] names record 3" in told
+    with pytest.raises(InputError, match="allowed is None, or a dict of offset"):
+        ss.identify(off(), RIG, free=MU, sensor="ideal", **ONE)
+    with pytest.raises(InputError, match="offset of record 0 is named twice"):
+        ss.identify(off(), RIG, free=MU, sensor={"offset": 0.0, "offset[0]": None}, **ONE)
+
+
+# forces -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_zero_of_a_load_cell_does_not_say_which_way_there_is_more_friction():
+    """0.30 forwards and 0.31 backwards under 50 N, and a zero of 1 N: taken as ideal, it is the other way round."""
+    record = forces(ss.Coulomb(0.30, 0.31), zero=1.0, load=50.0)
+    ideal, fit = (ss.identify(record, ss.Coulomb, free=BOTH, starts=4, sensor=sensor) for sensor in ({}, None))
+    assert ideal.values["mu_plus"] > ideal.values["mu_minus"] + 5 * ideal.errors["mu_plus"]
+    assert fit.undetermined == ("mu_plus", "mu_minus") and fit.sensor["offset"] == (0.0, np.inf)
+    ((formula, value, error),) = fit.combinations
+    assert formula == "mu_plus + mu_minus" and abs(value - 0.61) < 4 * error < 0.06
+    assert np.isfinite(fit.interval("mu_plus", part="statistical")).all()
+    (advice,) = (w for w in fit.warnings if "if the sensor is calibrated" in w)
+    typed = advice.partition("type sensor=")[2].partition("}")[0] + "}"
+    known = eval(typed) | {"offset": ("normal", 0.0, 0.8)}  # the advice, with what is known of the zero
+    again = ss.identify(record, ss.Coulomb, free=BOTH, starts=4, sensor=known)
+    for name, truth in (("mu_plus", 0.30), ("mu_minus", 0.31)):
+        low, high = again.interval(name)
+        assert low < truth < high and 0.01 < again.errors[name] < 0.03  # 0.8 N of 50 N is 0.016
+
+
+def test_preload_inertia_and_delay_are_found():
+    """A load that varies tells a preload, and fast motion an inertia; the delay is three samples."""
+    load = 10.0 + 3.0 * np.sin(2 * np.pi * 0.7 * np.linspace(0, 2, 1500))
+    law = ss.LuGre(0.3, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    m, step = motion(load=load), 2 / 1499
+    clean = driven_force(law, m, 1, {"preload": np.array([2.0])})[:, 0] + 0.5 * m.acceleration
+    t, x = m.t, np.concatenate([[0.0], np.cumsum(m.v[1:] * np.diff(m.t))])
+    F = np.interp(t - 3 * step, t, clean - 0.5 * m.acceleration) + 0.5 * m.acceleration
+    F = F + np.random.default_rng(0).normal(scale=0.01, size=len(t))
+    record = ss.Record.of(t, {"x [m]": x, "F [N]": F, "N [N]": load}, roles={"F": "force", "N": "load"})
+    free = {**BOTH, "sigma0": (1e4, 1e6, "log")}
+    sensor = {"preload": ("uniform", 0.0, 10.0), "inertia": None, "delay": None}
+    fit = ss.identify(record, ss.LuGre, free=free, starts=16, sensor=sensor, f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    for name, truth in (("preload", 2.0), ("inertia", 0.5), ("delay", 3 * step)):
+        value, error = fit.sensor[name]
+        assert abs(value - truth) < 4 * error and error < 0.3 * truth
+    assert abs(fit.values["mu_plus"] - 0.3) < 4 * fit.errors["mu_plus"]
+
+
+@pytest.mark.parametrize("law", [ss.Coulomb.example(), ss.LuGre.example(), ss.ElastoPlastic.example()], ids=lambda law: type(law).__name__)
+def test_derivatives_by_all_numbers_of_a_sensor_are_those_of_differences(law):
+    record = forces(law, load=10.0 + np.sin(np.linspace(0, 9, 300)), n=300)
+    known = {f.name: getattr(law, f.name) for f in dataclasses.fields(law)}
+    sensor = {"offset": None, "drift": None, "gain": None, "delay": None, "preload": None, "inertia": None}
+    problem = problem_of([record], type(law), {"mu_plus": (0.1, 0.3)}, None, "auto", None, None, None, 1e-8,
+                         {k: v for k, v in known.items() if k != "mu_plus"}, sensor=sensor)  # fmt: skip
+    place = np.array([0.37, 0.05, -0.02, 1.01, 2e-3, 0.3, 20.0])
+    found, held = problem.jacobian(place), problem.model.held(problem._modelled(place), problem.readings(place[:, None]))
+    steps = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-7, 1e-5, 1e-4])
+    for k, h in enumerate(steps):
+        up, down = place + h * np.eye(7)[k], place - h * np.eye(7)[k]
+        wanted = (problem.residuals(up) - problem.residuals(down)) / (2 * h)
+        rows = np.append(~held, np.ones(len(found) - len(held), bool))
+        away = abs(found[rows, k] - wanted[rows])
+        part, close = (0.5, 2e-2) if k == 4 else (0.9, 2e-4)  # a delay moves along straight lines between samples, with kinks at them
+        assert np.quantile(away, part) < close * np.sqrt(np.mean(wanted**2)) + 1e-6
+
+
+def test_a_contact_at_rest_bears_what_the_sensor_did_not_add():
+    held = Motion(np.arange(4.0), np.zeros(4), np.full(4, 10.0), np.array([1.0, 1.5, 1.9, 3.0]), 0, False, "")
+    assert driven_force(ss.Coulomb(0.15, 0.2), held, 1, {"offset": np.array([0.5])})[:, 0].tolist() == [0.5, 1.0, 1.4, 1.5]
+
+
+def test_samples_at_once_are_the_same_as_step_by_step():
+    """Where rates are linear in the inner states; where they are not, the law says so by its numbers."""
+    m = motion(400)
+    load, given = m.load[:, None], m.force[:, None]
+    for law, linear in (
+        (ss.LuGre.example(), True),
+        (ss.Dahl.example(), True),
+        (ss.Dahl(0.3, 0.4, 1e5, 0.5), False),
+        (ss.ElastoPlastic.example(), False),
+    ):
+        at_once, steps = _at_once(adapted(law), m, load, given, 1), _step_by_step(adapted(law), m, load, given, 1)
+        assert (at_once is not None) == linear
+        assert not linear or abs(at_once - steps).max() < 1e-6 * abs(steps).max()
+
+
+# how sure ---------------------------------------------------------------------------------------------------------
+
+
+class _Linear:
+    """A problem of straight lines."""
+
+    resolution, parameters, nuisances = 1e-9, type("P", (), {"free": ()})(), 0
+
+    def __init__(self, count):
+        self.targets = [type("T", (), {"count": count, "weight": 1.0, "given_sigma": False})()]
+        self.y = np.zeros(count)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8])
+def test_coloured_noise_widens_intervals_by_its_own_covariance(rho):
+    """Beside the exact covariance of least squares, P Omega P', for a record of 4000 values: a realisation tells it to some per cent."""
+    rng, n = np.random.default_rng(3), 4000
+    t = np.linspace(-1, 1, n)
+    J = np.stack([np.ones(n), t, np.sin(9 * t)], axis=1)
+    rest = np.empty(n)
+    rest[0] = rng.normal()
+    for k in range(1, n):
+        rest[k] = rho * rest[k - 1] + np.sqrt(1 - rho**2) * rng.normal()
+    P, omega = np.linalg.pinv(J), rho ** abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    rest = rest - J @ (P @ rest)
+    found = determined_spread(_Linear(n), J, rest, float(np.std(rest)))
+    assert np.sqrt(np.diag(found)) == pytest.approx(np.sqrt(np.diag(P @ omega @ P.T)), rel=0.2 if rho else 0.05)
+
+
+def test_what_is_known_beforehand_determines_what_data_leave_open():
+    """Two numbers of which the data know the sum, to 1; one is known to 0.1 besides: the other is then known to 1.005."""
+    found = Information(np.array([[1.0, 1.0]]), prior=np.array([[10.0, 0.0]]))
+    assert found.errors().tolist() == pytest.approx([0.1, np.hypot(1.0, 0.1)], rel=1e-12)
+    tiny = Information(1e9 * np.array([[1.0, 1.0]]), prior=np.array([[1e-3, 0.0]]))  # however small it is beside the data
+    assert tiny.errors()[0] == pytest.approx(1e3, rel=1e-6)
+    assert Information(np.array([[1.0, 1.0]]), prior=np.zeros((0, 2))).undetermined.all()
+
+
+# what a record cannot tell ----------------------------------------------------------------------------------------
+
+FORMULAS = {
+    "a*b": (lambda a, b: a * b, {"a": 0.4, "b": 0.6}),
+    "a + b": (lambda a, b: a + b, {"a": 0.1, "b": 0.15}),
+    "a/b": (lambda a, b: a / b, {"a": 0.5, "b": 1.6}),
+    "a/(a + b)": (lambda a, b: a / (a + b), {"a": 0.5, "b": 1.6}),
+    "a - b": (lambda a, b: a - b, {"a": 0.6, "b": 0.25}),
+    "(a + b)*c": (lambda a, b, c: (a + b) * c, {"a": 0.3, "b": 0.5, "c": 0.4}),
+    "a*b + c": (lambda a, b, c: a * b + c, {"a": 0.3, "b": 0.5, "c": 0.1}),
+}
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_the_combination_that_data_determine_is_named(formula):
+    """Friction of a law whose coefficient is a formula of the numbers: it, or one that says the same, has the truth within its error."""
+    function, truth = FORMULAS[formula]
+    law = lambda **numbers: ss.Coulomb(function(**numbers), 1.3 * function(**numbers))  # noqa: E731
+    free = {name: (0.2 * value, 3 * value) for name, value in truth.items()}
+    fit = ss.identify(forces(law(**truth), n=300), _named(law, truth), free=free, starts=8, using="force")
+    assert fit.undetermined == tuple(truth)
+    found = {text: (value, error) for text, value, error in fit.combinations}
+    scale = [(eval(text, {}, truth), value, error) for text, (value, error) in found.items()]
+    assert scale and all(abs(true - value) < 4 * error for true, value, error in scale), found
+    assert any(text in warning for text in found for warning in fit.warnings)
+    if formula not in ("a/b", "a/(a + b)"):  # either is a function of the other
+        assert list(found) == [formula]
+
+
+def _named(law, truth):
+    names = ", ".join(truth)
+    return eval(f"lambda {names}: law({', '.join(f'{n}={n}' for n in truth)})", {"law": law})
+
+
+def test_fixing_one_of_them_as_advised_determines_the_other():
+    robot = RIG(**ONE)
+    free = {"body_mass": (0.02, 0.2), "inner_mass": (0.002, 0.05)}
+    lost = ss.identify(off(), robot, free=free, starts=4)
+    ((formula, value, error),) = lost.combinations
+    assert formula == "inner_mass/(body_mass + inner_mass)" and abs(value - 0.00948 / 0.07207) < 4 * error
+    assert any("fix one of them" in w for w in lost.warnings) and any(formula in w for w in lost.warnings)
+    found = ss.identify(off(), robot, free={"inner_mass": free["inner_mass"]}, starts=4)
+    assert found.undetermined == () and found.combinations == []
+    slope = robot.body_mass / (robot.body_mass + found.values["inner_mass"]) ** 2
+    assert found.errors["inner_mass"] * slope == pytest.approx(error, rel=0.05)
+
+
+# ranking ----------------------------------------------------------------------------------------------------------
+
+
+def test_no_law_is_supported_whose_residuals_have_a_shape_or_whose_numbers_sit_at_bounds():
+    record = forces(ss.Stribeck(0.2, 0.25, 0.4, 0.45, v_s=5e-4))
+    wrong = {
+        "Coulomb": ss.identify(record, ss.Coulomb, free=BOTH, starts=4),
+        "viscous": ss.identify(record, ss.CoulombViscous, free={**BOTH, "viscous": (0.0, 500.0)}, starts=4),
+    }
+    found = ss.rank(wrong)
+    assert found.supported == () and not found.decided and "no law fits" in found.verdict and "correlated" in found.reason
+    free = {**BOTH, "f_plus": (0.02, 1.0), "f_minus": (0.02, 1.0), "v_s": (1e-5, 1e-2, "log")}
+    right = ss.identify(record, ss.Stribeck, free=free, starts=16)
+    assert ss.rank({**wrong, "Stribeck": right}).supported == ("Stribeck",)
+    narrow = ss.identify(record, ss.Stribeck, free={**free, "v_s": (6e-4, 1e-2, "log")}, starts=16)
+    bound = ss.rank({**wrong, "Stribeck": narrow})
+    assert bound.supported == () and "v_s ends at its bound" in bound.reason
+
+
+@pytest.mark.parametrize("part", [0.25, 0.6, 0.95])  # while places are judged, and while steps are taken
+def test_who_interrupts_a_search_gets_the_best_place_so_far(monkeypatch, part):
+    calls, predicted = [0, np.inf], SteadyProblem.predicted
+
+    def interrupted(self, place):
+        calls[0] += 1
+        if calls[0] == calls[1]:
+            raise KeyboardInterrupt
+        return predicted(self, place)
+
+    monkeypatch.setattr(SteadyProblem, "predicted", interrupted)
+    ss.identify(off(), RIG, free=MU, **ONE)
+    calls[:] = [0, int(part * calls[0])]
+    fit = ss.identify(off(), RIG, free=MU, **ONE)
+    assert fit.stopped and any("interrupted" in note for note in fit.notes) and abs(fit.values["mu0"] - 0.18) < 0.05
+    assert ss.rank({"a": fit, "b": fit}).supported == ()
+
+
+# nesting ----------------------------------------------------------------------------------------------------------
+
+STATIC = {"f_plus": (0.02, 1.0), "f_minus": (0.02, 1.0)}
+BRISTLE = {"sigma0": (1e4, 1e6, "log")}
+FREE = {  # law -> all that may be free, and what is fixed
+    ss.Coulomb: ({**BOTH, **STATIC}, {}),
+    ss.CoulombViscous: ({**BOTH, **STATIC, "viscous": (0.0, 500.0), "quadratic": (0.0, 1e5)}, {}),
+    ss.Stribeck: ({**BOTH, **STATIC, "viscous": (0.0, 500.0)}, {"v_s": 1e-3}),
+    ss.Dahl: ({**BOTH, **BRISTLE, "exponent": (0.3, 2.0)}, {}),
+    ss.LuGre: ({**BOTH, **STATIC, **BRISTLE, "sigma1": (0.0, 50.0), "sigma2": (0.0, 500.0)}, {"v_s": 1e-3}),
+}
+NEUTRAL = {"f_plus": None, "f_minus": None, "viscous": 0.0, "quadratic": 0.0, "exponent": 1.0, "sigma1": 0.0, "sigma2": 0.0}
+
+
+def nested(law):
+    """Pairs of sets of free numbers of a law, the first inside the second, by the effects that are left out."""
+    free, _ = FREE[law]
+    groups = [names for effect in EFFECTS.values() if (names := tuple(n for n in free if n in effect))]
+    sets = [frozenset(n for k, group in enumerate(groups) if bits >> k & 1 for n in group) for bits in range(2 ** len(groups))]
+    return [(a, b) for a in sets for b in sets if a < b]
+
+
+def cost(law, names, record):
+    free, fixed = FREE[law]
+    base = {n: v for n, v in free.items() if n not in NEUTRAL}
+    held = {n: NEUTRAL[n] for n in free if n in NEUTRAL and n not in names}
+    return ss.identify(
+        record, law, free={**base, **{n: free[n] for n in free if n in names}}, starts=8, sensor={}, load=10.0, **fixed, **held
+    ).cost
+
+
+@pytest.mark.parametrize("law", [ss.Stribeck, pytest.param(ss.Coulomb, marks=pytest.mark.slow),
+                                 *(pytest.param(law, marks=pytest.mark.slow) for law in (ss.CoulombViscous, ss.Dahl, ss.LuGre))],
+                         ids=lambda law: law.__name__)  # fmt: skip
+def test_a_larger_law_never_fits_worse_than_one_inside_it(law):
+    """Over all pairs, to records of the law itself and of another; equal where the larger one has nothing to add."""
+    truths = [ss.LuGre(0.3, 0.4, 0.4, 0.5, sigma0=1e5, sigma1=5.0, sigma2=100.0, v_s=5e-4), law.example()]
+    for truth in truths:
+        record = forces(truth, n=400, noise=0.05)
+        found = {names: cost(law, names, record) for names in {names for pair in nested(law) for names in pair}}
+        worse = [(sorted(a), sorted(b), found[b] / found[a]) for a, b in nested(law) if found[b] > found[a] * (1 + 1e-6)]
+        assert not worse
