@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,9 @@ A study file says the same in TOML:
   [identify.free]
   mu0 = [0.05, 0.5]
   v_s = [2e-4, 2e-2, "log"]
+  [identify.sensor]                 # left out: offset, drift, gain, delay are fitted; empty: an ideal sensor
+  offset = 0.0
+  gain = ["normal", 1.0, 0.02]
 and `stickslip identify study.toml` does it."""
 _KEYS = (
     "make",
@@ -42,6 +46,7 @@ _KEYS = (
     "frequency",
     "settle",
     "transient",
+    "sensor",
     "units",
     "roles",
     "columns",
@@ -59,6 +64,10 @@ def act(command: str, words: list[str]) -> int:
     )
     made.add_argument("--noise", type=float, help="standard deviation of one value [SI]")
     made.add_argument("--transient", action="store_true", help="fit the start of the records too, simulated from their first samples")
+    made.add_argument(
+        "--sensor", metavar="NAME=VALUE", action="append", default=[],
+        help="of the sensor: offset=0 holds it, gain=normal:1:0.02 says what is known of it, drift=fit leaves it free; ideal: nothing",
+    )  # fmt: skip
     made.add_argument("--level", type=float, default=0.95, help="of the intervals (default 0.95)")
     made.add_argument("--profile", action="store_true", help="intervals from profile likelihoods")
     recorded.add_options(made)
@@ -99,8 +108,10 @@ def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> 
     from stickslip.identifying.words import NOT_DETERMINED
 
     lost = dict.fromkeys(fit.undetermined, NOT_DETERMINED)
+    sensor = {name: [value, error if isfinite(error) else NOT_DETERMINED] for name, (value, error) in fit.sensor.items()}
     return {
         "law": fit.law, "values": fit.values, "errors": fit.errors | lost, "intervals": intervals | lost, "level": level, "method": method,
+        "sensor": sensor, "combinations": [list(each) for each in fit.combinations],
         "correlations": fit.correlations.tolist(), "quality": [asdict(q) for q in fit.quality],
         "warnings": fit.warnings, "provenance": fit.provenance,
     }  # fmt: skip
@@ -141,13 +152,29 @@ def _typed(asked: Any) -> dict[str, Any]:
             free[name] = (float(low), float(high), "log") if log == "log" else (float(low), float(high))
         except ValueError:
             problems.add(f"--free {word!r} is not NAME=A..B; type for example --free mu0=0.05..0.5")
+    sensor = _sensor(asked.sensor, problems)
     means = _floats(asked.mean, problems)
     if bool(asked.record) == bool(means):
         problems.add("give records or mean velocities: --record run.csv (again for more), or --mean 0.0017,0.0036")
     problems.check()
     options: dict[str, Any] = {} if asked.noise is None else {"noise": asked.noise}
-    options |= {"settle": recorded.settle(asked), "transient": asked.transient}
+    options |= {"settle": recorded.settle(asked), "transient": asked.transient, "sensor": sensor}
     return {"make": asked.robot, "records": asked.record, "means": means, "arguments": arguments, "free": free, "options": options}
+
+
+def _sensor(words: list[str], problems: Problems) -> dict[str, Any] | None:
+    """What the sensor adds: None where nothing is typed."""
+    if not words:
+        return None
+    found: dict[str, Any] = {}
+    for word in (word for word in words if word != "ideal"):
+        name, _, text = word.partition("=")
+        parts = text.split(":")
+        try:
+            found[name] = None if text == "fit" else float(text) if len(parts) == 1 else (parts[0], *map(float, parts[1:]))
+        except ValueError:
+            problems.add(f"--sensor {word!r} is not NAME=VALUE; type for example --sensor offset=0 --sensor gain=normal:1:0.02")
+    return found
 
 
 def _floats(text: str | None, problems: Problems) -> list[float]:
@@ -162,6 +189,7 @@ def _floats(text: str | None, problems: Problems) -> list[float]:
 _SHAPES: dict[str, tuple[type, str]] = {
     "free": (dict, "mu0 = [0.05, 0.5] under [identify.free]"), "tied": (dict, 'mu_minus = "mu_plus" under [identify.tied]'),
     "units": (dict, 'Velocity = "mm/s" under [identify.units]'), "roles": (dict, 'Velocity = "velocity" under [identify.roles]'),
+    "sensor": (dict, 'gain = ["normal", 1.0, 0.02] under [identify.sensor]'),
     "arguments": (dict, "tilt_deg = 1.7 under [identify.arguments]"), "records": (list, 'records = ["run.csv"]'),
     "means": (list, "means = [0.0017, 0.0036]"), "columns": (list, 'columns = ["time", "velocity"]'), "make": (str, 'make = "piezo_rig"'),
 }  # fmt: skip
@@ -174,7 +202,11 @@ def _study(asked: Any) -> dict[str, Any]:
     asked.unit += [f"{k}={v}" for k, v in table.get("units", {}).items()]
     asked.role += [f"{k}={v}" for k, v in table.get("roles", {}).items()]
     asked.columns = asked.columns or (",".join(table["columns"]) if "columns" in table else None)
-    options = {k: table[k] for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient") if k in table}
+    options = {
+        k: table[k]
+        for k in ("tied", "using", "noise", "starts", "seed", "load", "frequency", "settle", "transient", "sensor")
+        if k in table
+    }
     return {
         "make": table.get("make", str(path)),
         "records": [str(path.parent / name) for name in table.get("records", [])],

@@ -21,6 +21,8 @@ _TYPED = (
     (r"\brate=(\S+) \[Hz\]", r"--rate HZ"),
     (r"\bsettle=(\d+)", r"--settle \1"),
     (r"\btransient=True\b", "--transient"),
+    (r"\bsensor=\{\}", "--sensor ideal"),
+    (r'\bsensor=\{"(\w+)": 0\.0[^}]*\}', r"--sensor \1=0, and --sensor NAME=fit for what else it adds"),
     (r"\bnoise=\.\.\.", "--noise ..."),
     (r'separator="([^"]*)"', r'--separator "\1"'),
     (r'decimal="([^"]*)"', r'--decimal "\1"'),

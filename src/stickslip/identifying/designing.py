@@ -161,7 +161,7 @@ def design(
     """
     of, settings = _checked(make, free, experiments, noise, samples, together, using, arguments)
     rivals = [] if rivals is None else list(rivals)
-    slopes, curves, apart, seen, dropped = {}, {}, {}, {}, []  # type: ignore[var-annotated]
+    slopes, curves, apart, seen, dropped = {}, {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:
             curves[i], slopes[i], period = _sensitivity(of, free, i, using, samples, rtol)
@@ -271,7 +271,7 @@ def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None,
     """Derivatives of all values by the numbers of the sensors, and the rows of what is known of these."""
     targets = [seen[i] for i in chosen]
     numbers, _ = sensors_of(sensor, targets, "design")
-    parts = [(t, t.y, {}, np.zeros(t.count, bool)) for t in targets]
+    parts: list[Any] = [(t, t.y, {}, np.zeros(t.count, bool)) for t in targets]
     columns = [of_records(number, parts) for number in numbers]
     known = [np.where(np.arange(len(numbers)) == k, noise / n.prior.sd, 0.0) for k, n in enumerate(numbers) if n.prior]
     count = sum(t.count for t in targets)

@@ -56,7 +56,7 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
         },
         ranking=None
         if ranking is None
-        else {"rows": ranking.rows, "verdict": ranking.verdict, "effective": ranking.effective, "count": ranking.count},
+        else {"rows": ranking.rows, "verdict": ranking.reason, "effective": ranking.effective, "count": ranking.count},
         sources=_sources(fits, comparison),
         provenance={"stickslip": __version__, "Python": platform.python_version(), "system": platform.platform()},
     )
@@ -65,7 +65,15 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
-    from stickslip.identifying.words import NOT_DETERMINED, parameter_rows, rounded, unit_of_kind, unit_of_parameter
+    from stickslip.identifying.words import (
+        NOT_DETERMINED,
+        cost_lines,
+        parameter_rows,
+        rounded,
+        sensor_lines,
+        unit_of_kind,
+        unit_of_parameter,
+    )
 
     free, lost = {f.name: f for f in fit.problem.parameters.free}, fit.undetermined
     rows = [
@@ -90,6 +98,7 @@ def _told(fit: Any) -> dict[str, Any]:
     table = fit.correlations.tolist()
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,
+        "sensor": [*sensor_lines(fit), *cost_lines(fit)],
         "correlations": table, "count": fit.count, "starts": fit.starts, "agree": fit.agree, "provenance": fit.provenance,
     }  # fmt: skip
 

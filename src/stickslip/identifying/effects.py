@@ -36,10 +36,10 @@ def numbers_without(numbers: dict[str, Any], effects: Any) -> dict[str, Any]:
     """What numbers of a model are without some effects."""
     found = {}
     for name in numbers:
-        stem, _, own = name.rpartition(".")
-        for effect in effects:
-            other = EFFECTS[effect].get(own)
-            sibling = f"{stem}.{other}" if stem else other
-            if other is not None and not (isinstance(other, str) and sibling not in numbers):
-                found[name] = numbers[sibling] if isinstance(other, str) else other
+        stem, dot, own = name.rpartition(".")
+        for other in (EFFECTS[effect][own] for effect in effects if own in EFFECTS[effect]):
+            if not isinstance(other, str):
+                found[name] = other
+            elif f"{stem}{dot}{other}" in numbers:
+                found[name] = numbers[f"{stem}{dot}{other}"]
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import combinations as chosen, permutations, product
 from typing import Any
 
@@ -82,36 +83,52 @@ def _formulas(fit: Any, own: list[int], at: Any, size: Any, lost: Any) -> list[F
 def _candidates(names: list[str], at: Any) -> Iterator[Formula]:
     """Formulas in the order in which they are easy to read."""
     order = [int(i) for i in np.argsort(abs(at), kind="stable")]
-    for i, j in ((i, j) for a, i in enumerate(order) for j in order[a + 1 :]):
+    for i, j in chosen(order, 2):
         first, last = sorted((i, j))
-        yield f"{names[i]}/({names[first]} + {names[last]})", lambda v, i=i, j=j: v[i] / (v[i] + v[j])
+        yield f"{names[i]}/({names[first]} + {names[last]})", partial(_share, i, (i, j))
     for count in range(2, len(names) + 1):
         for which in chosen(range(len(names)), count):
             yield from _sums(names, which)
             yield from _powers(names, which)
     for i, j, k in permutations(range(len(names)), 3):
         if i < j:
-            yield f"({names[i]} + {names[j]})*{names[k]}", lambda v, i=i, j=j, k=k: (v[i] + v[j]) * v[k]
-            yield f"({names[i]} + {names[j]})/{names[k]}", lambda v, i=i, j=j, k=k: (v[i] + v[j]) / v[k]
-            yield f"{names[k]}/({names[i]} + {names[j]} + {names[k]})", lambda v, i=i, j=j, k=k: v[k] / (v[i] + v[j] + v[k])
-        yield f"{names[i]}/{names[j]} + {names[k]}", lambda v, i=i, j=j, k=k: v[i] / v[j] + v[k]
-        yield f"{names[i]}*{names[j]} + {names[k]}", lambda v, i=i, j=j, k=k: v[i] * v[j] + v[k]
+            yield f"({names[i]} + {names[j]})*{names[k]}", partial(_of_three, i, j, k, 1)
+            yield f"({names[i]} + {names[j]})/{names[k]}", partial(_of_three, i, j, k, -1)
+            yield f"{names[k]}/({names[i]} + {names[j]} + {names[k]})", partial(_share, k, (i, j, k))
+            yield f"{names[i]}*{names[j]} + {names[k]}", partial(_and_one, i, j, k, 1)
+        yield f"{names[i]}/{names[j]} + {names[k]}", partial(_and_one, i, j, k, -1)
+
+
+def _share(i: int, of: tuple[int, ...], v: Any) -> float:
+    return float(v[i] / sum(v[j] for j in of))
+
+
+def _of_three(i: int, j: int, k: int, power: int, v: Any) -> float:
+    return float((v[i] + v[j]) * v[k] ** float(power))
+
+
+def _and_one(i: int, j: int, k: int, power: int, v: Any) -> float:
+    return float(v[i] * v[j] ** float(power) + v[k])
 
 
 def _sums(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
     for signs in product((1, -1), repeat=len(which) - 1):
         text = names[which[0]] + "".join(f" {'+' if s > 0 else '-'} {names[i]}" for s, i in zip(signs, which[1:], strict=True))
-        yield text, lambda v, w=which, s=(1, *signs): float(sum(a * v[i] for a, i in zip(s, w, strict=True)))
+        yield text, partial(_sum, which, (1, *signs))
+
+
+def _sum(which: tuple[int, ...], factors: tuple[float, ...], v: Any) -> float:
+    return float(sum(c * v[i] for c, i in zip(factors, which, strict=True)))
 
 
 def _powers(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
     """Products and ratios of first powers, squares and roots."""
     for powers in sorted(product((1, -1, 2, -2, 0.5, -0.5), repeat=len(which)), key=lambda e: (sum(map(abs, e)), sum(p < 0 for p in e))):
         if max(powers) >= 1 and sum(p < 0 for p in powers) <= sum(p > 0 for p in powers):
-            yield _product([names[i] for i in which], powers), lambda v, w=which, e=powers: _power(v, w, e)
+            yield _product([names[i] for i in which], powers), partial(_power, which, powers)
 
 
-def _power(v: Any, which: tuple[int, ...], powers: tuple[float, ...]) -> float:
+def _power(which: tuple[int, ...], powers: tuple[float, ...], v: Any) -> float:
     return float(np.prod([np.sign(v[i]) * abs(v[i]) ** e if e % 2 else abs(v[i]) ** e for i, e in zip(which, powers, strict=True)]))
 
 
@@ -148,17 +165,14 @@ def _near_here(names: list[str], at: Any, size: Any, lost: Any) -> list[Formula]
     """Products of powers, or sums, that do not change along the undetermined directions at the fitted values."""
     rows = np.linalg.svd(lost)[2][len(lost) :]
     found: list[Formula] = []
-    everything = tuple(range(len(names)))
     for row in rows / abs(rows).max(axis=1, keepdims=True):
-        row = row * np.sign(row[np.argmax(abs(row))])
+        shape = row * np.sign(row[np.argmax(abs(row))]) if (at > 0).all() else row / size
+        factors = tuple(float(f"{x:.3g}") for x in shape / abs(shape).max())
+        which = tuple(i for i, x in enumerate(factors) if abs(x) > 1e-3)
+        own, kept = tuple(factors[i] for i in which), [names[i] for i in which]
         if (at > 0).all():
-            e = tuple(float(f"{x:.3g}") if abs(x) > 1e-3 else 0.0 for x in row)
-            kept = [i for i in everything if e[i]]
-            found.append((_product([names[i] for i in kept], [e[i] for i in kept]),
-                          lambda v, w=tuple(kept), p=tuple(e[i] for i in kept): _power(abs(v), w, p)))  # fmt: skip
-            continue
-        c = row / size
-        c = c / abs(c).max()
-        text = " + ".join(f"{x:.3g}*{name}" for x, name in zip(c, names, strict=True) if abs(x) > 1e-3)
-        found.append((text.replace("+ -", "- "), lambda v, c=c: float(c @ v)))
+            found.append((_product(kept, own), partial(_power, which, own)))
+        else:
+            text = " + ".join(f"{x:.3g}*{name}" for x, name in zip(own, kept, strict=True))
+            found.append((text.replace("+ -", "- "), partial(_sum, which, own)))
     return found

@@ -146,7 +146,9 @@ class _Best:
     """The residuals of a problem, and the best place at which they were asked for."""
 
     def __init__(self, problem: Any):
-        self.problem, self.place, self.residuals, self.steps = problem, None, None, 0
+        self.problem, self.steps = problem, 0
+        self.place: Any = None
+        self.residuals: Any = None
 
     def __call__(self, place: Any) -> Any:
         found = self.problem.residuals(place)

@@ -102,7 +102,7 @@ def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[
     targets : sequence
         What is fitted: each with `kind`, `count` and `step`.
     """
-    problems, fitted, held = Problems(what), [], []
+    problems, fitted, held = Problems(what), list[SensorNumber](), list[SensorNumber]()
     taken: set[tuple[str, int]] = set()
     for name, said in _usual(targets).items() if given is None else _typed(given, len(targets), problems):
         records = _records(name, targets, problems)
