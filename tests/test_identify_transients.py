@@ -5,7 +5,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.errors import InputError
-from stickslip.identifying.bootstrapping import _resampled_values, bootstrap
+from stickslip.identifying.bootstrapping import _resampled_problem, bootstrap
 from stickslip.identifying.search import polished
 from stickslip.records.settling import settled, settling_periods
 
@@ -29,8 +29,8 @@ def test_a_start_from_rest_is_fitted_too(law, phase):
 
 def test_a_start_taken_as_steady_is_wrong_and_the_default_leaves_it_out_and_says_so():
     rec = from_rest(periods=40)
-    fits = {s: ss.identify(rec, rig, free={"mu0": (0.03, 0.15)}, settle=s, law="coulomb", **ARGUMENTS) for s in (0, "auto", 25)}
-    off = {s: abs(fit.values["mu0"] - 0.06) / fit.errors["mu0"] for s, fit in fits.items()}
+    fits = {s: ss.identify(rec, rig, free={"mu0": (0.03, 0.15)}, settle=s, law="coulomb", sensor={}, **ARGUMENTS) for s in (0, "auto", 25)}
+    off = {s: abs(fit.values["mu0"] - 0.06) / fits["auto"].errors["mu0"] for s, fit in fits.items()}
     assert off[0] > 4.5 and off["auto"] < 4.5 and off[25] < 4.5
     assert any("drive periods differ from the later ones" in note and "transient=True" in note for note in fits["auto"].notes)
     assert any("first 25 drive periods were to be left out" in note for note in fits[25].notes)
@@ -71,7 +71,7 @@ def test_common_steps_end_where_each_replicates_own_search_ends(fit):
     """To a tenth of what one standard error costs in the sum of squares."""
     table = bootstrap(fit, 6, seed=1)
     for r in range(6):
-        problem = fit.problem.with_values(_resampled_values(fit, np.random.default_rng([1, r])))
+        problem = _resampled_problem(fit, np.random.default_rng([1, r]))
         own = polished(problem, fit.place)
         held = problem.only(dict(zip(fit.names, table[r].tolist(), strict=True)))  # phase and frequency are free in both
         common = polished(held, fit.place[len(fit.names) :])
@@ -88,7 +88,7 @@ def test_the_bootstrap_of_a_force_is_one_batch():
     x = 2e-4 * np.sin(2 * np.pi * t)
     F = 3.0 * np.sign(np.gradient(x, t)) + np.random.default_rng(0).normal(scale=0.1, size=len(t))
     rec = ss.Record.of(t, {"x [m]": x, "F [N]": F}, roles={"F": "force"})
-    fit = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)}, load=10.0)
+    fit = ss.identify(rec, ss.Coulomb, free={"mu_plus": (0.1, 1.0), "mu_minus": (0.1, 1.0)}, load=10.0, sensor={})
     before = fit.problem.solves
     spread = bootstrap(fit, 200, seed=0).std(axis=0, ddof=1)
     assert spread == pytest.approx(list(fit.errors.values()), rel=0.25) and fit.problem.solves == before

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["bootstrap", "by_bootstrap"]
 
 _STEPS = 8  # common steps of all replicates
+_NEAR = 0.05  # ... and when it moves the residuals by less than this part of one standard error of them all
 _SMALL = 0.01  # a replicate is done when its step is below this part of the standard errors
 
 
@@ -83,7 +84,9 @@ def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[A
         falls = cost <= costs[open_ones] * (1 + 1e-9)
         costs[open_ones] = cost
         moved = np.clip(places[open_ones] - rests @ inverse.T, low, high)
-        done = falls & (abs(moved - places[open_ones]) <= small).all(axis=1)
+        step = moved - places[open_ones]
+        near = np.linalg.norm(step @ fit.jacobian.T, axis=1) <= _NEAR * fit.scale
+        done = falls & near & (abs(step) <= small).all(axis=1)
         places[open_ones] = np.where(falls[:, None], moved, places[open_ones])
         settled[open_ones[done]] = True
         open_ones = open_ones[falls & ~done]

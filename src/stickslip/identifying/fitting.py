@@ -23,15 +23,16 @@ from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, multistart, polished, searched
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of
-from stickslip.identifying.spread import information_of, noise_scale, spread_of
+from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
 from stickslip.identifying.targets import target
-from stickslip.identifying.words import counted
+from stickslip.identifying.words import counted, listed
 from stickslip.quantities import between
 from stickslip.records import Record
 
 __all__ = ["identify"]
 
 USES = ("auto", "velocity", "position", "mean", "force")
+_SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are no noise, of any colour
 _ROUNDS, _SAME = 3, 0.05  # times that the noise is found anew, and by how much it may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
@@ -223,21 +224,28 @@ def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
 
 
 def _canonical(problem: Sensed, best: Found) -> Found:
-    """The same fit where numbers of sensors that the data do not determine are those of ideal sensors."""
+    """The same fit where numbers of sensors that the data do not determine are those of ideal sensors; their errors stay in it."""
+    held: list[str] = _chasing(problem, best)
     lost = {problem.numbers[k - problem.first].name for k in _undetermined(problem, best) if k >= problem.first}
-    held: list[str] = []
-    reduced, place = problem, best.place
-    while names := [n.name for n in reduced.numbers if n.name in lost]:
-        held.append(names[0])
+    place = best.place
+    while (names := [n.name for n in problem.numbers if n.name in lost and n.name not in held]) or (held and place is best.place):
+        held += names[:1]
         kept = np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
         reduced = problem.holding(held)
         found = polished(reduced, best.place[kept])
         lost = {reduced.numbers[k - reduced.first].name for k in _undetermined(reduced, found) if k >= reduced.first}
         place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
         place[kept] = found.place
-    if not held:
-        return best
-    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
+    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps) if held else best
+
+
+def _chasing(problem: Sensed, best: Found) -> list[str]:
+    """Numbers of load cells that nobody asked for, where what is left has a shape: they would make up for what the law lacks."""
+    if problem.given is not None:
+        return []
+    shaped = [i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)]))
+              if problem.targets[i].kind == "force" and neighbours(rest) > _SHAPED]  # fmt: skip
+    return [n.name for n in problem.numbers if set(n.records) & set(shaped)]
 
 
 def _undetermined(problem: Sensed, found: Found) -> list[int]:
@@ -255,6 +263,9 @@ def _fit(problem: Sensed, best: Found, starts: int, agree: int, notes: list[str]
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
     if dof < 1 and not given:
         notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
+    if chased := _chasing(problem, best):
+        left = f"what is left of a force has a shape, so that {listed(chased)} of the sensor cannot be told from what the law lacks"
+        notes = [*notes, f"{left}: the values are those of an ideal sensor, and the intervals count that it may not be"]
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     from stickslip import __version__

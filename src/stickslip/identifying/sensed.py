@@ -168,12 +168,13 @@ class Sensed:
             self._memory[key] = found if np.isfinite(found).all() else None
         return self._memory[key]
 
-    def _parts(self, whole: Any) -> list[Any]:
+    def parts(self, whole: Any) -> list[Any]:
+        """Values of all records, one by one."""
         edges = np.cumsum([0, *(t.count for t in self.targets)])
         return [whole[a:b] for a, b in pairwise(edges)]
 
     def _shown(self, h: Any, readings: list[dict[str, Any]]) -> Any:
-        return np.concatenate([_shown(t, part, r) for t, part, r in zip(self.targets, self._parts(h), readings, strict=True)])
+        return np.concatenate([_shown(t, part, r) for t, part, r in zip(self.targets, self.parts(h), readings, strict=True)])
 
     # ---- residuals ----
     def rest(self, found: Any, place: Any) -> Any:
@@ -209,7 +210,7 @@ class Sensed:
         """Derivatives of the residuals."""
         place = np.asarray(place, float)
         readings = self.readings(place)
-        own = self._parts(self.model.slopes(place[: self.first], self.readings(place[:, None])))
+        own = self.parts(self.model.slopes(place[: self.first], self.readings(place[:, None])))
         main = np.concatenate([_through(t, part, r) for t, part, r in zip(self.targets, own, readings, strict=True)])
         slopes = np.concatenate([main, self._sensor_slopes(place, readings)], axis=1) / self.sigma[:, None]
         known = np.zeros((len(self._known), len(place)))
@@ -223,8 +224,8 @@ class Sensed:
         found = np.zeros((len(self.y), len(self.numbers)))
         if h is None or not self.numbers:
             return found
-        bound = self._parts(self.model.held(h, self.readings(place[:, None])))
-        parts = list(zip(self.targets, self._parts(h), readings, bound, strict=True))
+        bound = self.parts(self.model.held(h, self.readings(place[:, None])))
+        parts = list(zip(self.targets, self.parts(h), readings, bound, strict=True))
         for k, number in enumerate(self.numbers):
             preload = number.what == "preload"
             found[:, k] = self._preload_slope(place, self.first + k, number) if preload else of_records(number, parts)
@@ -253,8 +254,8 @@ class Sensed:
         values = np.array([n.value for n in self.numbers])
         if not moved:
             return values, float(rest @ rest)
-        bound = self._parts(self.model.held(h, self.readings(whole[:, None])))
-        parts = list(zip(self.targets, self._parts(h), readings, bound, strict=True))
+        bound = self.parts(self.model.held(h, self.readings(whole[:, None])))
+        parts = list(zip(self.targets, self.parts(h), readings, bound, strict=True))
         columns = np.stack([of_records(self.numbers[k], parts) for k in moved], axis=1) / self.sigma[:, None]
         sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
         away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
