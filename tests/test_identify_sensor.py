@@ -205,7 +205,7 @@ def test_samples_at_once_are_the_same_as_step_by_step():
 
 
 def test_a_load_cell_does_not_make_up_for_what_a_law_lacks():
-    """Coulomb friction fitted to bristles: the numbers are those of an ideal sensor, with intervals that count that it may not be."""
+    """A Dahl law of the wrong shape: the numbers are those of an ideal sensor, with intervals that count that it may not be."""
     record = forces(ss.LuGre(0.3, 0.4, None, None, sigma0=3e4, sigma1=0.0, sigma2=0.0, v_s=1.0))
     free, fixed = {**BOTH, "sigma0": (1e4, 1e6, "log")}, {"exponent": 2.0}
     fit, ideal = (ss.identify(record, ss.Dahl, free=free, starts=8, sensor=sensor, **fixed) for sensor in (None, {}))
