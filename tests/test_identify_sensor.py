@@ -97,6 +97,7 @@ def test_a_speed_measured_otherwise_gives_back_what_a_free_offset_takes(fit):
     speed = ss.periodic_mean_velocity(RIG(**ONE))
     beside = ss.identify([off(), ("normal", speed, 1e-6)], RIG, free=MU, starts=4, **ONE)
     zero = ss.identify(off(), RIG, free=MU, starts=4, sensor={"offset": 0.0, "drift": None, "gain": None}, **ONE)
+    assert set(beside.sensor) == {"offset", "drift", "gain", "delay"}
     assert beside.errors["mu0"] < 0.8 * fit.errors["mu0"] and abs(beside.values["mu0"] - 0.18) < 3.3 * beside.errors["mu0"]
     assert zero.errors["mu0"] == pytest.approx(costs(fit)["offset"]["mu0"], rel=0.1) and zero.sensor["offset"] == (0.0, 0.0)
     with pytest.raises(InputError, match=r"does not say how sure it is; type \(\"normal\", 0.002"):

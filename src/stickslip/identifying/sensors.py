@@ -119,13 +119,13 @@ def sensors_of(given: Any, targets: Any, what: str = "identify") -> tuple[tuple[
 def _usual(targets: Any) -> dict[str, None]:
     """The effects that are fitted where nothing is said: one gain and one delay of a sensor, an offset and a drift of each record."""
     able = [i for i, t in enumerate(targets) if t.count >= _ENOUGH * len(EFFECTS)]
-    one, kinds = len(targets) == 1, {targets[i].kind for i in able}
+    curves, kinds = sum(t.kind != "mean" for t in targets), {targets[i].kind for i in able}
     names = {}
     for effect, about in EFFECTS.items():
         there = [i for i in able if targets[i].kind in about.kinds]
         shared = about.per is None and len(kinds) == 1
         if there and about.default:
-            names.update(dict.fromkeys([effect] if one or (shared and len(there) == len(targets)) else [f"{effect}[{i}]" for i in there]))
+            names.update(dict.fromkeys([effect] if curves == 1 or (shared and len(there) == curves) else [f"{effect}[{i}]" for i in there]))
     return names
 
 
