@@ -164,8 +164,9 @@ def columns_of(
     if not shape_of(robot) and any(np.ndim(v) for v in start.values()):  # one robot from many starts
         robot = replace_leaf(robot, {name: np.full(count, value) for name, value in leaves(robot)})
     many, more = (solver or _summary)(robot, start, options, workers, tell)
-    for sentence, cases in notes_of_cases(many.model, many.columns).items() if notes is not None else ():
-        notes[sentence] = notes.get(sentence, 0) + cases
+    if notes is not None:
+        for sentence, cases in notes_of_cases(many.model, many.columns).items():
+            notes[sentence] = notes.get(sentence, 0) + cases
     names = machine_of(robot).part_names
     without = _not_of(machine_of(robot))
     found = {name: many.columns[name] for name in COLUMNS if name in many.columns and name not in without}
