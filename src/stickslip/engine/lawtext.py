@@ -52,9 +52,12 @@ def looks(eq: System) -> str:
     if eq.dynamic and 0 in eq.switches:
         w, switch = writers[3], eq.switches[0]
         w.line("b0", "-1.0 if y[0] < 0.0 else 1.0")
-        passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
         active = switch.states[: eq.states - eq.passive]
         given = {i: new for i, new in enumerate(active) if new is not None} | eq.forgetting
+        for k in _flags_in([*switch.modes, *given.values()]):
+            if k:
+                w.line(f"b{k}", f"-1.0 if {w.value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+        passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
         passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in given.items()]
     for k in _flags_in(eq.carried):
         writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
