@@ -61,6 +61,8 @@ def examples():
         "spectrum": (ss.spectrum, {"run": run, "column": "v", "harmonics": 4, "periods": 1}),
         "mirrored": (ss.mirrored, {"robot": robot}), "dimensionless": (ss.dimensionless, {"robot": robot}), "latex": (ss.latex,
              {"law": robot.friction}),
+        "export_law": (ss.export_law, {"law": ss.Coulomb(0.15, 0.2), "language": "mujoco", "name": None, "load": 1.0,
+             "speeds": (1e-3, 0.1), "armature": 0.0}),
         "export": (ss.export, {"study": grid, "path": "x.csv"}), "load": (ss.load, {"path": "x.nc", "laws": ()}),
         "read": (ss.read, {"path": "x.csv", "units": None, "columns": None, "roles": None, "rate": None, "separator": None,
              "decimal": None}),

@@ -107,6 +107,10 @@ from .errors import (
     SolveError as SolveError,
     StickslipError as StickslipError,
 )
+from .exporting import (
+    ExportedLaw as ExportedLaw,
+    export_law as export_law,
+)
 from .flow import (
     Switch as Switch,
     SwitchingFlow as SwitchingFlow,

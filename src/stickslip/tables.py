@@ -14,7 +14,7 @@ from stickslip.friction import LAWS
 from stickslip.quantities import example_of
 from stickslip.tracks import TRACKS
 
-__all__ = ["document_of", "from_table", "from_toml", "kinds_of", "record_html", "to_table", "to_toml"]
+__all__ = ["document_of", "from_table", "from_toml", "kinds_of", "part_to_table", "record_html", "to_table", "to_toml"]
 
 PARTS: dict[str, dict[str, Any]] = {"drive": DRIVES, "friction": LAWS, "track": TRACKS}
 #: What a field of any other name may hold, such as the motion of a stage.
@@ -86,6 +86,18 @@ def _table_of_part(part: str, record: Any, kinds: dict[str, Any]) -> dict[str, A
     """The table of one part; where there is one kind only it is not named."""
     kind = _kind_name(part, record, kinds)
     return {**({"kind": kind} if len(kinds) > 1 else {}), **to_table(record)}
+
+
+def part_to_table(part: str, record: Any) -> dict[str, Any]:
+    """A law, a drive or a track by itself, as the table that a robot's file has for its `part`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> part_to_table("friction", ss.Dahl(mu_plus=0.15, mu_minus=0.21, sigma0=4e5))
+    {'kind': 'dahl', 'mu_plus': 0.15, 'mu_minus': 0.21, 'sigma0': 400000.0, 'exponent': 1.0}
+    """
+    return _table_of_part(part, record, PARTS[part])
 
 
 def _plain(value: Any) -> Any:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from stickslip.benching.records import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup
 
-__all__ = ["lag", "steady_friction"]
+__all__ = ["lag", "shown", "steady_friction"]
 
 #: Speeds of the steady curve, and angular frequencies of the lag, in units of what is typical of the law.
 SPEEDS, FREQUENCIES = (0.01, 30.0), (0.01, 0.05, 0.25)
@@ -21,7 +21,7 @@ def steady_friction(bench: Setup) -> Experiment:
     count = 5 if bench.random else 17 if bench.remembers else 81
     ratio = (SPEEDS[1] / SPEEDS[0]) ** (1.0 / (count - 1))
     speeds = [bench.typical_speed * SPEEDS[0] * ratio**k for k in range(count)]
-    forward, backward = ([_shown(bench, side * v) for v in speeds] for side in (1.0, -1.0))
+    forward, backward = ([shown(bench, side * v) for v in speeds] for side in (1.0, -1.0))
     low, high = bench.holds
     return Experiment(
         "steady", "steady friction", ("speed |v|", "m/s"), ("friction force |R|", "N"),
@@ -42,8 +42,8 @@ def _at_rest(bench: Setup, place: float) -> tuple[Curve, ...]:
     return (Curve("at rest", (place, place), (high, -low)),) if bench.set_valued and high - low > 0 else ()
 
 
-def _shown(bench: Setup, v: float) -> float:
-    """Steady force; nan where the law asks for the other forces instead of giving one."""
+def shown(bench: Setup, v: float) -> float:
+    """Steady force [N]; nan where the law asks for the other forces instead of giving one."""
     if bench.probe.law.needs_applied:
         low, high = (float(bench.probe.force(v, (), (), side * 1e12)) for side in (-1.0, 1.0))
         return low if low == high else math.nan
@@ -96,7 +96,7 @@ def _loop(bench: Setup, middle: float, swing: float, omega: float) -> list[tuple
         return middle + swing * math.sin(omega * t)
 
     if not bench.remembers:
-        return [(velocity(T * k / 200), _shown(bench, velocity(T * k / 200))) for k in range(201)]
+        return [(velocity(T * k / 200), shown(bench, velocity(T * k / 200))) for k in range(201)]
     moved = bench.contact(middle * T)
     for _ in range(1 if bench.random else 2):
         moved.follow(T, velocity)

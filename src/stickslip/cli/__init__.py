@@ -22,6 +22,7 @@ COMMANDS = {
     "check": ("check", "let several methods solve one robot: how many digits are certain?"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
     "bench": ("bench", "put friction laws on the bench: what each does, alone"),
+    "export-law": ("exported", "a friction law as C, MATLAB, TOML or attributes of a MuJoCo joint"),
     "map": ("plane", "simulate a robot over a plane and draw the map"),
     "merge": ("studies", "put the shards of a sweep together"),
     "export": ("studies", "write the results of a sweep as one .nc, .mat, .csv or .parquet file"),

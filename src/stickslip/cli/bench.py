@@ -12,7 +12,7 @@ from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.friction.adapter import is_law
 
-__all__ = ["act"]
+__all__ = ["act", "asked_laws"]
 
 #: Arguments of the bench itself; every other name is a number of the laws.
 OWN = ("load", "mass", "stiffness", "speed")
@@ -35,7 +35,7 @@ def act(command: str, words: list[str]) -> int:
     made.add_argument("--only", metavar="NAME", action="append", help="do this experiment alone; may be given several times")
     asked = made.parse_intermixed_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
-    laws, own = _asked(asked.words)
+    laws, own = asked_laws(asked.words)
 
     from stickslip.benching import bench
 
@@ -54,8 +54,8 @@ def act(command: str, words: list[str]) -> int:
     return 0
 
 
-def _asked(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
-    """The laws with their numbers, and the arguments of the bench; everything that is wrong at once."""
+def asked_laws(words: list[str], own: tuple[str, ...] = OWN, command: str = "bench") -> tuple[list[Any], dict[str, Any]]:
+    """The laws with their numbers, and the arguments that are the command's `own`; everything that is wrong at once."""
     from stickslip.friction import LAWS
 
     problems = Problems("arguments")
@@ -63,8 +63,8 @@ def _asked(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
     names = [word for word in words if "=" not in word]
     names = list(LAWS) if names == ["all"] else names
     if not names:
-        problems.add(f"no law is given; type for example stickslip bench lugre; known: {', '.join(LAWS)}")
-    numbers = {name: value for name, value in given.items() if name not in OWN}
+        problems.add(f"no law is given; type for example stickslip {command} lugre; known: {', '.join(LAWS)}")
+    numbers = {name: value for name, value in given.items() if name not in own}
     typed = {name: word for word in words if (name := word.partition("=")[0]) in numbers}
     made = [_law(name, typed, problems) for name in names]
     laws = [law for law, _ in made if law is not None]
@@ -72,10 +72,10 @@ def _asked(words: list[str]) -> tuple[list[Any], dict[str, Any]]:
     for name in numbers:
         if laws and name not in known:
             kinds = " or ".join(type(law).__name__ for law in laws)
-            problems.add(f"{name!r} is no number of {kinds}; {did_you_mean(name, [*known, *OWN])}")
+            problems.add(f"{name!r} is no number of {kinds}; {did_you_mean(name, [*known, *own])}")
     changed = [_changed(law, {k: v for k, v in numbers.items() if k in _numbers(law)}, problems) for law in laws]
     problems.check()
-    return changed, {name: value for name, value in given.items() if name in OWN}
+    return changed, {name: value for name, value in given.items() if name in own}
 
 
 def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, list[str]]:

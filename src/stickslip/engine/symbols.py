@@ -152,8 +152,9 @@ class Condition:
 
     def __ss_where__(self, yes: Any, no: Any) -> Sym:
         graph = self.difference.graph
-        if graph.at_once and self.weak:
-            return graph.select(-self.difference, self.difference._with(no), self.difference._with(yes))
+        if graph.at_once:
+            held, yes, no = self.difference, self.difference._with(yes), self.difference._with(no)
+            return graph.select(-held, no, yes) if self.weak else graph.select(held, yes, no)
         held = graph.sign(self.difference) if graph.varies(self.difference) else self.difference
         return graph.select(held, self.difference._with(yes), self.difference._with(no))
 

@@ -10,17 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from stickslip.engine.symbols import CASE, FUNCTIONS, STATE, Sym
+from stickslip.engine.lines import Lines, literal
+from stickslip.engine.symbols import CASE, STATE, Sym
 from stickslip.maths import LARGEST
 
 __all__ = ["LOG_OF_BITS", "Writer", "combine", "horner", "literal"]
 
 LOG_OF_BITS = "2.220446049250313e-16"  # bits of a float times this: its binary logarithm + 1023, to about 6 %
-
-
-def literal(value: float) -> str:
-    """A float as Python text that reads back exactly."""
-    return f"({value!r})" if value < 0 else repr(float(value))
 
 
 def combine(base: str, terms: Iterable[tuple[float, str]]) -> str:
@@ -61,24 +57,14 @@ def _never_positive(node: Sym) -> bool:
     return square.op == "multiply" and square.args[0] is square.args[1]
 
 
-class Writer:
-    """Collects lines; every expression is written once for given values of what it depends on."""
+class Writer(Lines):
+    """Lines of a kernel: the numbers of a case are known by name, functions are polynomials, and sums are fused."""
 
     def __init__(self, prefix: str = "_") -> None:
-        self.lines: list[str] = []
+        super().__init__(prefix)
         self.case_nodes: list[Sym] = []  # expressions of the case's numbers, computed once per case
-        self._known: dict[tuple[int, tuple[str, ...]], str] = {}
-        self._depends: dict[int, tuple[str, ...]] = {}
         self._uses: dict[int, int] = {}
         self._depth: dict[int, int] = {}
-        self._count = 0
-        self._prefix = prefix
-        self.indent = ""
-
-    def line(self, name: str, expression: str) -> str:
-        """Write ``name = expression``; returns the name."""
-        self.lines.append(f"{self.indent}{name} = {expression}")
-        return name
 
     def begin(self, head: str) -> None:
         """What follows is within a loop, ``for m in range(1, 17)``, or, for kernels of one lane, a condition, ``if _a > 0.0``."""
@@ -88,11 +74,6 @@ class Writer:
     def end(self) -> None:
         """End of the innermost part that was begun, if there is one."""
         self.indent = self.indent[:-4]
-
-    def fresh(self) -> str:
-        """A new local name."""
-        self._count += 1
-        return f"{self._prefix}q{self._count}"
 
     def count_uses(self, roots: Iterable[Sym]) -> None:
         """Note how often each node is used, so that a product used once can be fused."""
@@ -109,28 +90,11 @@ class Writer:
                 self._uses[a.number] = self._uses.get(a.number, 0) + 1
                 stack.append(a)
 
-    def depends(self, node: Sym) -> tuple[str, ...]:
-        """Names of the variables and flags that a node depends on."""
-        if node.number not in self._depends:
-            if node.op in ("variable", "flag"):
-                found: tuple[str, ...] = (node.name,)
-            else:
-                found = tuple(sorted({d for a in node.args for d in self.depends(a)}))
-            self._depends[node.number] = found
-        return self._depends[node.number]
-
     def value(self, node: Sym, bind: dict[str, str]) -> str:
-        """The name (or literal) that holds a node's value, written now if it was not before."""
-        if node.op == "constant":
-            return literal(node.value)
-        if node.op in ("variable", "flag"):
-            return bind[node.name]
+        """The name (or literal) that holds a node's value; one of the case's numbers is computed before."""
         if node.level == CASE and self._prefix == "_":
             return self._case(node)
-        key = (node.number, tuple(bind[d] for d in self.depends(node)))
-        if key not in self._known:
-            self._known[key] = self._write(node, bind)
-        return self._known[key]
+        return super().value(node, bind)
 
     def _case(self, node: Sym) -> str:
         for k, known in enumerate(self.case_nodes):
@@ -139,25 +103,13 @@ class Writer:
         self.case_nodes.append(node)
         return f"_c{len(self.case_nodes) - 1}"
 
-    def _write(self, node: Sym, bind: dict[str, str]) -> str:
-        if node.op == "case":
-            return bind[node.name]
-        if node.op == "exp":
-            return self._exp(self.value(node.args[0], bind), _never_positive(node.args[0]))
+    def _function(self, node: Sym, bind: dict[str, str]) -> str:
         if node.op in ("tanh", "bell"):
             return self._of_tanh(node, bind)
-        if node.op in FUNCTIONS and node.op != "sqrt":
-            return getattr(self, f"_{node.op}")(self.value(node.args[0], bind))
-        if node.op in ("add", "subtract"):
-            return self._sum(node, bind)
-        a = [self.value(x, bind) for x in node.args]
-        text = {
-            "multiply": lambda: f"-{a[1]}" if a[0] == "(-1.0)" else f"{a[0]} * {a[1]}",
-            "reciprocal": lambda: f"1.0 / {a[0]}",
-            "sqrt": lambda: f"math.sqrt({a[0]})",
-            "select": lambda: f"{a[1]} if {a[0]} > 0.0 else {a[2]}",
-        }[node.op]()
-        return self.line(self.fresh(), text)
+        x = self.value(node.args[0], bind)
+        if node.op == "sqrt":
+            return self.line(self.fresh(), f"math.sqrt({x})")
+        return self._exp(x, _never_positive(node.args[0])) if node.op == "exp" else str(getattr(self, f"_{node.op}")(x))
 
     def _of_tanh(self, node: Sym, bind: dict[str, str]) -> str:
         """tanh x, or 1/cosh^2 x: both from e = exp(-2|x|), which is never large."""

@@ -1,0 +1,102 @@
+"""A friction law alone, called with symbols: what it says of force, inner states, memories and rest, as expressions of one graph."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from stickslip.engine.symbolic import numbers_of
+from stickslip.engine.symbols import Graph, Sym
+from stickslip.engine.values import needed_by
+from stickslip.errors import InputError
+from stickslip.fields import is_array, leaves, replace_leaf
+from stickslip.friction.adapter import adapted
+
+__all__ = ["TracedLaw"]
+
+
+class TracedLaw:
+    """The equations of a law in the variables v, load, applied, z0, z1, … and the modes mode0, mode1, ….
+
+    Conditions are those of one instant, so that nothing is held.
+
+    Parameters
+    ----------
+    law : law
+        Any law; one that cannot be traced is refused.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = TracedLaw(ss.Dahl.example())
+    >>> list(law.numbers), law.force, law.exact
+    (['mu_plus', 'mu_minus', 'sigma0'], multiply(sigma0, z0), True)
+    """
+
+    def __init__(self, law: Any):
+        self.graph = graph = Graph()
+        graph.at_once = True
+        plain = adapted(law)
+        if not plain.compiles:
+            why = f"{plain.name} is solved in plain Python alone (it says scalar_only), so that its equations cannot be written down"
+            raise InputError("law", [f"{why}; allowed is a law that compiles; type for example ss.GMS.example()"])
+        values = dict(leaves(law))
+        many = [name for name, value in values.items() if is_array(value)]
+        if many:
+            raise InputError("law", [f"{', '.join(many)} of {plain.name} are arrays; allowed is one law, no batch; take one case of it"])
+        self.numbers: dict[str, float] = {name: float(values[name]) for name in numbers_of(law)}
+        self.law = own = adapted(replace_leaf(law, {name: graph.case(name) for name in self.numbers}))
+        self.v, self.load, self.applied = (graph.variable(name) for name in ("v", "load", "applied"))
+        self.z = tuple(graph.variable(f"z{i}") for i in range(own.states))
+        self.mode = tuple(graph.mode(f"mode{i}") for i in range(own.modes))
+
+    def _lift(self, value: Any) -> Sym:
+        return value if isinstance(value, Sym) else self.graph.constant(value)
+
+    @cached_property
+    def rates(self) -> tuple[Sym, ...]:
+        """Rates of the inner states."""
+        return tuple(map(self._lift, self.law.rate(self.v, self.z, self.load, self.mode)))
+
+    @cached_property
+    def force(self) -> Sym:
+        """Friction force; of a set-valued law while it slides."""
+        return self._lift(self.law.force(self.v, self.z, self.rates, self.load, self.mode, self.applied))
+
+    @cached_property
+    def breakaway(self) -> tuple[Sym, Sym]:
+        """What a set-valued law holds, backward and forward."""
+        backward, forward = self.law.breakaway(self.load)
+        return self._lift(backward), self._lift(forward)
+
+    @cached_property
+    def slopes(self) -> tuple[tuple[Sym, ...], ...]:
+        """Derivatives of the rates by the inner states."""
+        return tuple(tuple(self.graph.derivative(rate, z) for z in self.z) for rate in self.rates)
+
+    @cached_property
+    def switches(self) -> list[tuple[Sym, tuple[Sym, ...], tuple[Sym, ...]]]:
+        """Guards, with the modes and the inner states after each."""
+        found = self.law.switches(self.v, self.z, self.load, self.mode)
+        return [(self._lift(g), tuple(map(self._lift, m)), self.z if z is None else tuple(map(self._lift, z))) for g, m, z in found]
+
+    @cached_property
+    def start(self) -> tuple[Sym, ...]:
+        """Inner states of a contact that nobody has moved."""
+        return tuple(map(self._lift, self.law.start(self.load)))
+
+    @property
+    def alone(self) -> bool:
+        """Whether no inner state asks for another."""
+        return all(_is_zero(slope) for i, row in enumerate(self.slopes) for j, slope in enumerate(row) if i != j)
+
+    @property
+    def exact(self) -> bool:
+        """Whether the rates are linear in the inner states for every velocity, load and memory."""
+        conditions = [node.args[0] for node in needed_by(self.rates) if node.op == "select"]
+        names = {z.name for z in self.z}
+        return not any(names & self.graph.varies(node) for node in (*conditions, *(slope for row in self.slopes for slope in row)))
+
+
+def _is_zero(node: Sym) -> bool:
+    return node.op == "constant" and node.value == 0

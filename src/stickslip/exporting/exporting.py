@@ -1,0 +1,210 @@
+"""Take a law with you: as source text of another language, as a table of a study file, or as attributes of a simulator's joint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from stickslip.arguments import explains_arguments
+from stickslip.errors import InputError, Problems, as_path, did_you_mean
+from stickslip.exporting.names import prefix_of
+from stickslip.fields import at_least, checked_number, positive
+from stickslip.friction.adapter import is_law
+from stickslip.machine import is_machine, machine_of
+
+__all__ = ["LANGUAGES", "ExportedLaw", "export_law"]
+
+
+@dataclass(frozen=True)
+class ExportedLaw:
+    """A friction law as text; `print` shows it, `save` writes it.
+
+    Parameters
+    ----------
+    language : str
+    name : str
+        What its functions are called.
+    text : str
+    numbers : dict
+        Of ``"mujoco"``: frictionloss, damping, armature, error (the largest of steady friction over the speeds), worst (the velocity
+        where it is) and largest (the law's largest friction there). Of the others nothing.
+    notes : tuple of str
+        What of the law is not in the text.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.export_law(ss.Coulomb(mu_plus=0.15, mu_minus=0.21), "matlab", name="foot")
+    >>> found.file, str(found).splitlines()[0]
+    ('foot.m', 'function law = foot()')
+    """
+
+    language: str
+    name: str
+    text: str
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return self.text
+
+    @property
+    def file(self) -> str:
+        """What a file with the text should be called: MATLAB asks for the name of its function."""
+        return f"{self.name}.{_ENDINGS[self.language]}"
+
+    @explains_arguments
+    def save(self, path: str | Path | None = None) -> Path:
+        """Write the text to a file, or into a folder under the name `file`; by default into the current folder.
+
+        Returns
+        -------
+        Path
+            Where it was written. An existing file is replaced.
+        """
+        from stickslip.storage import moved_into_place, unwritable
+
+        target = Path(self.file) if path is None else as_path(path, "save", self.file)
+        target = target / self.file if target.is_dir() else target
+        with moved_into_place(target, unwritable("export_law")) as beside:
+            beside.write_text(self.text, encoding="utf-8")
+        return target
+
+
+@explains_arguments
+def export_law(
+    law: Any,
+    language: str,
+    *,
+    name: str | None = None,
+    load: float | None = None,
+    speeds: tuple[float, float] | None = None,
+    armature: float = 0.0,
+) -> ExportedLaw:
+    """A friction law, as code that needs nothing of this package: C, MATLAB and Octave, TOML, or attributes of a MuJoCo joint.
+
+    C and MATLAB are written from the law's own equations, which are traced as the solvers trace them, so that a law of your own goes too.
+
+    Parameters
+    ----------
+    law : law, robot, mechanism or Fit
+        A law; or what has one contact, or a fit, whose law is taken.
+    language : {"c", "matlab", "octave", "toml", "mujoco"}
+        C is one C99 file of static functions to include: ``NAME_fitted`` holds the numbers, ``NAME_start`` a fresh state,
+        ``NAME_force`` the friction force, ``NAME_rate`` the rates of the inner states and ``NAME_step`` advances them over a
+        time step; its head says how. A set-valued law has ``NAME_sliding``, ``NAME_breakaway``, ``NAME_force``, to which what would hold
+        the body at rest is given, and a ``NAME_step`` for time-stepping simulations, in which bodies stop and stay. MATLAB is a function
+        NAME that returns a struct with the same. TOML is the table ``[robot.friction]`` of a study file.
+    name : str, optional
+        What the functions (or the joint) are called; by default the law's name in lower case.
+    load : float, optional
+        Of ``"mujoco"``: load on the contact [N]. By default that of a robot whose load is a number, else 1, at which coefficients of
+        friction are forces.
+    speeds : tuple of float, optional
+        Of ``"mujoco"``, needed there: the range (slowest, fastest) [m/s] in which the joint is to be right.
+    armature : float, optional
+        Of ``"mujoco"``: inertia of the rotor as the joint feels it, gear ratio squared times the motor's [kg m^2].
+
+    Returns
+    -------
+    ExportedLaw
+        The text, and of ``"mujoco"`` the numbers with their error: a joint of MuJoCo has dry friction and damping that are the same both
+        ways, so that the two that come closest (smallest largest error) over the range of speed are taken.
+
+    Raises
+    ------
+    InputError
+        If the law cannot be written in this language: one that draws by chance, or in TOML one of your own.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> print(ss.export_law(ss.Dahl(mu_plus=0.15, mu_minus=0.21, sigma0=4e5), "c").text.splitlines()[-2:])
+    ['', '#endif']
+    >>> joint = ss.export_law(ss.Stribeck.example(), "mujoco", speeds=(2e-3, 0.1))
+    >>> print(joint.text.splitlines()[1])
+    <joint name="stribeck" frictionloss="0.18629503" damping="0.287383845" armature="0"/>
+    """
+    problems = Problems("export_law")
+    if language not in LANGUAGES:
+        problems.add(f"language = {language!r} is not known; {did_you_mean(str(language), LANGUAGES)}")
+    elif language == "mujoco":
+        _check_range(speeds, load, armature, problems)
+    elif any(value not in (None, 0.0) for value in (load, speeds, armature)):
+        problems.add(f'load, speeds and armature are those of "mujoco"; leave them out for {language!r}')
+    given = law.model() if callable(getattr(law, "model", None)) and not is_law(law) and not is_machine(law) else law
+    if not is_law(given) and not is_machine(given):
+        what = "a friction law, a robot or machine with one contact, or a fit"
+        problems.add(f"{type(law).__name__} given; allowed is {what}; type for example robot.friction")
+    problems.check()
+    own = given if is_law(given) else _only_law(given)
+    if language == "mujoco" and load is None:
+        load = _load_of(given)
+    return LANGUAGES[language](own, language, prefix_of(own, name), load, speeds, armature)
+
+
+def _check_range(speeds: Any, load: Any, armature: Any, problems: Problems) -> None:
+    given = "is missing" if speeds is None else f"= {speeds!r}"
+    try:
+        low, high = map(float, speeds)
+        good = 0 < low < high < float("inf")
+    except (TypeError, ValueError):
+        good = False
+    if not good:
+        problems.add(f"speeds {given}; allowed is a range (slowest, fastest) above zero [m/s]; type for example speeds=(1e-3, 0.1)")
+    if load is not None:
+        checked_number("load", load, problems, positive, "a positive force [N]", "load=1.0")
+    checked_number("armature", armature, problems, at_least(0.0), "zero or more [kg m^2]", "armature=0.01")
+
+
+def _only_law(model: Any) -> Any:
+    """The law of a machine that has one contact, also if it has several bodies."""
+    laws = machine_of(model).mechanics.laws
+    if len(laws) != 1:
+        given = f"{type(model).__name__} has {len(laws)} contacts"
+        raise InputError("export_law", [f"{given}; allowed is one with one contact; give the law of one of them, a part of its contacts"])
+    return laws[0].law
+
+
+def _load_of(model: Any) -> float:
+    """The load of a model with one contact; 1 of a law, whose coefficients then are forces."""
+    load = 1.0 if is_law(model) else getattr(model, "load", None)
+    if not isinstance(load, (int, float)):
+        raise InputError("export_law", [f"the load of this {type(model).__name__} is no number of its own; type for example load=1.0"])
+    return float(load)
+
+
+def _source(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
+    from stickslip import __version__
+    from stickslip.engine.traced_law import TracedLaw
+    from stickslip.exporting.c import written_in_c
+    from stickslip.exporting.matlab import written_in_matlab
+    from stickslip.exporting.told import head
+
+    law = TracedLaw(own)
+    write = written_in_c if language == "c" else written_in_matlab
+    return ExportedLaw(language, name, write(law, name, head(law, name, __version__)))
+
+
+def _toml(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
+    import tomli_w
+
+    from stickslip.tables import part_to_table
+
+    return ExportedLaw(language, name, tomli_w.dumps({"robot": {"friction": part_to_table("friction", own)}}))
+
+
+def _mujoco(own: Any, language: str, name: str, load: Any, speeds: Any, armature: float) -> ExportedLaw:
+    from stickslip.exporting.mujoco import reduced, written_for_mujoco
+
+    low, high = map(float, speeds)
+    found = reduced(own, load, (low, high))
+    told = f"{type(own).__name__} under a load of {load:.6g}, over speeds from {low:.4g} to {high:.4g} m/s both ways."
+    numbers = {name: getattr(found, name) for name in ("frictionloss", "damping", "error", "worst", "largest")} | {"armature": armature}
+    return ExportedLaw(language, name, written_for_mujoco(found, name, told, armature), numbers, found.notes)
+
+
+LANGUAGES: dict[str, Callable[..., ExportedLaw]] = {"c": _source, "matlab": _source, "octave": _source, "toml": _toml, "mujoco": _mujoco}
+_ENDINGS = {"c": "h", "matlab": "m", "octave": "m", "toml": "toml", "mujoco": "xml"}

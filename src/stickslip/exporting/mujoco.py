@@ -1,0 +1,89 @@
+"""A friction law as what a joint of MuJoCo can do, dry friction and damping the same both ways, and how wrong that is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.benching.setup import Setup
+from stickslip.benching.velocity import shown
+from stickslip.errors import InputError
+from stickslip.friction.adapter import adapted
+
+__all__ = ["Reduction", "reduced", "written_for_mujoco"]
+
+_COUNT = 41  # speeds, each way: a factor of 1.26 apart over four decades
+_ROUNDING = 1e-9  # of the largest force, what the linear programme leaves
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Dry friction and damping of a joint that come closest to a law over a range of speed.
+
+    Parameters
+    ----------
+    frictionloss : float
+        [N], or N m of a hinge.
+    damping : float
+        [N s/m], or N m s/rad.
+    error : float
+        Largest error of the steady friction force over the range, both ways [N].
+    worst : float
+        Velocity at which it is that large [m/s].
+    largest : float
+        Largest steady friction of the law over the range [N].
+    notes : tuple of str
+        What the joint cannot do that the law does.
+    """
+
+    frictionloss: float
+    damping: float
+    error: float
+    worst: float
+    largest: float
+    notes: tuple[str, ...]
+
+
+def reduced(law: Any, load: float, speeds: tuple[float, float]) -> Reduction:
+    """The friction and the damping with the smallest largest error (a linear programme) at speeds of equal ratio."""
+    from scipy.optimize import linprog
+
+    bench = Setup(law, load, 1.0)
+    ratio = (speeds[1] / speeds[0]) ** (1.0 / (_COUNT - 1))
+    velocities = [side * speeds[0] * ratio**k for side in (1.0, -1.0) for k in range(_COUNT)]
+    forces = [math.copysign(1.0, v) * shown(bench, v) for v in velocities]
+    if not all(map(math.isfinite, forces)):
+        still = max(abs(v) for v, force in zip(velocities, forces, strict=True) if not math.isfinite(force))
+        why, above = f"at |v| = {still:.3g} m/s the law has no steady friction", f"speeds=({2 * still:.3g}, {20 * still:.3g})"
+        raise InputError("export_law", [f"speeds = {speeds}: {why}; type a range above it, for example {above}"])
+    size, fast = max(map(abs, forces)) or 1.0, speeds[1]
+    rows = [(sign, sign * abs(v) / fast, -1.0) for sign in (1.0, -1.0) for v in velocities]
+    limits = [sign * force / size for sign in (1.0, -1.0) for force in forces]
+    dry, viscous, _ = linprog([0.0, 0.0, 1.0], A_ub=rows, b_ub=limits, bounds=[(0, None)] * 3, method="highs").x
+    dry, viscous = (float(part) if part > _ROUNDING else 0.0 for part in (dry, viscous))
+    frictionloss, damping = dry * size, viscous * size / fast
+    errors = [abs(frictionloss + damping * abs(v) - force) for v, force in zip(velocities, forces, strict=True)]
+    worst = max(range(len(errors)), key=errors.__getitem__)
+    return Reduction(frictionloss, damping, errors[worst], velocities[worst], max(map(abs, forces)), tuple(_lost(bench, forces)))
+
+
+def _lost(bench: Setup, forces: list[float]) -> list[str]:
+    """What of the law is not in the joint."""
+    apart = max(abs(a - b) for a, b in zip(forces[:_COUNT], forces[_COUNT:], strict=True))
+    found = [f"forward and backward friction, which differ by up to {apart:.4g} N"] if apart > 1e-9 * max(map(abs, forces)) else []
+    held = max(map(abs, bench.holds))
+    if held > max(forces[0], forces[_COUNT]) * (1 + 1e-9):
+        found.append(f"{'break-away' if bench.set_valued else 'friction at lower speeds'}, up to {held:.4g} N")
+    if adapted(bench.law).states:
+        found.append("the law's inner states: pre-sliding and lag")
+    return found
+
+
+def written_for_mujoco(found: Reduction, name: str, told: str, armature: float) -> str:
+    """The joint's attributes as XML, with a comment."""
+    lost = f" Not in it: {'; '.join(found.notes)}." if found.notes else ""
+    share = f", {found.error / found.largest:.2%} of the law's largest there" if found.largest else ""
+    remark = f"{told} Largest error of steady friction {found.error:.4g}{share}, at {found.worst:.4g} m/s.{lost}"
+    attributes = f'frictionloss="{found.frictionloss:.9g}" damping="{found.damping:.9g}" armature="{armature:.9g}"'
+    return f'<!-- {remark.replace("--", "- -")} -->\n<joint name="{name}" {attributes}/>\n'
