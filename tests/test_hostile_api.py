@@ -64,7 +64,7 @@ def examples():
         "export_law": (ss.export_law, {"law": ss.Coulomb(0.15, 0.2), "language": "mujoco", "name": None, "load": 1.0,
              "speeds": (1e-3, 0.1), "armature": 0.0}),
         "export": (ss.export, {"study": grid, "path": "x.csv"}), "load": (ss.load, {"path": "x.nc", "laws": ()}),
-        "read": (ss.read, {"path": "x.csv", "units": None, "columns": None, "roles": None, "rate": None, "separator": None,
+        "read": (ss.read, {"path": "x.csv", "units": None, "columns": None, "roles": None, "rate": None, "scale": None, "separator": None,
              "decimal": None}),
         "open_study": (ss.open_study, {"folder": "x"}), "merge": (ss.merge, {"folders": ["x"], "out": "y", "partial": False}),
         "bench": (ss.bench, {"law": ss.Coulomb(0.15, 0.2), "load": 1.0, "mass": 1.0, "stiffness": None, "speed": None,

@@ -129,14 +129,21 @@ def test_options_are_checked_together(tmp_path):
     ("text", "factor", "quantity"),
     [("mm/s", 1e-3, "velocity"), ("µm", 1e-6, "position"), ("m/s²", 1.0, "acceleration"), ("m/s^2", 1.0, "acceleration"),
      ("uN", 1e-6, "force"), ("kPa", 1e3, "pressure"), ("bar", 1e5, "pressure"), ("ms", 1e-3, "time"), ("m s^-1", 1.0, "velocity"),
-     ("min", 60.0, "time"), ("N/m", 1.0, None)],
+     ("min", 60.0, "time"), ("N/m", 1.0, None), ("Nm", 1.0, "torque"), ("mNm", 1e-3, "torque"), ("N·m", 1.0, "torque"),
+     ("N-m", 1.0, "torque"), ("Nmm", 1e-3, "torque"), ("ft-lb", 1.3558179483314, "torque"),
+     ("oz-in", 0.45359237 * 9.80665 * 0.0254 / 16, "torque"),
+     ("in lbf", 0.112984829028, "torque"), ("kip", 4448.2216152605, "force"), ("lbf", 4.4482216152605, "force"), ("kgf", 9.80665, "force"),
+     ("g0", 9.80665, "acceleration"), ("mm per s", 1e-3, "velocity"), ("in/s", 0.0254, "velocity"), ("RPM", np.pi / 30, "angular velocity"),
+     ("rpm", np.pi / 30, "angular velocity"), ("deg/s", np.pi / 180, "angular velocity"), ("microns", 1e-6, "position"),
+     ("in", 0.0254, "position"), ("Inches", 0.0254, "position"), ("mil", 2.54e-5, "position"), ("PSI", 6894.757293168, "pressure"),
+     ("rad", 1.0, "angle"), ("mA", 1e-3, "current"), ("Volts", 1.0, "voltage"), ("Newton", 1.0, "force"), ("nm", 1e-9, "position")],
 )  # fmt: skip
 def test_units_are_those_of_the_si(text, factor, quantity):
     found = unit_of(text)
     assert found.factor == pytest.approx(factor, rel=1e-12) and found.quantity == quantity
 
 
-@pytest.mark.parametrize("text", ["", "volts per fortnight", "xy", "m/", "mmm", "s/q"])
+@pytest.mark.parametrize("text", ["", "volts per fortnight", "xy", "m/", "mmm", "s/q", "Nq", "gg", "m0", "kkip", "lbfin"])
 def test_what_is_no_unit_is_not_taken_for_one(text):
     assert unit_of(text) is None
 

@@ -22,7 +22,7 @@ from stickslip.quantities import allowed_in, example_of
 
 __all__ = [
     "Ax", "Basin", "Benched", "Compared", "Exponents", "Fitted", "Grid", "Kind", "Law", "LawOrModel", "Maker", "Measured", "Model",
-    "Numbers", "Page", "Run", "Ways", "checked_arguments", "described_arguments", "explains_arguments",
+    "Numbers", "Page", "Recorded", "Run", "Ways", "checked_arguments", "described_arguments", "explains_arguments",
     "parameters_of", "wrong_kinds",
 ]  # fmt: skip
 
@@ -76,6 +76,13 @@ Numbers = Annotated[Any, Kind(_is_numbers, "a number or an array of numbers")]
 Grid = Annotated[Any, Kind(_has("data_vars", "dims"), "a dataset, such as ss.sweep, ss.map and ss.bifurcation return")]
 Fitted = Annotated[Any, Kind(_has("values", "problem"), "a Fit; type for example ss.identify(record, ss.presets.piezo_rig, free=...)")]
 Measured = Annotated[Any, Kind(_has("channels", "source"), 'a Record; type for example ss.read("run.csv")')]
+Recorded = Annotated[
+    Any,
+    Kind(
+        lambda v: isinstance(v, (str, os.PathLike, Mapping)) or _has("columns", "__getitem__")(v),
+        'the path of a record, or a data frame; type for example ss.read("run.csv")',
+    ),
+]
 Exponents = Annotated[Any, Kind(_has("spectrum", "record"), "exponents; type for example ss.lyapunov(robot)")]
 Ways = Annotated[
     Any, Kind(lambda v: all(map(_has("orbits", "values"), v if isinstance(v, (list, tuple)) else [v])), "a Branch or a list of them")

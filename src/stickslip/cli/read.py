@@ -17,7 +17,7 @@ _FREQUENCY = "; if it is, type frequency=... [Hz]"  # of the functions; this com
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(command, "Read a measured record: channels, units, rate, gaps, noise, drive frequency, motion.", robot=False, more=_MORE)
-    made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
+    made.add_argument("file", metavar="FILE", help="CSV, TSV, TXT, JSON, UFF58, MATLAB, TDMS, netCDF, HDF5 or XLSX")
     recorded.add_options(made)
     made.add_argument("--figure", metavar="FILE", help="draw the spectrum of the velocity, or of what else there is (.png, .svg or .pdf)")
     asked = made.parse_args(words)

@@ -59,6 +59,7 @@ def add_options(made: Parser) -> None:
         "--unit", metavar="NAME=UNIT", action="append", default=[], help="unit of a channel, such as LDV=m/s (again for more)"
     )
     made.add_argument("--role", metavar="NAME=ROLE", action="append", default=[], help="what a channel is for, such as LDV=velocity")
+    made.add_argument("--scale", metavar="NAME=VALUE", action="append", default=[], help='sensitivity of a sensor, such as "LDV=25 mm/s/V"')
     made.add_argument("--columns", metavar="A,B,...", help='headings of all columns, such as "t [ms],v [mm/s]"')
     made.add_argument("--separator", metavar="MARK", help='what parts the columns of a text file, such as ";" or tab')
     made.add_argument("--decimal", metavar="MARK", choices=(".", ","), help='decimal mark of a text file, "." or ","')
@@ -90,6 +91,7 @@ def opened(path: str, asked: Any) -> Any:
         roles=pairs(asked.role, "--role"),
         columns=None if asked.columns is None else [part.strip() for part in asked.columns.split(",")],
         rate=asked.rate,
+        scale=pairs(asked.scale, "--scale"),
         separator={"tab": "\t", "\\t": "\t", "space": " "}.get(asked.separator or "", asked.separator or None),
         decimal=asked.decimal,
     )

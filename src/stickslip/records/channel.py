@@ -20,7 +20,9 @@ ROLES = (
 )  # fmt: skip
 #: What the unit of a channel in a role may measure, where that is not what the role is called.
 MEASURED = {
-    "absolute velocity": ("velocity",), "load": ("force",), "drive": ("velocity", "position", "acceleration", "voltage"),
+    "velocity": ("velocity", "angular velocity"), "absolute velocity": ("velocity", "angular velocity"), "position": ("position", "angle"),
+    "acceleration": ("acceleration", "angular acceleration"), "force": ("force", "torque"), "load": ("force",),
+    "drive": ("velocity", "position", "acceleration", "voltage", "angle", "angular velocity", "angular acceleration"),
 }  # fmt: skip
 #: An interval longer than this many usual ones is a gap.
 _GAP = 1.5

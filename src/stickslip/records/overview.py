@@ -11,7 +11,7 @@ from stickslip.errors import InputError
 from stickslip.records.tones import NotPeriodic
 from stickslip.records.units import unit_of
 
-__all__ = ["Line", "Overview", "clipped", "noise", "overview"]
+__all__ = ["Line", "Overview", "clipped", "dead_zone", "noise", "overview"]
 
 
 @dataclass(frozen=True)
@@ -141,6 +141,28 @@ def clipped(y: Any, least: int = 3) -> int:
         if len(runs) > 1:
             count += sum(int(b - a) for a, b in runs)
     return count
+
+
+def dead_zone(y: Any, least: int = 3) -> float:
+    """Half width of a dead zone about zero, in the unit of the channel: zeros in many runs that begin and end with a jump; 0 where none is.
+
+    Examples
+    --------
+    >>> y = np.sin(np.arange(4000) / 30)
+    >>> round(dead_zone(np.where(abs(y) < 0.2, 0.0, y)), 1), dead_zone(np.maximum(y, 0.0)), dead_zone(y)
+    (0.2, 0.0, 0.0)
+    """
+    y = np.asarray(y, float)
+    y = y[np.isfinite(y)]
+    still = y == 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
+    runs = int(np.sum(edges[1::2] - edges[::2] >= least))
+    moving = abs(np.diff(y))[~(still[1:] | still[:-1])]
+    moving = moving[moving > 0]
+    if runs < 4 or len(moving) < 8 or not ((y > 0).any() and (y < 0).any()):
+        return 0.0
+    width = min(float(y[y > 0].min()), float(-y[y < 0].max()))
+    return width if width > 2.5 * float(np.median(moving)) else 0.0
 
 
 def _jump(y: Any, a: int, b: int) -> float:

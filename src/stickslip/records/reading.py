@@ -8,47 +8,53 @@ import os
 import re
 import stat
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 
-from stickslip.arguments import explains_arguments
+from stickslip.arguments import Recorded, explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
+from stickslip.records.columns import is_frame, raw_of_frame
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
 from stickslip.records.roles import OURS, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
+from stickslip.records.scaling import scaled
 from stickslip.records.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance
 
 __all__ = ["read", "read_bytes", "remarks"]
 
-_TIME = re.compile(r"(t|time|times|zeit|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
+_TIME = re.compile(r"((t|time|times|zeit|x_value)[ _.]*\(?\d*\)?|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
 _FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
 
 
 @explains_arguments
 def read(
-    path: str | Path,
+    path: Recorded,
     *,
     units: dict[str, str] | None = None,
     columns: Sequence[str] | None = None,
     roles: dict[str, str] | None = None,
     rate: float | None = None,
+    scale: dict[str, Any] | None = None,
     separator: str | None = None,
     decimal: str | None = None,
     byte_order: str | None = None,
 ) -> Record:
-    r"""Read a measured record: CSV, TSV, TXT, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX.
+    r"""Read a measured record: CSV, TSV, TXT, JSON, UFF58, MATLAB (v4 to v7.3), TDMS, netCDF, HDF5 or XLSX; or a data frame.
 
     Separator, decimal mark, headings and units are found out. Units are never guessed: a channel without one is read with
     ``unit=None`` and a line in `Record.notes`; the first step that needs the unit stops and shows what to type.
 
     Parameters
     ----------
-    path : str or Path
+    path : str, Path or data frame
+        A file; or columns by name, as a data frame of pandas or a mapping of arrays, with units in the names, such as ``"v [mm/s]"``. An
+        index of timestamps, or one that has a name, is a column too.
     units : dict, optional
         Units of channels (or of the time column) by name, such as ``{"LDV": "m/s"}``.
     columns : sequence of str, optional
@@ -58,6 +64,9 @@ def read(
         "load", "drive", "acceleration", "pressure", "voltage". Otherwise it follows from name and unit, where these leave no doubt.
     rate : float, optional
         Samples per second of a file without a time axis [Hz].
+    scale : dict, optional
+        Sensitivities of sensors by channel, for numbers that are volts: ``{"LDV": "25 mm/s/V"}`` or ``{"acc": "100 mV/g"}`` (in which g is
+        gravity); or plain factors, ``{"F": 4.7}``, after which the unit is the one that the file or `units` says.
     separator, decimal : str, optional
         Of a text file, where they are not found out rightly.
     byte_order : {"little", "big"}, optional
@@ -81,8 +90,10 @@ def read(
     >>> rec["velocity"].values.tolist(), rec["velocity"].unit, rec["velocity"].rate
     ([1.5, 2.5, 3.5], 'mm/s', 1000.0)
     """
+    options: dict[str, Any] = {"units": units or {}, "columns": columns, "roles": roles or {}, "rate": rate, "scale": scale or {}}
+    if is_frame(path):
+        return _record("", b"", raw_of_frame(path), **options)
     path = as_path(path, "read", "run.csv")
-    options = {"units": units or {}, "columns": columns, "roles": roles or {}, "rate": rate}
     return read_bytes(_bytes(path), str(path), separator, decimal, byte_order, **options)
 
 
@@ -92,16 +103,18 @@ def read_bytes(
     """The record in the bytes of a file; `name` is where it says that it comes from."""
     with np.errstate(all="ignore"):  # a damaged file holds any number
         raw = _parsed(data, separator, decimal, byte_order)
-        return _record(name, data, raw, **({"units": {}, "columns": None, "roles": {}, "rate": None} | options))
+        return _record(name, data, raw, **({"units": {}, "columns": None, "roles": {}, "rate": None, "scale": {}} | options))
 
 
 def _record(
-    path: str, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None
-) -> Record:
+    path: str, data: bytes, raw: Raw, units: dict[str, str], columns: Sequence[str] | None, roles: dict[str, str], rate: float | None,
+    scale: dict[str, Any],
+) -> Record:  # fmt: skip
     """The record of what a format's reader found, with what the user says about it."""
     problems = Problems("read")
     _rename(raw, columns, problems)
     _give_units(raw, units, problems)
+    scaled(raw, scale, problems)
     _take_roles(raw)
     _check_roles(raw, roles, problems)
     if rate is not None and not rate > 0:
@@ -248,6 +261,8 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 
 # ---- axes ----
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
+    if raw.table:
+        raw.columns = _by_own_times(raw.columns, raw.notes)
     axes = _table_axes(raw) if raw.table else {}
     used = {id(axis) for axis in axes.values()}
     for c in raw.columns:
@@ -259,11 +274,33 @@ def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Chann
             continue
         axis = c.axis or axes.get(len(c.values)) or _counted(c, rate, raw.notes)
         found.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, named.get(c.name)))
+    for axis in axes.values():
+        if all(len(axis.values) != len(c) for c in found) and found:
+            raw.notes.append(f"{axis.name} has {len(axis.values)} values and no other column as many: it is not used")
     if not found and raw.columns:
         c = raw.columns[0]
         found = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
     raw.notes += remarks(found)
     return found
+
+
+def _by_own_times(columns: list[Column], notes: list[str]) -> list[Column]:
+    """Columns with the times before them as their axis, where several columns of times are each followed by others."""
+    at = [i for i, c in enumerate(columns) if c.axis is None and _tells_time(c) and _rises(c.values[np.isfinite(c.values)])]
+    if len(at) < 2 or at[0] != 0 or any(b - a < 2 for a, b in pairwise([*at, len(columns)])):
+        return columns
+    found = []
+    for begin, end in pairwise([*at, len(columns)]):
+        times = columns[begin]
+        count = 1 + int(np.flatnonzero(np.isfinite(times.values))[-1])
+        axis = dataclasses.replace(times, values=times.values[:count])
+        found += [dataclasses.replace(c, values=c.values[:count], axis=axis) for c in columns[begin + 1 : end]]
+    notes.append(f"{len(at)} columns of times: each is that of the columns after it ({', '.join(columns[i].name for i in at)})")
+    return found
+
+
+def _tells_time(c: Column) -> bool:
+    return quantity_of(c.unit) == "time" or (c.unit is None and _TIME.fullmatch(c.name) is not None)
 
 
 def _counted(c: Column, rate: float | None, notes: list[str]) -> Column:
@@ -279,7 +316,7 @@ def _table_axes(raw: Raw) -> dict[int, Column]:
     """For each length of columns, the one that is their axis."""
     axes: dict[int, Column] = {}
     for length in dict.fromkeys(len(c.values) for c in raw.columns):
-        group = [c for c in raw.columns if len(c.values) == length and c.values.dtype.kind == "f"]
+        group = [c for c in raw.columns if c.axis is None and len(c.values) == length and c.values.dtype.kind == "f"]
         axis = _axis_of(group, raw.notes)
         if axis is not None and length > 1:
             axes[length] = axis
@@ -288,10 +325,10 @@ def _table_axes(raw: Raw) -> dict[int, Column]:
 
 def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
     for c in group:
-        if quantity_of(c.unit) == "time" or (c.unit is None and _TIME.fullmatch(c.name)):
+        if _tells_time(c):
             return c
     for c in group:
-        if _FREQUENCY.fullmatch(c.name) and _rises(c.values):
+        if _FREQUENCY.fullmatch(c.name) and quantity_of(c.unit) in (None, "frequency") and _rises(c.values):
             return c
     if len(group) > 1 and re.fullmatch(r"column 1", group[0].name) and _rises(group[0].values):
         notes.append(f'{group[0].name} rises throughout and is taken as the time axis; type columns=["t [s]", ...] with its name and unit')

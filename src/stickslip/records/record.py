@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.arguments import Numbers, explains_arguments
-from stickslip.errors import InputError, did_you_mean
+from stickslip.arguments import Measured, Numbers, explains_arguments
+from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.units import quantity_of
 from stickslip.sealing import sealed
@@ -135,6 +135,47 @@ class Record:
         if not any(len(c) for c in cut.values()):
             raise InputError("record", [f"has no sample between {start:g} and {end:g} s"])
         return self.replace(channels=cut, notes=self._notes_of(cut), source={**self.source, "between": [start, end]})
+
+    @explains_arguments
+    def segments(self, least: int = 100) -> tuple[Record, ...]:
+        """The parts between gaps, and between places where time begins anew, that have `least` samples or more: records to fit together."""
+        from stickslip.records.parts import segments
+
+        return segments(self, least)
+
+    @explains_arguments
+    def masked(self, start: float, end: float, channel: str | None = None) -> Record:
+        """With the samples from `start` to `end` [s] missing (NaN), in all channels or in one, by name or role."""
+        from stickslip.records.parts import masked
+
+        return masked(self, start, end, channel)
+
+    @explains_arguments
+    def averaged(self, rate: float) -> Record:
+        """With means of neighbouring samples, at most `rate` a second [Hz], and a note that says so.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> rec = Record.of(np.arange(1_000_000) / 1e6, {"v [m/s]": np.ones(1_000_000)})
+        >>> thin = rec.averaged(rate=1e4)
+        >>> len(thin["v"]), thin.notes[-1]
+        (10000, 'v: means of 100 samples each, 10000 of 1000000')
+        """
+        from stickslip.fields import checked_number, positive
+        from stickslip.records.parts import averaged
+
+        problems = Problems("averaged")
+        checked_number("rate", rate, problems, positive, "a positive number [Hz]", "rate=1e4")
+        problems.check()
+        return averaged(self, rate)
+
+    @explains_arguments
+    def joined(self, other: Measured, delay: float = 0.0) -> Record:
+        """With the channels of another record too, sampled as they are there; its times are later by `delay` [s]."""
+        from stickslip.records.parts import joined
+
+        return joined(self, other, delay)
 
     def _notes_of(self, part: dict[str, Channel]) -> tuple[str, ...]:
         """The notes, those on gaps and missing values as they are in a part of the record."""

@@ -6,7 +6,8 @@ import re
 
 import numpy as np
 
-from stickslip.records.channel import Channel
+from stickslip.records.channel import MEASURED, Channel
+from stickslip.records.overview import clipped, dead_zone
 from stickslip.records.raw import Column
 from stickslip.records.units import quantity_of, unit_of
 
@@ -14,14 +15,18 @@ __all__ = ["OURS", "remarks", "roles_of"]
 
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
 _ROLE_WORDS = (
-    (r"absolute.*", "absolute velocity", ("velocity",)),
-    (r"convected.*|body velocity", "velocity", ("velocity",)),
-    (r"normal.*|load|.*normal force.*", "load", ("force",)),
-    (r"drive.*|relative velocity|xi_rate", "drive", ("velocity", "position", "acceleration", "voltage")),
-    (r"friction.*|force|kraft", "force", ("force",)),
-    (r"v|velocity|vel|geschwindigkeit", "velocity", ("velocity",)),
-    (r"x|position|pos|displacement|weg", "position", ("position",)),
+    (r"absolute.*", "absolute velocity"),
+    (r"convected.*|body velocity", "velocity"),
+    (r"normal.*|load|.*normal force.*", "load"),
+    (r"drive.*|relative velocity|xi_rate", "drive"),
+    (r"friction.*|force|kraft|torque|drehmoment", "force"),
+    (r"v|velocity|vel|geschwindigkeit", "velocity"),
+    (r"x|position|pos|displacement|weg|angle|winkel", "position"),
 )
+#: The role of a channel whose unit alone says what it is.
+_BY_UNIT = {name: name for name in ("velocity", "position", "force", "acceleration", "pressure", "voltage")} | {
+    "angular velocity": "velocity", "angle": "position", "angular acceleration": "acceleration", "torque": "force",
+}  # fmt: skip
 #: The columns of a run that we wrote, and what they are for; a table that has all of these is one.
 OURS = {"x": "position", "v": "velocity", "acceleration": "acceleration", "xi": None, "xi_rate": "drive", "friction_force": "force"}
 
@@ -45,10 +50,10 @@ def _role_and_why(c: Column) -> tuple[str | None, bool]:
     if c.role is not None:
         return c.role or None, True
     quantity = quantity_of(c.unit)
-    for pattern, role, wanted in _ROLE_WORDS:
-        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or quantity in wanted):
+    for pattern, role in _ROLE_WORDS:
+        if re.fullmatch(pattern, c.name, re.I) and (quantity is None or quantity in MEASURED[role]):
             return role, True
-    return (quantity if quantity in ("velocity", "position", "force", "acceleration", "pressure", "voltage") else None), False
+    return _BY_UNIT.get(quantity or ""), False
 
 
 def remarks(channels: list[Channel]) -> list[str]:
@@ -63,6 +68,8 @@ def remarks(channels: list[Channel]) -> list[str]:
             notes.append(f"the unit {c.unit!r} of {c.name!r} is kept but not understood")
         if c.unit == "g":
             notes.append(f'{c.name!r} is in "g", read as grams; if it is multiples of gravity, type units={{"{c.name}": "g0"}}')
+        if c.unit in ("lb", "lbs"):
+            notes.append(f'{c.name!r} is in {c.unit!r}, read as pounds of mass; if it is a force, type units={{"{c.name}": "lbf"}}')
     axes = {id(c.t): c for c in channels}
     for c in axes.values():
         if c.over_time and c.axis_unit is None and c.axis_name != "sample":
@@ -87,6 +94,14 @@ def _remark_axis(c: Channel, notes: list[str]) -> None:
         notes.append(f"{count} in {c.axis_name}: the longest is {longest.length:.6g}{unit}, after {longest.start:.9g}{unit}")
 
 
+def _remark_range(c: Channel, notes: list[str]) -> None:
+    """A sensor that reads no further, and one that reads nothing near zero."""
+    if ends := clipped(c.values):
+        notes.append(f"{c.name}: {ends} values sit at the end of its range: saturated? Leave them out with rec.masked(start, end)")
+    if width := dead_zone(c.values):
+        notes.append(f"{c.name}: nothing between zero and {width:.3g}{f' {c.unit}' if c.unit else ''}, and zero often: a dead zone?")
+
+
 def _remark_values(c: Channel, notes: list[str]) -> None:
     missing, infinite = np.isnan(c.values), np.isinf(c.values)
     if missing.any():
@@ -96,6 +111,8 @@ def _remark_values(c: Channel, notes: list[str]) -> None:
         )
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
+    if c.over_time and c.values.dtype.kind == "f" and not infinite.any():
+        _remark_range(c, notes)
     size = abs(c.values[~missing & ~infinite])
     strange = int(np.sum((size > _LARGEST) | ((size > 0) & (size < _LEAST))))
     if strange:

@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.records.columns import parse_json
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
+from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw
+from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
 from stickslip.records.units import heading, unit_of
+from stickslip.unpacking import Allowance
 
-__all__ = ["decoded", "parse"]
+__all__ = ["decoded", "is_json", "parse"]
 
 _PREAMBLE = 20_000  # characters before the table that are kept
 
@@ -35,7 +39,7 @@ def decoded(data: bytes) -> str:
         return data.decode("latin-1")
 
 
-_FORMATS = "allowed are CSV, TSV and TXT, UFF58, MATLAB, TDMS, netCDF, HDF5 and XLSX"
+_FORMATS = "allowed are CSV, TSV and TXT, JSON, UFF58, MATLAB, TDMS, netCDF, HDF5 and XLSX"
 
 
 def parse(data: bytes, separator: str | None = None, decimal: str | None = None) -> Raw:
@@ -49,11 +53,11 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
         Overrule what is found out.
     """
     text = decoded(data)
-    if _is_json(text):
-        why = "the file is JSON, which has no rows and columns; write its lists as the columns of a CSV file"
-        raise InputError("read", [f"{why}; {_FORMATS}"])
+    if is_json(text):
+        return parse_json(text, Allowance("read", len(data)))
     lines = re.split(r"\r\n|\n|\r", text)  # and at no control character that damage may bring
-    raw = Raw("text", table=True)
+    raw, times = Raw("text", table=True), stamped(lines)
+    lines = lines if times is None else times.lines
     dialect, first = sniffed(lines, separator, decimal, raw.notes)
     names = _headings(lines[:first], dialect, raw)
     values = _body(lines[first:], first, dialect, raw.notes)
@@ -61,14 +65,28 @@ def parse(data: bytes, separator: str | None = None, decimal: str | None = None)
     if not text.endswith(("\n", "\r")) and text.strip():
         raw.notes.append("the last line does not end with a line break: if the file was cut short, its last number is cut too")
     raw.columns = [Column(*(names[i] if names else ("", None)), values[:, i]) for i in range(dialect.width)]
+    if times is not None:
+        _in_seconds(raw, times, len(dialect.cells(f"{times.before}0")) - 1)
+    with_its_header(raw)
     return raw
+
+
+def _in_seconds(raw: Raw, times: Stamped, at: int) -> None:
+    """The column of timestamps as seconds since the first; a column of dates beside it is gone."""
+    if at >= len(raw.columns):
+        return
+    old = raw.columns[at]
+    raw.columns[at] = Column(old.name or "time", "s", old.values * STAMP_UNIT)
+    if times.dated:
+        del raw.columns[at - 1]
+    raw.notes.append(f"times are counted from the first timestamp, {times.begin}")
 
 
 _JSON = re.compile(r"""\s*(\{\s*["}]|\[\s*[\[{"\]])""")
 _NUMBERS = re.compile(r"\s*\[[\s\d,.eE+-]*\]\s*")
 
 
-def _is_json(text: str) -> bool:
+def is_json(text: str) -> bool:
     """Whether a text is an object or a list of JSON, whole or cut short; a heading in brackets, and a number in them, is neither."""
     return bool(_JSON.match(text) or _NUMBERS.fullmatch(text))
 

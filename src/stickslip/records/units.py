@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from stickslip.records.unit_words import WORDS
+
 __all__ = ["SI", "Unit", "heading", "quantity_of", "unit_of"]
 
 _PREFIX = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "n": 1e-9, "p": 1e-12}
@@ -23,22 +25,6 @@ _BASE: dict[str, tuple[float, tuple[int, ...]]] = {
     "Hz": (1.0, (0, 0, -1, 0, 0)),
     "rad": (1.0, (0, 0, 0, 0, 1)),
 }
-#: Words that take no prefix.
-_WORDS: dict[str, tuple[float, tuple[int, ...]]] = {
-    "1": (1.0, (0,) * 5),
-    "-": (1.0, (0,) * 5),
-    "%": (1e-2, (0,) * 5),
-    "sec": (1.0, (0, 0, 1, 0, 0)),
-    "seconds": (1.0, (0, 0, 1, 0, 0)),
-    "min": (60.0, (0, 0, 1, 0, 0)),
-    "h": (3600.0, (0, 0, 1, 0, 0)),
-    "deg": (0.017453292519943295, (0, 0, 0, 0, 1)),
-    "°": (0.017453292519943295, (0, 0, 0, 0, 1)),
-    "in": (0.0254, (1, 0, 0, 0, 0)),
-    "ft": (0.3048, (1, 0, 0, 0, 0)),
-    "lbf": (4.4482216152605, (1, 1, -2, 0, 0)),
-    "g0": (9.80665, (1, 0, -2, 0, 0)),
-}
 _QUANTITIES: dict[tuple[int, ...], str] = {
     (0, 0, 1, 0, 0): "time",
     (1, 0, -1, 0, 0): "velocity",
@@ -50,11 +36,17 @@ _QUANTITIES: dict[tuple[int, ...], str] = {
     (0, 0, -1, 0, 0): "frequency",
     (0, 0, 0, 0, 0): "ratio",
     (0, 1, 0, 0, 0): "mass",
+    (2, 1, -2, 0, 0): "torque",
+    (0, 0, 0, 0, 1): "angle",
+    (0, 0, -1, 0, 1): "angular velocity",
+    (0, 0, -2, 0, 1): "angular acceleration",
+    (0, 0, 0, 1, 0): "current",
 }
 #: The SI unit of what units measure here.
 SI = {
     "time": "s", "velocity": "m/s", "position": "m", "acceleration": "m/s²", "force": "N", "pressure": "Pa", "voltage": "V",
-    "frequency": "Hz", "ratio": "1", "mass": "kg",
+    "frequency": "Hz", "ratio": "1", "mass": "kg", "torque": "N m", "angle": "rad", "angular velocity": "rad/s",
+    "angular acceleration": "rad/s²", "current": "A",
 }  # fmt: skip
 
 
@@ -89,6 +81,8 @@ def unit_of(text: str | None) -> Unit | None:
     --------
     >>> unit_of("mm/s").factor, unit_of("m/s²").quantity, unit_of("furlong")
     (0.001, 'acceleration', None)
+    >>> unit_of("mNm").quantity, unit_of("RPM").quantity, unit_of("microns").factor, round(unit_of("kip").factor, 3)
+    ('torque', 'angular velocity', 1e-06, 4448.222)
     """
     if text is None:
         return None
@@ -96,6 +90,10 @@ def unit_of(text: str | None) -> Unit | None:
     plain = plain[1:-1] if plain.startswith("(") and plain.endswith(")") else plain
     if not plain:
         return None
+    plain = re.sub(r"(?<=[A-Za-z])(?:[-.]| per )(?=[A-Za-z])", lambda mark: "/" if "per" in mark[0] else "*", plain)  # N-m, mm per s
+    whole = WORDS.get(re.sub(r"[* ]+", "*", plain.lower()))  # ft lb: force times length, whatever lb is alone
+    if whole is not None and re.search(r"[* /]", plain):
+        return Unit(text.strip(), *whole)
     factor, powers = 1.0, [0] * 5
     for sign, part in _factors(plain):
         found = _single(part)
@@ -108,21 +106,25 @@ def unit_of(text: str | None) -> Unit | None:
 
 def _factors(text: str) -> list[tuple[int, str]]:
     """The factors of a product, with +1 above and -1 below the stroke."""
+    text = re.sub(r"\b([GMkdcmuµμn]?N)((?:[cmkuµμ])?m)\b", r"\1*\2", text)  # Nm, which is no nm
+    if boxed := re.search(r"([/*]?) *\(([^()]+)\)", text):  # V/(m/s): what is below the inner stroke is above the outer one
+        sign, rest = -1 if boxed[1] == "/" else 1, (text[: boxed.start()] + text[boxed.end() :]).strip()
+        return [*(_factors(rest) if rest else []), *((sign * inner, part) for inner, part in _factors(boxed[2]))]
     parts = re.split(r"([/*]| +(?=\w))", text)
     found, sign = [(1, parts[0].strip())], 1
     for mark, part in zip(parts[1::2], parts[2::2], strict=True):
         sign = -1 if mark == "/" else sign if mark == "*" or not mark.strip() else 1
-        found.append((sign, part.strip(" ()")))
+        found.append((sign, part.strip()))
     return found
 
 
 def _single(text: str) -> tuple[float, tuple[int, ...]] | None:
     """One unit with its prefix and power."""
-    found = re.fullmatch(r"(\D+?|1|g0)(?:\^?(-?\d))?", text)
+    found = re.fullmatch(r"(g0|\D+?|1)(?:\^?(-?[1-9]))?", text)
     if not found:
         return None
     power = int(found[2] or 1)
-    symbol = _WORDS.get(found[1]) or _prefixed(found[1])
+    symbol = WORDS.get(found[1]) or _prefixed(found[1]) or _long(found[1].lower())
     return None if symbol is None else (symbol[0] ** power, tuple(power * p for p in symbol[1]))
 
 
@@ -132,6 +134,13 @@ def _prefixed(symbol: str) -> tuple[float, tuple[int, ...]] | None:
         if head in _PREFIX and tail in _BASE:
             return _PREFIX[head] * _BASE[tail][0], _BASE[tail][1]
     return None
+
+
+def _long(word: str) -> tuple[float, tuple[int, ...]] | None:
+    """A word of three letters or more in any case, also of several: RPM, Newtons."""
+    if len(word) < 3:
+        return None
+    return WORDS.get(word) or (WORDS.get(word.removesuffix("s")) if len(word) > 4 else None)
 
 
 def quantity_of(text: str | None) -> str | None:

@@ -1,0 +1,200 @@
+"""Tables that come as values and not as text: JSON, data frames, mappings of arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.records.raw import Column, Raw
+from stickslip.records.stamps import STAMP_UNIT, nanoseconds
+from stickslip.records.units import heading
+from stickslip.unpacking import Allowance
+
+__all__ = ["is_frame", "parse_json", "raw_of_frame"]
+
+_FORMS = (
+    'allowed are [{"t [s]": 0.0, "v [mm/s]": 1.0}, ...], {"t [s]": [...], "v [mm/s]": [...]}, '
+    '{"columns": [...], "data": [[...], ...]} and one object a line'
+)
+
+
+# ---- JSON ----
+def parse_json(text: str, allowance: Allowance) -> Raw:
+    """The columns of a JSON table, in any of the forms in which tables are written."""
+    found = _loaded(text)
+    units: dict[str, Any] = {}
+    while isinstance(found, dict) and not _named_columns(found):
+        if _named_rows(found):
+            found = list(found.values())
+            break
+        told = found.get("units")
+        units |= told if isinstance(told, dict) else {}
+        if _is_split(found):
+            found = _by_column(list(map(str, found["columns"])), found["data"])
+            break
+        inner = [value for value in found.values() if _is_table(value)]
+        if len(inner) != 1:
+            raise InputError("read", [f"the JSON holds {len(inner)} tables; allowed is one, alone or as one part of an object; {_FORMS}"])
+        found = inner[0]
+    if isinstance(found, list):
+        found = _by_column(*_rows(found))
+    lists = {name: value for name, value in found.items() if _columnar(value)}
+    allowance.take(8.0 * sum(map(len, lists.values())), "its lists")
+    raw = Raw("JSON", table=True)
+    left = [name for name in found if name not in lists and name != "units"]
+    if left:
+        raw.notes.append(f"{', '.join(map(repr, left[:6]))} of the JSON are no lists of numbers and are left out")
+    told = found.get("units")
+    units |= told if isinstance(told, dict) else {}
+    for name, values in lists.items():
+        plain, unit = heading(str(name))
+        raw.columns.append(_column(plain, unit or _text(units.get(name)), _plain(values), raw.notes))
+    return raw
+
+
+def _loaded(text: str) -> Any:
+    """What the text holds: one value, or one to each line."""
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise InputError("read", ["the JSON is nested too deeply; write one table"]) from None
+    except ValueError as error:
+        lines = [line for line in text.splitlines() if line.strip()]
+        try:
+            return [json.loads(line) for line in lines] if len(lines) > 1 else _broken(error)
+        except (ValueError, RecursionError):
+            return _broken(error)
+
+
+def _broken(error: Exception) -> Any:
+    raise InputError("read", [f"the file is JSON that is cut short or damaged: {str(error)[:120]}; export it again"]) from None
+
+
+def _text(value: Any) -> str | None:
+    return value if isinstance(value, str) and value else None
+
+
+def _is_split(found: dict[str, Any]) -> bool:
+    return isinstance(found.get("columns"), list) and isinstance(found.get("data"), list)
+
+
+def _columnar(value: Any) -> bool:
+    """Whether a value is a list of numbers, or an object of them by row, as pandas writes columns."""
+    if isinstance(value, dict) and not all(map(_labels_a_row, value)):
+        return False
+    items = list(value.values()) if isinstance(value, dict) else value
+    return isinstance(items, list) and len(items) > 0 and all(isinstance(x, (int, float, str, type(None))) for x in items)
+
+
+def _labels_a_row(name: str) -> bool:
+    """Whether the name within an object counts rows, or tells their times."""
+    return name.lstrip("-").isdigit() or nanoseconds(name) is not None
+
+
+def _named_columns(found: dict[str, Any]) -> bool:
+    lists = [_plain(value) for name, value in found.items() if name != "units" and _columnar(value)]
+    return not _is_split(found) and any(any(map(_is_number, values)) for values in lists)
+
+
+def _named_rows(found: dict[str, Any]) -> bool:
+    return bool(found) and all(map(_labels_a_row, found)) and all(isinstance(row, dict) for row in found.values())
+
+
+def _is_table(value: Any) -> bool:
+    if isinstance(value, dict):
+        return _is_split(value) or _named_columns(value) or _named_rows(value)
+    return isinstance(value, list) and bool(value) and isinstance(value[0], (dict, list))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _plain(value: Any) -> list[Any]:
+    return list(value.values()) if isinstance(value, dict) else value
+
+
+def _rows(rows: list[Any]) -> tuple[list[str], list[Any]]:
+    """Names and rows of a list of objects or lists; what a row does not have is missing."""
+    if rows and all(isinstance(row, dict) for row in rows):
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return names, [[row.get(name) for name in names] for row in rows]
+    if rows and all(isinstance(row, list) for row in rows):
+        head = rows[0] if rows[0] and all(isinstance(cell, str) for cell in rows[0]) else None
+        width = max(map(len, rows))
+        return (list(head) if head else [f"column {i + 1}" for i in range(width)]), rows[1:] if head else rows
+    raise InputError("read", [f"the JSON is a list of {type(rows[0]).__name__ if rows else 'nothing'}; {_FORMS}"])
+
+
+def _by_column(names: list[str], rows: list[Any]) -> dict[str, Any]:
+    """Lists by name of a table by rows."""
+    if not all(isinstance(row, list) and len(row) == len(names) for row in rows):
+        raise InputError("read", [f"rows of the JSON have not {len(names)} values each, as its columns are; {_FORMS}"])
+    return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) -> Column:
+    """Numbers, or timestamps as seconds since the first; what is neither is NaN, and said."""
+    stamps = [nanoseconds(x) if isinstance(x, str) else None for x in values]
+    if values and sum(stamp is not None for stamp in stamps) > 0.5 * len(values):
+        first = next(s for s in stamps if s is not None)
+        notes.append(f"times are counted from the first timestamp, {next(x for x, s in zip(values, stamps, strict=True) if s is not None)}")
+        return Column(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
+    strange = sum(x is not None and _number(x) is None for x in values)
+    if strange:
+        notes.append(f"{name}: {strange} values are no numbers and became NaN")
+    return Column(name, unit, np.array([np.nan if (x := _number(value)) is None else x for value in values], float))
+
+
+def _number(value: Any) -> float | None:
+    try:
+        return None if value is None or isinstance(value, bool) else float(value)
+    except OverflowError:
+        return np.inf if value > 0 else -np.inf
+    except ValueError:
+        return None
+
+
+# ---- data frames ----
+def is_frame(value: Any) -> bool:
+    """Whether something has columns by name: a data frame, or a mapping of arrays."""
+    return isinstance(value, Mapping) or (hasattr(value, "columns") and hasattr(value, "__getitem__"))
+
+
+def raw_of_frame(frame: Any) -> Raw:
+    """The columns of a data frame, of pandas or another library, or of a mapping; an index of times is a column too."""
+    raw = Raw("data frame", table=True)
+    names: Sequence[Any] = list(frame) if isinstance(frame, Mapping) else list(frame.columns)
+    index = getattr(frame, "index", None)
+    series = [(str(name), np.asarray(frame[name])) for name in names]
+    if index is not None and not callable(index) and _says_times(index):
+        series.insert(0, (str(index.name or "time"), np.asarray(index)))
+    for name, values in series:
+        if values.ndim != 1:
+            raise InputError("read", [f"{name!r} has shape {values.shape}; allowed are columns of numbers"])
+        plain, unit = heading(name)
+        raw.columns.append(_of_series(plain, unit, values, raw.notes))
+    if not raw.columns or not len(raw.columns[0].values):
+        raise InputError("read", ["the data frame holds no numbers"])
+    return raw
+
+
+def _says_times(index: Any) -> bool:
+    """Whether an index is one of times, or has a name; a count of the rows is no column."""
+    return np.asarray(index).dtype.kind in "mM" or (index.name is not None and np.asarray(index).dtype.kind in "iuf")
+
+
+def _of_series(name: str, unit: str | None, values: Any, notes: list[str]) -> Column:
+    if values.dtype.kind == "M":
+        notes.append(f"times are counted from the first timestamp, {values[0]}")
+        values = values - values[0]
+    if values.dtype.kind == "m":
+        whole = values.astype("timedelta64[ns]")
+        return Column(name, "s", np.where(np.isnat(whole), np.nan, whole.astype(np.int64) * STAMP_UNIT))
+    if values.dtype.kind in "iuf":
+        return Column(name, unit, values.astype(float))
+    return _column(name, unit, [x.item() if hasattr(x, "item") else x for x in values.tolist()], notes)
