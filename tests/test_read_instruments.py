@@ -1,5 +1,6 @@
 """What instruments and people write: timestamps, LabVIEW's headers, JSON, data frames, volts, two rates, gaps, a million samples."""
 
+import contextlib
 import json
 
 import numpy as np
@@ -218,3 +219,22 @@ def test_saturation_and_a_dead_zone_are_noticed():
     assert any("end of its range" in n for n in clipped.notes)
     dead = ss.read({"t [s]": t, "v [mm/s]": np.where(abs(clean) < 0.2, 0.0, clean)})
     assert any("dead zone" in n for n in dead.notes)
+
+
+def test_damaged_files_are_read_or_refused_in_words(tmp_path):
+    from stickslip.records.reading import read_bytes
+
+    whole = [
+        table(tmp_path, [f"2026-03-01,{clock(i)}" for i in range(N)], "Date,Time,v [mm/s]").read_bytes(),
+        (LABVIEW.format(columns="No", n=N) + "\n".join(f"\t{i}.0\t{v:.6f}\t" for i, v in enumerate(V)) + "\n").encode(),
+        FRAME.to_json(orient="split").encode(),
+    ]
+    rng = np.random.default_rng(4)
+    for k in range(100):
+        data = bytearray(whole[k % 3])
+        for _ in range(int(rng.integers(1, 8))):
+            at = int(rng.integers(len(data)))
+            what = int(rng.integers(3))
+            data[at : at + 12 * (what == 1)] = [b"2026-02-30 25:61:00", b"", bytes([int(rng.integers(256))])][what]
+        with contextlib.suppress(InputError):
+            read_bytes(bytes(data), "damaged")

@@ -15,22 +15,20 @@ __all__ = ["with_its_header"]
 def with_its_header(raw: Raw) -> None:
     """Give the columns of a LabVIEW file their units and axes; other files stay as they are."""
     told = _told(str(raw.info.get("preamble", "")))
-    values = [c for c in raw.columns if c.name != "X_Value" and not (c.name == "Comment" and np.isnan(c.values).all())]
-    if "X0" not in told or not values:
+    if not told:
         return
-    time = all(word in ("Time", "") for word in told.get("X_Dimension", ["Time"]))
-    one = next((c for c in raw.columns if c.name == "X_Value" and not np.isnan(c.values).all()), None)
-    columns = [c for c in raw.columns if c in values or (c.name == "X_Value" and c is one) or (c.name == "X_Value" and _holds(c))]
-    for k, column in enumerate(values):
-        at = columns.index(column)
-        unit = column.unit or _entry(told, "Y_Unit_Label", k) or None
-        axis = None if one is not None else _counted(told, k, len(column.values), time)
-        columns[at] = dataclasses.replace(column, unit=unit, axis=axis)
-    raw.columns = [dataclasses.replace(c, unit="s") if c.name == "X_Value" and c.unit is None and time else c for c in columns]
-
-
-def _holds(column: Column) -> bool:
-    return not bool(np.isnan(column.values).all())
+    counts = [c for c in raw.columns if c.name == "X_Value" and not np.isnan(c.values).all()]
+    raw.columns = [c for c in raw.columns if c.name not in ("X_Value", "Comment") or not np.isnan(c.values).all()]
+    if "X0" not in told or len(counts) == len(raw.columns):
+        return
+    time, k = all(word in ("Time", "") for word in told.get("X_Dimension", ["Time"])), 0
+    for at, column in enumerate(raw.columns):
+        if column in counts:
+            raw.columns[at] = dataclasses.replace(column, unit=column.unit or ("s" if time else None))
+            continue
+        axis = None if counts else _counted(told, k, len(column.values), time)
+        raw.columns[at] = dataclasses.replace(column, unit=column.unit or _entry(told, "Y_Unit_Label", k) or None, axis=axis)
+        k += 1
 
 
 def _told(preamble: str) -> dict[str, list[str]]:

@@ -136,7 +136,8 @@ def clipped(y: Any, least: int = 3) -> int:
     for value in {np.nanmax(y), np.nanmin(y)} - {0.0}:  # zero is rest
         edges = np.flatnonzero(np.diff(np.concatenate([[False], y == value, [False]]).astype(int)))
         starts, ends = edges[::2], edges[1::2]
-        usual = np.nanmedian(abs(np.diff(y, 2))) if len(y) > 3 else 0.0
+        bends = abs(np.diff(y, 2))
+        usual = np.median(bends[np.isfinite(bends)]) if np.isfinite(bends).any() else 0.0
         runs = [(a, b) for a, b in zip(starts, ends, strict=True) if b - a >= least and _jump(y, a, b) > 2 * usual]
         if len(runs) > 1:
             count += sum(int(b - a) for a, b in runs)
