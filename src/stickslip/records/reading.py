@@ -8,7 +8,6 @@ import os
 import re
 import stat
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from stickslip.arguments import Recorded, explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
+from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.columns import is_frame, raw_of_frame
 from stickslip.records.raw import Column, Raw
@@ -28,8 +28,6 @@ from stickslip.unpacking import Allowance
 
 __all__ = ["read", "read_bytes", "remarks"]
 
-_TIME = re.compile(r"((t|time|times|zeit|x_value)[ _.]*\(?\d*\)?|seconds|elapsed( time)?|time[ _].*|.*[ _.]time|t[ _]?s|timestamp)", re.I)
-_FREQUENCY = re.compile(r"(f|freq.*|frequency.*)", re.I)
 
 
 @explains_arguments
@@ -262,8 +260,8 @@ def _check_roles(raw: Raw, roles: dict[str, str], problems: Problems) -> None:
 # ---- axes ----
 def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Channel]:
     if raw.table:
-        raw.columns = _by_own_times(raw.columns, raw.notes)
-    axes = _table_axes(raw) if raw.table else {}
+        raw.columns = by_own_times(raw.columns, raw.notes)
+    axes = table_axes(raw) if raw.table else {}
     used = {id(axis) for axis in axes.values()}
     for c in raw.columns:
         for part in (c, c.axis) if c.axis else (c,):
@@ -272,7 +270,7 @@ def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Chann
     for c in raw.columns:
         if id(c) in used:
             continue
-        axis = c.axis or axes.get(len(c.values)) or _counted(c, rate, raw.notes)
+        axis = c.axis or axes.get(len(c.values)) or counted(c, rate, raw.notes)
         found.append(Channel(c.name, c.values, c.unit, axis.values, axis.name, axis.unit, named.get(c.name)))
     for axis in axes.values():
         if all(len(axis.values) != len(c) for c in found) and found:
@@ -282,60 +280,3 @@ def _channels(raw: Raw, rate: float | None, roles: dict[str, str]) -> list[Chann
         found = [Channel(c.name, c.values, c.unit, np.arange(len(c.values), dtype=float), "sample", None, None)]
     raw.notes += remarks(found)
     return found
-
-
-def _by_own_times(columns: list[Column], notes: list[str]) -> list[Column]:
-    """Columns with the times before them as their axis, where several columns of times are each followed by others."""
-    at = [i for i, c in enumerate(columns) if c.axis is None and _tells_time(c) and _rises(c.values[np.isfinite(c.values)])]
-    if len(at) < 2 or at[0] != 0 or any(b - a < 2 for a, b in pairwise([*at, len(columns)])):
-        return columns
-    found = []
-    for begin, end in pairwise([*at, len(columns)]):
-        times = columns[begin]
-        count = 1 + int(np.flatnonzero(np.isfinite(times.values))[-1])
-        axis = dataclasses.replace(times, values=times.values[:count])
-        found += [dataclasses.replace(c, values=c.values[:count], axis=axis) for c in columns[begin + 1 : end]]
-    notes.append(f"{len(at)} columns of times: each is that of the columns after it ({', '.join(columns[i].name for i in at)})")
-    return found
-
-
-def _tells_time(c: Column) -> bool:
-    return quantity_of(c.unit) == "time" or (c.unit is None and _TIME.fullmatch(c.name) is not None)
-
-
-def _counted(c: Column, rate: float | None, notes: list[str]) -> Column:
-    """An axis for a channel that has none: times from the given rate, or sample numbers."""
-    count = np.arange(len(c.values), dtype=float)
-    if rate is not None:
-        return Column("time", "s", count / rate)
-    notes.append(f"{c.name} has no time axis: its samples are counted; type rate=... [Hz] for times")
-    return Column("sample", None, count)
-
-
-def _table_axes(raw: Raw) -> dict[int, Column]:
-    """For each length of columns, the one that is their axis."""
-    axes: dict[int, Column] = {}
-    for length in dict.fromkeys(len(c.values) for c in raw.columns):
-        group = [c for c in raw.columns if c.axis is None and len(c.values) == length and c.values.dtype.kind == "f"]
-        axis = _axis_of(group, raw.notes)
-        if axis is not None and length > 1:
-            axes[length] = axis
-    return axes
-
-
-def _axis_of(group: list[Column], notes: list[str]) -> Column | None:
-    for c in group:
-        if _tells_time(c):
-            return c
-    for c in group:
-        if _FREQUENCY.fullmatch(c.name) and quantity_of(c.unit) in (None, "frequency") and _rises(c.values):
-            return c
-    if len(group) > 1 and re.fullmatch(r"column 1", group[0].name) and _rises(group[0].values):
-        notes.append(f'{group[0].name} rises throughout and is taken as the time axis; type columns=["t [s]", ...] with its name and unit')
-        return group[0]
-    return None
-
-
-def _rises(values: Any) -> bool:
-    steps = np.diff(values)
-    return bool(len(steps)) and bool(np.mean(steps > 0) > 0.99)
