@@ -20,7 +20,7 @@ from stickslip.records.channel import MEASURED, ROLES, Channel
 from stickslip.records.columns import is_frame, raw_of_frame
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
-from stickslip.records.roles import OURS, remarks, roles_of
+from stickslip.records.roles import OURS, remark_range, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.scaling import scaled
 from stickslip.records.units import heading, quantity_of, unit_of
@@ -124,6 +124,9 @@ def _record(
     notes = ["the columns are those of a run of stickslip: computed, not measured"] if ours else []
     if said := SYNTHETIC in raw.info.get("preamble", ""):
         notes.append("the file says that it is a synthetic record: computed, not measured")
+    if not (ours or said):  # what is computed has no sensor
+        for c in channels:
+            remark_range(c, raw.notes)
     return Record({c.name: c for c in channels}, (*notes, *raw.notes), source, synthetic=ours or said)
 
 

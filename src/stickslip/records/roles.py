@@ -11,7 +11,7 @@ from stickslip.records.overview import clipped, dead_zone
 from stickslip.records.raw import Column
 from stickslip.records.units import quantity_of, unit_of
 
-__all__ = ["OURS", "remarks", "roles_of"]
+__all__ = ["OURS", "remark_range", "remarks", "roles_of"]
 
 _LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
 _ROLE_WORDS = (
@@ -94,8 +94,10 @@ def _remark_axis(c: Channel, notes: list[str]) -> None:
         notes.append(f"{count} in {c.axis_name}: the longest is {longest.length:.6g}{unit}, after {longest.start:.9g}{unit}")
 
 
-def _remark_range(c: Channel, notes: list[str]) -> None:
+def remark_range(c: Channel, notes: list[str]) -> None:
     """A sensor that reads no further, and one that reads nothing near zero."""
+    if not c.over_time or c.values.dtype.kind != "f" or np.isinf(c.values).any():
+        return
     if ends := clipped(c.values):
         notes.append(f"{c.name}: {ends} values sit at the end of its range: saturated? Leave them out with rec.masked(start, end)")
     if width := dead_zone(c.values):
@@ -111,8 +113,6 @@ def _remark_values(c: Channel, notes: list[str]) -> None:
         )
     if infinite.any():
         notes.append(f"{c.name}: {int(infinite.sum())} values are infinite")
-    if c.over_time and c.values.dtype.kind == "f" and not infinite.any():
-        _remark_range(c, notes)
     size = abs(c.values[~missing & ~infinite])
     strange = int(np.sum((size > _LARGEST) | ((size > 0) & (size < _LEAST))))
     if strange:
