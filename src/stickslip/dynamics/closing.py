@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import labels_of, spread
-from stickslip.dynamics.many import picked
+from stickslip.batch import labels_of, some_of, spread
 from stickslip.dynamics.mapping import Coordinates, as_it_ends, at_rest, has_arcs, refuse_chance, run_lanes
 from stickslip.dynamics.tangents import Follower
 from stickslip.engine.tangent import tangent, tangent_of_means
@@ -153,7 +152,7 @@ class Closing:
         self.d = d = self.at.smooth
         self.scales = self.at.scales[:d]
         numbers = {name: np.tile(np.concatenate([np.zeros(d), parts]), motions) for name, parts in directions.items()}
-        each = model if motions == 1 else picked(model, np.repeat(np.arange(motions), d + count))
+        each = model if motions == 1 else some_of(model, np.repeat(np.arange(motions), d + count))
         self.starts = np.tile(np.vstack([np.diag(self.scales), np.zeros((count, d))]), (motions, 1))
         made = tangent_of_means if means else tangent
         self.follower = Follower(each, motions * (d + count), numbers, rtol, made=made, at=at, observe=observe, integrals=means)

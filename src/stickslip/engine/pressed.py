@@ -4,9 +4,9 @@ A stop with restitution whose gap h closes at the rate -r throws its ends back, 
 and are all over after the time 2 e r m/(lambda (1 - e)), where m is the mass that the hit feels. Where that is a
 moment the stop stays closed: a mode of it is 1 from there on, h' = 0, and the sign of lambda = -(h'' without it) m says when it opens.
 
-Under laws with inner states forces follow from the states, and what a closed stop does from them. Under laws that rest exactly one of the
-ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end. Where both have,
-a case ends with a status that says so.
+Under laws with inner states forces follow from the states, and what a closed stop does from them. Under laws that rest exactly, one of the
+ends must have no contact, as the inner mass of a capsule: what it does while the stop is closed follows from the other end. Where
+both have one, a case ends with a status that says so.
 """
 
 from __future__ import annotations

@@ -10,9 +10,10 @@ from typing import Any
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.exporting.names import prefix_of
-from stickslip.fields import at_least, checked_number, positive
+from stickslip.fields import checked_number
 from stickslip.friction.adapter import is_law
 from stickslip.machine import is_machine, machine_of
+from stickslip.quantities import at_least, positive
 
 __all__ = ["LANGUAGES", "ExportedLaw", "export_law"]
 

@@ -312,11 +312,11 @@ class Fit:
 
         return [*remarks(self), *self.correlated, *self.notes]
 
-    def spread(self, machine: Any, problems: Problems) -> Any:
+    def distribution(self, machine: Any, problems: Problems) -> Any:
         """How the parameters spread the numbers of a machine, as `propagate` and `optimise` ask."""
-        from stickslip.identifying.spreading import spread_of
+        from stickslip.identifying.distribution import distribution_of
 
-        return spread_of(self, machine, problems)
+        return distribution_of(self, machine, problems)
 
     # ---- show ----
     @overload

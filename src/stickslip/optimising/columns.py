@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.batch import shape_of, some_of
 from stickslip.dynamics.closing import Closing, Settled, settled
-from stickslip.dynamics.many import parts_of, picked
+from stickslip.dynamics.many import parts_of
 from stickslip.dynamics.mapping import Coordinates, coordinates
 from stickslip.dynamics.sensitivity import directions_of, seeds_of
 from stickslip.dynamics.tangents import not_followed
@@ -89,12 +89,12 @@ def values(model: Any, cases: int, asked: dict[str, Derived], periods: int) -> d
     model = model if shape_of(model) else replace_leaf(model, {name: np.full(cases, float(own)) for name, own in leaves(model)})
     found = {name: np.full(cases, np.nan) for name in asked}
     for part in parts_of(cases, _PART):
-        machines = picked(model, part)
+        machines = some_of(model, part)
         motions = settled(machines, at, part.stop - part.start, periods)
         for period in np.unique(motions.period[motions.period > 0]):
             which = np.flatnonzero((motions.period == period) & np.isfinite(motions.state).all(axis=1))
             for names in quantities:
-                columns = _slopes(picked(machines, which), at, {name: asked[name] for name in names}, first, motions, which)
+                columns = _slopes(some_of(machines, which), at, {name: asked[name] for name in names}, first, motions, which)
                 for name, slopes in columns.items():
                     found[name][part.start + which] = slopes
     return found

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name, shape_of
+from stickslip.batch import numbers_by_name, shape_of, some_of
 from stickslip.dynamics.closing import Closed
-from stickslip.dynamics.many import picked
 from stickslip.dynamics.mapping import Coordinates
 from stickslip.dynamics.tangents import means_named, number_slopes
 from stickslip.engine.closed import steady_force
@@ -95,7 +94,7 @@ def _cost(power: Value, model: Any, seeds: dict[str, Array], count: int) -> Valu
     """Power over weight and speed."""
     weight = np.atleast_1d(np.asarray(model.total_mass * model.gravity, float))
     cases = int(np.prod(shape_of(model), dtype=int))
-    each, along = picked(model, np.repeat(np.arange(cases), count)), {name: np.tile(parts, cases) for name, parts in seeds.items()}
+    each, along = some_of(model, np.repeat(np.arange(cases), count)), {name: np.tile(parts, cases) for name, parts in seeds.items()}
     (slopes,) = number_slopes(each, along, lambda machine: [machine.model.total_mass * machine.model.gravity], cases * count)
     heavier = slopes.reshape(cases, count)
 

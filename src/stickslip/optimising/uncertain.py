@@ -96,7 +96,7 @@ class Independent:
 def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Spread | None:
     """How numbers are spread, from the distributions that were typed or from a fit; what is wrong with them is noted."""
     if not isinstance(given, dict):
-        spread: Spread | None = given.spread(model, problems)
+        spread: Spread | None = given.distribution(model, problems)
         return spread
     if not given:
         problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")

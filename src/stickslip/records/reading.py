@@ -29,7 +29,6 @@ from stickslip.unpacking import Allowance
 __all__ = ["read", "read_bytes", "remarks"]
 
 
-
 @explains_arguments
 def read(
     path: Recorded,

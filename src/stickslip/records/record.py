@@ -162,7 +162,8 @@ class Record:
         >>> len(thin["v"]), thin.notes[-1]
         (10000, 'v: means of 100 samples each, 10000 of 1000000')
         """
-        from stickslip.fields import checked_number, positive
+        from stickslip.fields import checked_number
+        from stickslip.quantities import positive
         from stickslip.records.parts import averaged
 
         problems = Problems("averaged")

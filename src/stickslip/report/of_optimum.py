@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from math import isfinite
 from typing import Any
 
-from stickslip.fields import leaves
+from stickslip.fields import leaves, told_by_field
 from stickslip.optimising.peaks import LIMITS
+from stickslip.quantities import axis_in, pretty_unit
 from stickslip.report.charts import Figure, chart, curve
 from stickslip.report.drawn import svg
-from stickslip.report.of_run import meaning_of, run_page
+from stickslip.report.of_run import run_page
 from stickslip.variables import VARIABLES
 
 __all__ = ["optimum_page"]
@@ -104,7 +105,7 @@ def _varied(best: Any) -> tuple[str, Any, list[Any]]:
         if isinstance(what, tuple):
             at = "at a bound" if name in best.active else ""
             value = next(now[leaf] for leaf in now if _named(leaf, name))
-            rows.append((name, f"{what[0]:g} to {what[1]:g}", _told(value, meaning_of(name)[1]), at))
+            rows.append((name, f"{what[0]:g} to {what[1]:g}", _told(value, _unit_of(best.model, name)), at))
         else:
             rows.append((name, f"a waveform of {what.count} ({what.kind})", "its numbers stand below", ""))
     numbers = len(own)
@@ -145,6 +146,12 @@ def _uncertain(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     )
 
 
+def _unit_of(model: Any, name: str) -> str:
+    """The unit of a number of a machine; nothing where nobody knows."""
+    unit = (axis_in(told_by_field(model, name)) or ("", ""))[1]
+    return "" if unit == "1" else pretty_unit(unit)
+
+
 def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     """Derivatives, those with the largest effect first."""
     own, found = dict(leaves(best.model)), best.sensitivities
@@ -154,7 +161,7 @@ def _slopes(best: Any) -> Iterator[tuple[str, Any, list[Any]]]:
     rows = [
         (
             name,
-            _told(own[name], meaning_of(name)[1]),
+            _told(own[name], _unit_of(best.model, name)),
             _told(found[name]),
             _told(effects[name], _unit(best.of)),
             "one side, see the remarks" if name in one_sided else "",

@@ -153,7 +153,12 @@ def _part(group: Group, at: Array) -> Group:
 
 
 def columns_of(
-    robot: Any, start: dict[str, Any], options: dict[str, Any], workers: int, tell: Any, solver: Solver | None = None,
+    robot: Any,
+    start: dict[str, Any],
+    options: dict[str, Any],
+    workers: int,
+    tell: Any,
+    solver: Solver | None = None,
     notes: dict[str, int] | None = None,
 ) -> dict[str, Array]:
     """The columns of a batch, or of one robot; and the states in which its cases end, where the solver tells them.

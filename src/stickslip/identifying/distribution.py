@@ -13,7 +13,7 @@ from stickslip.fields import leaves
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit
 
-__all__ = ["OfFit", "spread_of"]
+__all__ = ["OfFit", "distribution_of"]
 
 Array = Any
 _FAR = 1e-12  # how near a sample comes to the ends of the normal distribution
@@ -80,7 +80,7 @@ def _root(fit: Fit) -> Array:
     return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
-def spread_of(fit: Fit, machine: Any, problems: Problems) -> OfFit | None:
+def distribution_of(fit: Fit, machine: Any, problems: Problems) -> OfFit | None:
     """How a fit's parameters spread the numbers of a machine; what stands against it is noted."""
     if lost := fit.undetermined:
         told = f"the data do not determine {' and '.join(lost)}, which could be anything"
