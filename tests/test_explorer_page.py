@@ -184,7 +184,7 @@ def test_a_typed_value_that_is_not_allowed_is_refused_with_a_sentence(page):
     field.fill("x")
     assert field.get_attribute("aria-invalid") == "true"
     field.blur()
-    assert "allowed is 0 mm to 100 mm" in page.said()
+    assert "allowed is 0 mm to 1600 mm" in page.said()
     assert page.velocity() == before
 
 

@@ -229,7 +229,7 @@ NO_DOORS = {
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
     "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",
     "StickslipError", "Sum", "Trajectory", "Verdict",
-    "Gradient", "Optimum", "Propagated", "Waveform",
+    "ExportedLaw", "Gradient", "Optimum", "Propagated", "Waveform",
     *(name for name in ss.__all__ if inspect.ismodule(getattr(ss, name))),
 }  # fmt: skip
 

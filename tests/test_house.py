@@ -81,7 +81,7 @@ def test_the_import_contracts_hold():
 CIRCLES = [
     {"drives.force", "drives.harmonic_force"},
     {"friction.law", "friction.stribeck", "friction.sum", "friction.viscous"},
-    {"identifying.bootstrapping", "identifying.fit", "identifying.uncertainty"},
+    {"identifying.fit", "identifying.uncertainty"},
     {"machines.machine", "machines.turned"},
     {"sweeps.following", "sweeps.planning", "sweeps.solving"},
 ]

@@ -161,7 +161,7 @@ def fold(coefficient: Any, tilt: Any) -> tuple[Any, Any]:
 
     Examples
     --------
-    >>> plus, minus = fold(0.18, math.radians(1.7))
+    >>> plus, minus = fold(0.18, 1.7 * pi / 180)
     >>> round(plus, 6), round(minus, 6)
     (0.150255, 0.209587)
     """

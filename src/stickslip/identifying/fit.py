@@ -305,6 +305,13 @@ class Fit:
             return "add a record with another stroke or speed"
         return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
 
+    @cached_property
+    def costs(self) -> dict[str, dict[str, float]]:
+        """Standard error of each parameter if one effect of the sensors were known: effect -> name -> error; under "" if all were."""
+        from stickslip.identifying.uncertainty import costs
+
+        return costs(self)
+
     @property
     def warnings(self) -> list[str]:
         """Everything a user should know before trusting the values."""

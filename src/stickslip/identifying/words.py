@@ -134,10 +134,7 @@ def sensor_lines(fit: Any) -> list[str]:
 
 def cost_lines(fit: Any) -> list[str]:
     """What the sensors cost: standard errors with them, with all their numbers known, and with those of one effect known."""
-    from stickslip.identifying.uncertainty import costs
-
-    found = costs(fit)
-    lines = []
+    found, lines = fit.costs, []
     for name, error in fit.errors.items():
         each = [
             f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])

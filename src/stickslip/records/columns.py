@@ -43,6 +43,8 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     if isinstance(found, list):
         found = _by_column(*_rows(found))
     lists = {name: value for name, value in found.items() if _columnar(value)}
+    if not lists:
+        raise InputError("read", [f"the JSON holds no list of numbers; {_FORMS}"])
     allowance.take(8.0 * sum(map(len, lists.values())), "its lists")
     raw = Raw("JSON", table=True)
     left = [name for name in found if name not in lists and name != "units"]
