@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from stickslip.drives.shifted import Shifted
 
 THIRD = 2 * pi / 3
 
@@ -36,6 +37,14 @@ def test_worms_move_as_they_should(chain, V):
 def test_the_judge_agrees_on_a_worm():
     run = ss.solve(ROWS["the wave reversed"][0], periods=40, method="dop853", rtol=1e-12)
     assert ss.mean_velocity(run) == pytest.approx(-0.0110844351922, abs=2e-12)
+
+
+def test_a_sawtooth_gait_that_begins_elsewhere_is_what_the_judge_says():
+    """Shifts of the drive and of the lags make more than a period: the feet knew a wrong velocity at the start, and slid the wrong way."""
+    gait = Shifted(ss.Sawtooth(stroke=2.44e-3, rise=0.116, fall=0.084), -0.9)
+    for chain in (worm(0.1, 0.2, gait), worm(0.1, 0.2, gait, lag=-THIRD)):
+        judged = ss.solve(chain, periods=3, method="dop853", rtol=1e-12)
+        assert ss.solve(chain, periods=3).v[-1] == pytest.approx(judged.v[-1], abs=1e-10)
 
 
 def test_distances_are_those_of_the_gait_at_any_lag():

@@ -52,6 +52,8 @@ def judged(machine: Any) -> tuple[str, float, str]:
         run = ss.solve(machine, **how, **exact)
     except ss.SolveError as error:
         return "unsolved", np.nan, _sentence(error)
+    except ss.InputError as error:  # of its load, see `random_machines._beside`
+        return "refused", np.nan, _sentence(error)
     compared = _Compared(machine, run, stiff)
     try:
         compared.until(ss.solve(machine, start=_off(machine), **how, **exact))

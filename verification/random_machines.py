@@ -99,8 +99,9 @@ def _beside(machine: Any, many: Any, i: int) -> str:
     end = Status(int(many.status[i])).sentence
     try:
         run = ss.solve(machine, **span(machine, PERIODS), keep="summary")
-    except ss.SolveError as error:
-        return "" if end in str(error) else f"alone: {error}"
+    except ss.StickslipError as error:  # a load that is lost from the start is refused where one machine is given
+        lost = end == Status.LOST.sentence and "at the start" in str(error)
+        return "" if lost or end in str(error) else f"alone: {error}"
     apart = abs(float(run.displacement) - float(np.asarray(many.displacement).reshape(-1)[i]))
     same = Status(int(run.status)).sentence == end and not apart > SAME * unit_of_way(machine)
     return "" if same else f"alone: {Status(int(run.status)).sentence}, {apart:.2g} m apart; in the batch: {end}"

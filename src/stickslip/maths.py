@@ -190,11 +190,13 @@ def within(t: Any, period: Any) -> Any:
 
 
 def wrapped(t: Any, period: Any) -> Any:
-    """A time less than one period before or after [0, period), put there [s].
+    """A time less than two periods before or after [0, period), put there [s]: one that is shifted, and shifted once more.
 
     Examples
     --------
-    >>> wrapped(-0.25, 1.0), wrapped(0.5, 1.0), wrapped(1.25, 1.0)
-    (0.75, 0.5, 0.25)
+    >>> [wrapped(t, 1.0) for t in (-1.25, -0.25, 0.5, 1.25, 2.25)]
+    [0.75, 0.75, 0.5, 0.25, 0.25]
     """
-    return where(t < 0.0, t + period, where(t < period, t, t - period))
+    before = where(t < -period, t + 2.0 * period, t + period)
+    after = where(t < 2.0 * period, t - period, t - 2.0 * period)
+    return where(t < 0.0, before, where(t < period, t, after))
