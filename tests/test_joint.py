@@ -349,3 +349,11 @@ def test_all_that_is_wrong_is_said_at_once():
         ss.Joint(inertia=1.0, friction=DRY, control=lambda t: 1.0)
     with pytest.raises(ss.InputError, match="no at; allowed is a torque"):
         ss.Joint(inertia=1.0, friction=DRY, torque=EVEN)
+
+
+def test_a_joint_whose_friction_vanishes_at_rest_runs():
+    """The size of what its controller holds came from friction at rest alone, was zero, and so were its steps."""
+    pid = ss.PID(kp=2.6, ki=3.4, kd=0.2, target=0.155, sample=0.02)
+    joint = ss.Joint(inertia=0.015, friction=ss.Viscous(0.0052, 0.0012), control=pid, angle=-0.46)
+    judged = ss.solve(joint, duration=0.5, method="dop853", rtol=1e-12)
+    assert ss.solve(joint, duration=0.5).x[-1] == pytest.approx(judged.x[-1], abs=1e-10)

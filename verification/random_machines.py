@@ -76,13 +76,14 @@ def _cases(task: Task) -> Cases:
 def _looked_at(task: Task) -> dict[str, Any]:
     cases = _cases(task)
     batch = cases.all()
-    many = ss.solve(batch, **span(batch, PERIODS))
+    how = span(batch, PERIODS)
+    many = ss.solve(batch, **how)
     count = int(np.size(many.status))
     wrong = int(np.sum((np.asarray(many.status) <= Status.REPEATS) & ~np.isfinite(many.displacement)))
     bad = [f"case {i}: {Status(int(s)).sentence}" for i, s in enumerate(many.status) if Status(int(s)).sentence not in GOOD]
     verdicts, lines, worst = Counter[str](), [], 0.0
     for i in range(min(task.judged, count)):
-        single = _beside(cases.one(i), many, i)
+        single = _beside(cases.one(i), many, i, how)
         verdict, error, note = judged(cases.one(i))
         verdicts[verdict] += 1
         worst = max(worst, error) if verdict == "agrees" else worst
@@ -94,11 +95,11 @@ def _looked_at(task: Task) -> dict[str, Any]:
     return {**found, "judged": dict(verdicts), "lines": lines, "worst": worst}
 
 
-def _beside(machine: Any, many: Any, i: int) -> str:
+def _beside(machine: Any, many: Any, i: int, how: dict[str, Any]) -> str:
     """How a single run differs from its case in the batch; "" where it does not."""
     end = Status(int(many.status[i])).sentence
     try:
-        run = ss.solve(machine, **span(machine, PERIODS), keep="summary")
+        run = ss.solve(machine, **how, keep="summary")
     except ss.StickslipError as error:  # a load that is lost from the start is refused where one machine is given
         lost = end == Status.LOST.sentence and "at the start" in str(error)
         return "" if lost or end in str(error) else f"alone: {error}"

@@ -26,7 +26,7 @@ from stickslip.machines.periodic_inputs import (
 )
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.machines.pid import PID, Loop
-from stickslip.maths import maximum, pi, sin, sqrt
+from stickslip.maths import maximum, pi, sin, sqrt, where
 from stickslip.quantities import at_least, positive, quantity
 
 __all__ = ["Joint"]
@@ -267,7 +267,8 @@ class Joint(Machine):
         if self.control is None:
             return {}
         low, high = adapted(self.friction).limits(self.load) or (-self.load, self.load)
-        torque = maximum(high, -low) / self.gear_ratio
+        torque, small = maximum(high, -low) / self.gear_ratio, 1e-3 * (self.control.kp + self.control.ki + self.control.kd)
+        torque = where(torque > 0.0, torque, maximum(small, 1e-12))  # friction that vanishes at rest says nothing of its size
         gain = maximum(self.control.kp, 1e-6 * torque)
         measured = self.control.feedback if self.is_elastic else "joint"
         loop = Loop(self.control, measured, self._driven, self.gear_ratio, self._count(self.control.target), torque, torque / gain)
