@@ -143,7 +143,7 @@ def propagate(
     workers : int
         Threads.
     indices : bool
-        Sobol indices of the numbers, which must be independent: for n numbers n + 2 times as many cases are run (`Saltelli 2010`_).
+        Sobol indices of the numbers, which must be independent: for n numbers n + 2 times as many cases are run (Saltelli 2010).
 
     Returns
     -------
@@ -158,9 +158,8 @@ def propagate(
 
     References
     ----------
-    .. _Saltelli 2010: https://doi.org/10.1016/j.cpc.2009.09.018
-
-    A. Saltelli et al., Variance based sensitivity analysis of model output; *Computer Physics Communications* 181 (2010) 259-270.
+    A. Saltelli et al., Variance based sensitivity analysis of model output; *Computer Physics Communications*
+    181 (2010) 259-270, doi:10.1016/j.cpc.2009.09.018.
 
     Examples
     --------
