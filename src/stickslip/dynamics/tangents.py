@@ -16,6 +16,7 @@ from stickslip.batch import numbers_by_name, some_of
 from stickslip.dynamics.mapping import Coordinates, coordinates, map_method
 from stickslip.engine import lanes
 from stickslip.engine.graphs import Along
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.tangent import has_corners, means_of, part_in, tangent
 from stickslip.engine.trace import kind_of, numbers_of, trace
@@ -31,8 +32,8 @@ __all__ = [
 ]  # fmt: skip
 
 Array = Any
-_corners: dict[Any, bool] = {}
-_means: dict[Any, tuple[str, ...]] = {}
+_corners: Remembered[bool] = Remembered()
+_means: Remembered[tuple[str, ...]] = Remembered()
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
 
 
@@ -243,26 +244,12 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
 
 def means_named(model: Any, observe: Any = ()) -> tuple[str, ...]:
     """Names of what `tangent_of_means` averages over a machine's motion, in order."""
-    key = kind_of(model), observe
-    try:
-        known = _means.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return tuple(means_of(trace(model, observe, noted=True)))
-    if known is None:
-        known = _means[key] = tuple(means_of(trace(model, observe, noted=True)))
-    return known
+    return _means((kind_of(model), observe), lambda: tuple(means_of(trace(model, observe, noted=True))))
 
 
 def has_corners_of(model: Any) -> bool:
     """Whether something jumps where a machine switches, by its traced equations: then derivatives may be other ones on its two sides."""
-    key = kind_of(model)
-    try:
-        known = _corners.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return has_corners(trace(model))
-    if known is None:
-        known = _corners[key] = has_corners(trace(model))
-    return known
+    return _corners(kind_of(model), lambda: has_corners(trace(model)))
 
 
 def not_followed(model: Any) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
 from stickslip.callbacks import told_of_progress
+from stickslip.distributions import ALLOWED, distribution_of
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
 from stickslip.friction.adapter import adapted
@@ -18,7 +19,6 @@ from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
-from stickslip.identifying.priors import ALLOWED, prior_of
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, multistart, polished, searched
 from stickslip.identifying.sensed import Sensed
@@ -139,7 +139,7 @@ def identify(
 
 def as_list(records: Any) -> list[Any]:
     """One record, or several."""
-    return [records] if prior_of(records) or not isinstance(records, (list, tuple)) else list(records)
+    return [records] if distribution_of(records) or not isinstance(records, (list, tuple)) else list(records)
 
 
 def problem_of(
@@ -165,7 +165,7 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
         problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
     curves = any(isinstance(rec, Record) for rec in records)
     for i, rec in enumerate(records):
-        if isinstance(rec, Record) or prior_of(rec):
+        if isinstance(rec, Record) or distribution_of(rec):
             continue
         if not isinstance(rec, (int, float, np.number)) or isinstance(rec, bool):
             problems.add(

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.distributions import distribution_of
 from stickslip.errors import InputError
 from stickslip.identifying.averages import MOST, averaged
-from stickslip.identifying.priors import prior_of
 from stickslip.records import Record
 from stickslip.records.given import given_frequency
 from stickslip.records.measures import LONGEST, _repeats, mean_velocity
@@ -120,7 +120,7 @@ def _fewer(target: Target, repeats: int | None) -> Target:
 
 def mean_target(value: Any, sigma: float | None, label: str) -> Target:
     """A mean velocity [m/s] as a target, with its error or bare."""
-    known = prior_of(value)
+    known = distribution_of(value)
     if known:
         return dataclasses.replace(mean_target(known.mean, known.sd, label), given_sigma=True)
     try:
