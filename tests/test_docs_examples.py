@@ -48,5 +48,6 @@ def test_a_notebook_has_the_code_of_its_page_in_order():
     cells = notebook(page.read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
     assert code == [block.text.rstrip("\n") for block in blocks(page, "python")]
-    assert all(set(cell) == {"cell_type", "metadata", "source", "execution_count", "outputs"} for cell in cells if cell["cell_type"] == "code")
+    fields = {"cell_type", "metadata", "source", "execution_count", "outputs"}  # what nbformat 4 wants of a code cell
+    assert all(set(cell) == fields for cell in cells if cell["cell_type"] == "code")
     assert not any(".md)" in "".join(cell["source"]) for cell in cells)

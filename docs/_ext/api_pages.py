@@ -17,6 +17,7 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+AFTER_NAPOLEON = 600
 _BLOCK = re.compile(r"^```\{eval-rst\}\n(.*?)^```$", re.M | re.S)
 _FOLDERS = {"autoclass": "classes", "autoexception": "classes", "autofunction": "functions", "automodule": "modules", "py:data": "data"}
 _ROLES = {"autoclass": "class", "autoexception": "exc", "autofunction": "func", "automodule": "mod", "py:data": "data"}
@@ -110,9 +111,17 @@ def signature(app: Sphinx, what: str, name: str, value: Any, options: Any, args:
     if value.__init__ is object.__init__:
         return "", ""
     parameters = [p.replace(annotation=p.empty) for p in inspect.signature(value.__init__).parameters.values()]
-    made = {f.name: f.default_factory for f in dataclasses.fields(value) if callable(f.default_factory)} if dataclasses.is_dataclass(value) else {}
+    fields = dataclasses.fields(value) if dataclasses.is_dataclass(value) else ()
+    made = {field.name: field.default_factory for field in fields if callable(field.default_factory)}
     parameters = [p.replace(default=made[p.name]()) if p.name in made else p for p in parameters[1:]]
     return str(inspect.Signature(parameters)), ""
+
+
+def whole_sentence(app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
+    """Napoleon takes what stands before a colon in a property's docstring for its type; it is the first half of a sentence."""
+    if what == "property":
+        for i in [i for i, line in enumerate(lines) if line.startswith(":type: ")]:
+            lines[0] = f"{lines.pop(i).removeprefix(':type: ')}: {lines[0]}"
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -120,4 +129,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("builder-inited", write_pages)
     app.connect("source-read", list_them)
     app.connect("autodoc-process-signature", signature)
+    app.connect("autodoc-process-docstring", whole_sentence, priority=AFTER_NAPOLEON)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,7 +1,7 @@
 """The Python on a page as one script: its blocks run in order, each with what it prints and draws.
 
-The build of the docs (``executed.py``) and the tests (``tests/test_docs_examples.py``) run pages by this module alone, as a reader would who
-types one block after the other.
+The build of the docs (``executed.py``) and the tests (``tests/test_docs_examples.py``) run pages by this module alone, as a reader
+would who types one block after the other.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Script:
             warnings.simplefilter("error")
             value = self._executed(tree, file)
         figures = tuple(plt.figure(number) for number in plt.get_fignums())
-        if value is not None and not isinstance(value, str) and not figures:  # as a notebook shows it
+        if not (value is None or figures or isinstance(value, (str, os.PathLike))):  # as a notebook shows it
             printed.write(f"{value!r}\n")
         return Output(printed.getvalue().rstrip("\n"), figures)
 
