@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject
+from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject, units_of
 from stickslip.cli.kept import FILES
+from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, StickslipError, as_path
 
 __all__ = ["act", "add_options", "axes_of", "out_file", "run_options", "watcher"]
@@ -95,7 +97,7 @@ def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
     count = asked.sobol or asked.latin
     made, settings = [], list(asked.settings)
     if count:
-        ranges, settings = _ranges(settings)
+        ranges, settings = _ranges(settings, units_of(found(asked.robot).make))
         make = designs.sobol if asked.sobol else designs.latin_hypercube
         made.append(make(count, seed=asked.seed, **ranges))
     if asked.table:
@@ -114,7 +116,7 @@ def _first(values: Any) -> Any:
     return values[0]
 
 
-def _ranges(settings: list[str]) -> tuple[dict[str, Any], list[str]]:
+def _ranges(settings: list[str], units: Callable[[str], str]) -> tuple[dict[str, Any], list[str]]:
     """NAME=a..b words as ranges of a random design, and the other words."""
     from stickslip.cli.arguments import value
 
@@ -124,7 +126,7 @@ def _ranges(settings: list[str]) -> tuple[dict[str, Any], list[str]]:
         name, _, text = word.partition("=")
         if ".." in text and ":" not in text:
             low, _, high = text.partition("..")
-            ranges[name] = (value(low), value(high))
+            ranges[name] = (value(low, units(name)), value(high, units(name)))
         else:
             rest.append(word)
             if ".." in text:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.arguments import Ax, Compared, Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, is_whole
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, prefix, publication
-from stickslip.records.units import SI, quantity_of
+from stickslip.units import SI, quantity_of
 
 __all__ = ["comparison", "fitted", "record_spectrum", "residuals"]
 
