@@ -214,6 +214,10 @@ class FlowRun:
         numbers = {name: float(value) for name, value in self.model.numbers.items()}
         return xr.Dataset(columns, {"time": self.t}, {"method": self.method, "status": self.status, **numbers})
 
+    def to_dataframe(self) -> Any:
+        """The columns as a `pandas.DataFrame` over time."""
+        return self.to_xarray().to_dataframe()
+
     @explains_arguments
     def save(self, path: str | Path) -> Path:
         """Write the columns to .csv or .nc; returns its path.
@@ -222,7 +226,7 @@ class FlowRun:
         """
         path = Path(path)
         if path.suffix == ".csv":
-            self.to_xarray().to_dataframe().to_csv(path)
+            self.to_dataframe().to_csv(path)
         elif path.suffix == ".nc":
             told = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
             self.to_xarray().assign_attrs(told).to_netcdf(path)
