@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Drawn
 from stickslip.sealing import sealed
 from stickslip.storage import FORMAT
 
@@ -31,7 +32,7 @@ class ModeChange(NamedTuple):
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class FlowRun:
+class FlowRun(Drawn):
     """One run of a switching flow, made by `solve`. ``run[name]`` is the column of a state over the instants `t`.
 
     Parameters
@@ -233,6 +234,12 @@ class FlowRun:
         else:
             raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are .csv and .nc"])
         return path
+
+    _drawn_by = "states"
+
+    def _facts(self) -> dict[str, Any]:
+        length = f"{float(self.nodes[-1] - self.nodes[0]):.6g}"
+        return {"method": self.method, "status": self.status, "length": length, "switches": len(self.events)}
 
     def __repr__(self) -> str:
         length = f"{float(self.nodes[-1] - self.nodes[0]):.6g}"

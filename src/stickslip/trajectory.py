@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from stickslip.arguments import Numbers, explains_arguments
 from stickslip.contact_forces import held_by_controllers
 from stickslip.errors import InputError
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
+from stickslip.faces import Drawn
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
@@ -72,7 +72,7 @@ def _force_column(name: str) -> _Column:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Trajectory(RunFiles):
+class Trajectory(Drawn, RunFiles):
     """One run of one machine. It is computed once by `solve`; everything here only reads it.
 
     The columns ``t, x, v, z, mode, acceleration, friction_force, drive_force, xi, xi_rate, xi_acceleration,
@@ -486,7 +486,9 @@ class Trajectory(RunFiles):
         length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
         return f"<Trajectory: {length} by {self.method}, {self.status}>"
 
-    def _repr_html_(self) -> str:
-        rows = {"method": self.method, "status": self.status, "periods": f"{self.periods} ({self.settle} to settle)", "rtol": self.rtol}
-        cells = "".join(f"<tr><td>{k}</td><td>{html.escape(str(v))}</td></tr>" for k, v in {**rows, **self.counts}.items())
-        return f"<table><caption>Trajectory</caption>{cells}</table>{self.model._repr_html_()}"
+    _drawn_by = "velocity"
+
+    def _facts(self) -> dict[str, Any]:
+        length = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
+        periods = {} if self.model.period is None else {"periods": f"{self.periods} of {self.period_time:.6g} s ({self.settle} to settle)"}
+        return {"machine": type(self.model).__name__, "method": self.method, "status": self.status, "length": length, **periods}

@@ -364,8 +364,11 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
         ax.set_xlim(0, exponents.record[-1, 0])
         ax.set_xlabel(f"{exponents.unit}s averaged over")
         ax.set_ylabel(f"exponent per {exponents.unit}")
-        if ax.get_legend_handles_labels()[0]:  # none where every exponent is -infinity
+        if ax.get_legend_handles_labels()[0]:
             legend_above(ax, ncols=3)
+        else:
+            ax.set_yticks([])
+            ax.text(0.5, 0.6, "−∞: disturbances are forgotten at once", transform=ax.transAxes, ha="center")
         return ax
 
 
