@@ -193,6 +193,7 @@ def examples():
         # pictures
         "plot.velocity": (ss.plot.velocity, {"run": run, "periods": 2, "ax": None, "labels": None, "duration": None}),
         "plot.phase": (ss.plot.phase, {"run": run, "periods": 2, "ax": None, "labels": None}),
+        "plot.pattern": (ss.plot.pattern, {"motion": ss.motion(run), "ax": None}),
         "plot.contacts": (ss.plot.contacts, {"run": run, "periods": 2, "ax": None, "duration": None}),
         "plot.states": (ss.plot.states, {"run": ss.solve(flow, start=[1.0, 0.0], duration=1.0), "duration": None, "ax": None}),
         "plot.forces": (ss.plot.forces, {"run": run, "periods": 2, "ax": None, "duration": None}),

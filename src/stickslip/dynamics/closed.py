@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.mapping import coordinates
+from stickslip.faces import Drawn
 from stickslip.machine import machine_of
 
 __all__ = ["ClosedMotion", "largest_first", "multipliers_of", "resting"]
@@ -15,11 +16,16 @@ __all__ = ["ClosedMotion", "largest_first", "multipliers_of", "resting"]
 Array = Any
 
 
-class ClosedMotion(ABC):
+class ClosedMotion(Drawn, ABC):
     """A motion of a model that comes back to a state."""
 
     model: Any
     state: Array
+
+    _drawn_by = "phase"
+
+    def _drawn(self) -> Any:
+        return self.run
 
     @property
     @abstractmethod

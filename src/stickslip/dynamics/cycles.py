@@ -133,6 +133,11 @@ class LimitCycle(ClosedMotion):
             return "slip"
         return "stick-slip" if law_of(self.model).dynamic else "reversing"
 
+    def _facts(self) -> dict[str, Any]:
+        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        stability = f"{'stable' if self.stable else 'unstable'}; multipliers {told}"
+        return {"type": self.type, "duration": f"{self.duration:.9g} s", "stability": stability}
+
     def __repr__(self) -> str:
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         return (

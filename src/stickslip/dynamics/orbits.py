@@ -38,6 +38,7 @@ from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
+from stickslip.variables import unit_of
 
 if TYPE_CHECKING:
     from stickslip.dynamics.cycles import LimitCycle
@@ -177,16 +178,28 @@ class PeriodicOrbit(ClosedMotion):
         largest = float(abs(self.multipliers).max())
         return 0.0 if largest == 0.0 else float("inf") if largest == 1.0 else -self.period / float(np.log(largest))
 
+    @property
+    def _stability(self) -> str:
+        known = bool(np.isfinite(self.multipliers).all())
+        return "stable" if self.stable else "neutral" if self._is_neutral else "unstable" if known else "of unknown stability"
+
+    def _facts(self) -> dict[str, Any]:
+        patterns = self.patterns if len(self.patterns) > 1 else {"motion type": self.type, "pattern": self.pattern}
+        return {
+            "mean velocity": f"{self.mean_velocity:.9g} {unit_of('v', self.model)}",
+            **{name: text.replace("-", "−") for name, text in patterns.items()},
+            "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
+            "stability": f"{self._stability}; multipliers {', '.join(f'{m:.6g}' for m in self.multipliers)}",
+        }
+
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         single = machine_of(self.model).is_single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
-        known = bool(np.isfinite(self.multipliers).all())
-        word = "stable" if self.stable else "neutral" if self._is_neutral else "unstable" if known else "of unknown stability"
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
-            f"{word} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+            f"{self._stability} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
         )
 
 

@@ -16,6 +16,7 @@ from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Face
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import is_machine
 from stickslip.sealing import sealed
@@ -30,7 +31,7 @@ _ASIDE = 1e-3  # how far a number is moved to see whether the equations still co
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Sensitivity:
+class Sensitivity(Face):
     """Derivatives of a motion by numbers of its machine.
 
     Parameters
@@ -77,6 +78,14 @@ class Sensitivity:
         """By how many per cent V changes when a number grows by one: (p/V) dV/dp."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.values / self.velocity * self.mean_velocity
+
+    def _title(self) -> str:
+        return f"Sensitivity of the mean velocity, {self.velocity:.9g} m/s"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("number p", "value", "dV/dp [SI]", "% of V for 1 % of p")
+        rows = zip(self.names, self.values, self.mean_velocity, self.relative, strict=True)
+        return [[head, *((name, f"{p:.6g}", f"{slope:.7g}", f"{relative:.4g}") for name, p, slope, relative in rows)]]
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))

@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.faces import Face, Text, drawn_on, rounded, sure
 from stickslip.identifying.spread import information_of
 from stickslip.identifying.words import unit_of_kind
 from stickslip.sealing import sealed
@@ -81,7 +82,7 @@ class Quality:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit:
+class Fit(Face):
     """The result of `identify`.
 
     Parameters
@@ -336,7 +337,7 @@ class Fit:
         if path is None:
             from stickslip.identifying.words import told
 
-            return told(self)
+            return Text(told(self))
         from stickslip.identifying.doors import write_report
 
         return write_report(path, [self])
@@ -348,8 +349,32 @@ class Fit:
 
         return plot_fit(self, record, ax)
 
-    def __repr__(self) -> str:
-        from stickslip.identifying.words import sure
+    def _title(self) -> str:
+        return f"Fit of {self.law}"
 
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        from stickslip.identifying.words import parameter_rows, unit_of_parameter
+
+        head = ("parameter", "value", "standard error", "95 % interval", "unit")
+        rows = [
+            (name, rounded(value, error), sure(error), f"{rounded(low, error)} to {rounded(high, error)}", unit_of_parameter(self, name))
+            for name, value, error, low, high in parameter_rows(self)
+        ]
+        return [[head, *rows], [("record", "what is left"), *((q.label, q.excess) for q in self.quality)]]
+
+    def _remarks(self) -> list[str]:
+        return self.warnings
+
+    def _figures(self) -> list[Any]:
+        return drawn_on(self._draw_both, (8.0, 2.2))
+
+    def _draw_both(self, figure: Any) -> None:
+        from stickslip.identifying.doors import plot_fit, plot_residuals
+
+        left, right = figure.subplots(1, 2)
+        plot_fit(self, 0, left)
+        plot_residuals(self, 0, right)
+
+    def __repr__(self) -> str:
         parts = ", ".join(f"{n} = {v:.5g} {sure(self.errors[n], '.1g')}" for n, v in self.values.items())
         return f"<Fit of {self.law}: {parts}>"

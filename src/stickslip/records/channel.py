@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.units import unit_of
 from stickslip.sealing import sealed
+from stickslip.units import unit_of
 
 __all__ = ["MEASURED", "ROLES", "Channel", "Gap"]
 

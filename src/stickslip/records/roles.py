@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.records.channel import MEASURED, Channel
 from stickslip.records.overview import clipped, dead_zone
 from stickslip.records.raw import Column
-from stickslip.records.units import quantity_of, unit_of
+from stickslip.units import quantity_of, unit_of
 
 __all__ = ["OURS", "remark_range", "remarks", "roles_of"]
 

@@ -13,6 +13,8 @@ from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, masked_in
 from stickslip.flow import is_flow
+from stickslip.naming import axis_of
+from stickslip.typed_numbers import in_unit
 
 __all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
@@ -87,7 +89,7 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     for design in designs:
         _add_design(space, design)
     for name, value in axes.items():
-        _add_axis(space, name, value, problems)
+        _add_axis(space, name, _plain(make, name, value, problems), problems)
     problems.check()
     return space
 
@@ -114,6 +116,16 @@ def _add_design(space: Space, design: Design) -> None:
     for name, values in design.columns.items():
         space.columns[name] = space.coords[name] = Column((dim,), _as_array(values))
     space.attributes.update(design.attributes)
+
+
+def _plain(make: Any, name: str, value: Any, problems: Problems) -> Any:
+    """The value, or values, in the unit in which the maker takes them; words stay what they are."""
+    axis = axis_of(name, make)
+    try:
+        return value if axis is None else in_unit(value, axis[1])
+    except ValueError as error:
+        problems.add(f"{name}: {error}; allowed are numbers" + (f" [{axis[1]}]" if axis else ""))
+        return value
 
 
 def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:
