@@ -263,6 +263,17 @@ def test_a_hit_that_turns_a_bristle_over_has_exact_derivatives():
     _is_exact(machine, "mean_velocity", ["body_mass", "drive.stops.0.restitution", "friction.sigma0", "gravity"], 1e-5)
 
 
+def test_a_number_at_the_end_of_its_range_has_the_derivative_of_its_own_side():
+    capsubot, names = ss.presets.capsubot(), ["drive.damping", "drive.stiffness"]
+    assert capsubot.drive.damping == 0.0
+    for of in ("mean_velocity", "forward_fraction"):
+        slopes = ss.gradient(capsubot, of, wrt=names)
+        value = [ss.gradient(capsubot.replace({"drive.damping": h}), of, wrt="gravity").value for h in (0.0, 5e-5, 1e-4)]
+        # three points on one side leave h^2 = 1e-8 of a third derivative, and a value is known to 1e-12, 1e-8 of a change by h
+        assert slopes["drive.damping"] == pytest.approx((4 * (value[1] - value[0]) - (value[2] - value[0])) / 1e-4, rel=1e-5)
+    assert "differences" in slopes.notes[0]
+
+
 def test_bad_input_of_gradients_is_told():
     with pytest.raises(ss.InputError, match=r"drive.amplitude"):
         ss.gradient(MODULE, wrt="drive.amplitud")

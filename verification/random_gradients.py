@@ -108,7 +108,7 @@ def examined(machine: Any) -> tuple[list[tuple[str, float]], dict[str, int]]:
 def references(machine: Any, moved: dict[str, tuple[str, ...]]) -> Iterator[tuple[float, float, float]]:
     """Of each number the derivative of V by longer and by shorter steps, and V."""
     own, at = dict(leaves(machine)), coordinates(machine)
-    motion, orbit = steady_motion(machine, moved, at)
+    motion, orbit, _ = steady_motion(machine, moved, at)
     k, m = len(moved), len(SHARES)
     sizes = np.array([abs(float(own[name])) for name in moved])
     moves: dict[str, Any] = {}

@@ -14,7 +14,8 @@ from stickslip.dynamics.closing import Closed, Closing
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
-from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
+from stickslip.dynamics.slopes import number_slopes, period_of, start_changes
+from stickslip.dynamics.tangents import Changes, changes_along, not_followed
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves, replace_leaf
@@ -211,7 +212,7 @@ def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
     """Change of the period along each direction [s]."""
     if model.period is None:
         return np.zeros(count)
-    return number_slopes(model, numbers, lambda machine: [machine.mechanics.period], count)[0]
+    return number_slopes(model, numbers, period_of, count)[0]
 
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
