@@ -13,10 +13,18 @@ from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.parameters import Parameters
 from stickslip.sealing import sealed
 
-__all__ = ["DrivenProblem", "Motion", "driven_force", "motion_of"]
+__all__ = ["DrivenProblem", "Motion", "Stepped", "driven_force", "law_force", "motion_of"]
 
 _STEP = 1e-5
 _NUDGE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """Instants [s], and the mean slip velocity over the interval that ends at each [m/s]."""
+
+    t: Any
+    v: Any
 
 
 @sealed
@@ -107,7 +115,16 @@ class Motion:
 
     def mean_square(self, rest: Any) -> float:
         """Mean square of what is left of all samples."""
-        return float(np.mean(rest**2))
+        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
+
+    def given(self, law: Any, cases: int, reading: dict[str, Any]) -> Any:
+        """Friction forces at the values: array (values, cases) [N]."""
+        return driven_force(law, self, cases, reading)[self.before :]
+
+    def held(self, given: Any, reading: dict[str, Any]) -> Any:
+        """Which values are those of a contact that is held, and so bears whatever is measured."""
+        borne = self.borne(reading)[self.before :]
+        return given == (borne if borne.ndim == 1 else borne[:, 0])
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
@@ -175,14 +192,18 @@ def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, An
     known, reading = adapted(law), reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
     measured = motion.borne(reading)
-    measured = measured if measured.ndim == 2 else measured[:, None]
+    return law_force(known, motion, load, measured if measured.ndim == 2 else measured[:, None], cases)
+
+
+def law_force(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+    """The same from loads and from what would be borne at rest: columns [N]."""
     if not known.dynamic:
         return _set_valued(known, motion.v[:, None], load, measured, cases)
     found = None if known.modes or known.random else _at_once(known, motion, load, measured, cases)
     return _step_by_step(known, motion, load, measured, cases) if found is None else found
 
 
-def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+def _step_by_step(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
     out = np.empty((len(motion.t), cases))
     z = _wide(known.start(load[0]), cases)
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
@@ -199,7 +220,7 @@ def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, c
     return out
 
 
-def _at_once(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+def _at_once(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
     """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
     v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
     states, count = known.states, len(motion.t)
@@ -285,12 +306,12 @@ def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
 
 @dataclass(eq=False)
 class DrivenProblem:
-    """Fit of a law's force over prescribed motions. All derivatives, and all places of a multistart, are one batch.
+    """Fit of a law's force over prescribed motions, or of what a machine must be given for them. All derivatives, and all places of a multistart, are one batch.
 
     Parameters
     ----------
     parameters : Parameters
-    targets : tuple of Motion
+    targets : tuple of Motion or Bench
     level : float
         Standard deviation of the force, the same for all samples [N].
     thin : int
@@ -321,7 +342,7 @@ class DrivenProblem:
     @property
     def sigma(self) -> Any:
         """Standard deviation of each value."""
-        return np.full(len(self.y), self.level)
+        return np.concatenate([self.level / np.sqrt(m.weight * np.ones(m.count)) for m in self.targets])
 
     def with_values(self, y: Any) -> DrivenProblem:
         """The same fit for other measured values."""
@@ -351,7 +372,7 @@ class DrivenProblem:
             self.solves += cases * len(self.targets)
             own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
             with np.errstate(all="ignore"):
-                parts = [driven_force(law, m, cases, r)[m.before :] for law, m, r in zip(batches, self.targets, own, strict=True)]
+                parts = [m.given(law, cases, r) for law, m, r in zip(batches, self.targets, own, strict=True)]
             found[:, good] = np.concatenate(parts)
         return found
 
@@ -359,8 +380,9 @@ class DrivenProblem:
         """Which values are those of a contact that is held, and so bears whatever is measured."""
         if not self.holds:
             return np.zeros(len(h), bool)
-        borne = [m.borne(r)[m.before :] for m, r in zip(self.targets, readings, strict=True)]
-        return h == np.concatenate([b if b.ndim == 1 else b[:, 0] for b in borne])
+        edges = np.cumsum([0, *(m.count for m in self.targets)])
+        parts = zip(self.targets, edges[:-1], edges[1:], readings, strict=True)
+        return np.concatenate([m.held(h[a:b], r) for m, a, b, r in parts])
 
     def slopes(self, place: Any, readings: Any) -> Any:
         """Derivatives of the values by differences, all parameters in one batch."""

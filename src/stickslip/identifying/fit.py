@@ -301,7 +301,7 @@ class Fit:
     def remedy(self) -> str:
         """What would tell apart the parameters that these data do not."""
         count = len(self.problem.targets)
-        if self.problem.targets[0].kind == "force":
+        if self.problem.batched:
             return "add a record with another stroke or speed"
         return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
 

@@ -13,7 +13,8 @@ from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
-from stickslip.friction.adapter import adapted
+from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.identifying.benches import bench_of, takes_records
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.nesting import nested_seeds
@@ -26,6 +27,7 @@ from stickslip.identifying.sensors import EFFECTS, sensors_of
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
 from stickslip.identifying.targets import target
 from stickslip.identifying.words import counted, listed
+from stickslip.machine import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
 
@@ -150,8 +152,11 @@ def problem_of(
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
     first = of.first_models(multistart(len(of.free), starts, seed))
-    if using == "force" or (using == "auto" and not hasattr(first[0], "friction")):
-        model: Any = _driven(records, of, load, noise, first)
+    machines = is_machine(first[0])
+    if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
+        model: Any = _moved(records, of, noise, first)
+    elif using == "force" or (using == "auto" and not machines):
+        model = _driven(records, of, load, noise, first)
     else:
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
         model = SteadyProblem(of, targets, rtol)
@@ -191,10 +196,20 @@ def _driven(records: list[Any], of: Parameters, load: float | None, noise: float
     motions = tuple(
         dataclasses.replace(motion_of(rec, load, f"record {i}"), given_sigma=noise is not None) for i, rec in enumerate(records)
     )
-    spread = float(np.std(np.concatenate([m.y for m in motions])))
-    thin = max(sum(len(m.t) for m in motions) // _SAMPLES, 1)
-    holds = any(not law.dynamic or law.needs_applied for law in map(adapted, first))
-    return DrivenProblem(of, motions, noise or 0.01 * spread or 1.0, thin, holds)
+    return _over_motions(of, motions, noise, [adapted(law) for law in first])
+
+
+def _moved(records: list[Any], of: Parameters, noise: float | None, first: list[Any]) -> DrivenProblem:
+    benches = (bench_of(model, rec, f"record {i}") for i, (model, rec) in enumerate(zip(first, records, strict=True)))
+    known = tuple(dataclasses.replace(bench, given_sigma=noise is not None) for bench in benches)
+    return _over_motions(of, known, noise, [law for model in first for law in machine_of(model).laws])
+
+
+def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None, laws: list[LawAdapter]) -> DrivenProblem:
+    spread = float(np.std(np.concatenate([m.y for m in targets])))
+    thin = max(sum(m.count for m in targets) // _SAMPLES, 1)
+    holds = any(not law.dynamic or law.needs_applied for law in laws)
+    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds)
 
 
 def _notes(records: list[Any], problem: Any) -> list[str]:

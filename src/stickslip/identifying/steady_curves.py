@@ -42,7 +42,7 @@ class SteadyCurve:
 
     def _states(self, phase: Any) -> tuple[Any, Any, Any]:
         t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run._states_at(t, self.run._index(t))
+        return _own_states(self.run, t)
 
     def v(self, phase: Any) -> Any:
         """Velocity at phases counted in drive periods [m/s]."""
@@ -68,6 +68,11 @@ class SteadyCurve:
         """The strobe point, from which a neighbouring robot is started."""
         z = self.run.strobe_z
         return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
+
+
+def _own_states(run: Any, t: Any) -> tuple[Any, ...]:
+    """x, v and z at times, those of the machine's principal body."""
+    return tuple(run._own(name, column) for name, column in zip(("x", "v", "z"), run._states_at(t, run._index(t)), strict=True))
 
 
 def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8) -> SteadyCurve:
@@ -118,7 +123,7 @@ class TransientCurve:
 
     def _states(self, phase: Any) -> tuple[Any, Any, Any]:
         t = np.clip(np.asarray(phase) * self.run.period_time, self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run._states_at(t, self.run._index(t))
+        return _own_states(self.run, t)
 
     def v(self, phase: Any) -> Any:
         """Velocity [m/s]."""
