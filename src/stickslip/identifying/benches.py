@@ -182,7 +182,7 @@ def bench_of(model: Any, rec: Any, label: str) -> Bench:
     """The windows of a record for a machine of one body; `InputError` for one of several, or where something is missing."""
     kind = _role(model, rec)
     if kind is None:
-        raise InputError("identify", [f"{label} has no {_wanted(model)}; type roles={{\"...\": \"force\"}} or units={{...}} when reading"])
+        raise InputError("identify", [f'{label} has no {_wanted(model)}; type roles={{"...": "force"}} or units={{...}} when reading'])
     _check_machine(model, label)
     clock = clock_of(rec, APPLIED[kind][0], label)
     half, noisy = _half(clock)

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
 __all__ = ["DrivenProblem", "Motion", "Stepped", "driven_force", "law_force", "motion_of"]
@@ -57,6 +58,7 @@ class Motion:
     flipped: bool
     label: str
     cut: str | None = None  # which samples were left out, and why
+    weights: Any = None  # of all samples, where the user gave them
     given_sigma: bool = False  # whether the user gave the noise
 
     @property
@@ -67,22 +69,28 @@ class Motion:
     @property
     def y(self) -> Any:
         """The values that are compared."""
-        return self.force[self.before :]
+        return self.force[self._at]
 
     @property
-    def weight(self) -> float:
-        """Every value is one sample."""
-        return 1.0
+    def weight(self) -> Any:
+        """Weight of each value."""
+        return np.ones(self.count) if self.weights is None else self.weights[self._at]
+
+    @property
+    def _at(self) -> Any:
+        """Which samples are compared: those behind the lead, of a weight that is not zero."""
+        behind = np.arange(self.before, len(self.t))
+        return behind if self.weights is None else behind[self.weights[behind] > 0]
 
     @property
     def count(self) -> int:
         """Number of values."""
-        return len(self.force) - self.before
+        return len(self._at)
 
     @property
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
-        return self._times[self.before :]
+        return self._times[self._at]
 
     @property
     def _times(self) -> Any:
@@ -96,7 +104,7 @@ class Motion:
     @property
     def acceleration(self) -> Any:
         """Acceleration at the values [m/s^2]."""
-        return self._accelerations[self.before :]
+        return self._accelerations[self._at]
 
     @property
     def _accelerations(self) -> Any:
@@ -119,11 +127,11 @@ class Motion:
 
     def given(self, law: Any, cases: int, reading: dict[str, Any]) -> Any:
         """Friction forces at the values: array (values, cases) [N]."""
-        return driven_force(law, self, cases, reading)[self.before :]
+        return driven_force(law, self, cases, reading)[self._at]
 
     def held(self, given: Any, reading: dict[str, Any]) -> Any:
         """Which values are those of a contact that is held, and so bears whatever is measured."""
-        borne = self.borne(reading)[self.before :]
+        borne = self.borne(reading)[self._at]
         return given == (borne if borne.ndim == 1 else borne[:, 0])
 
     def every(self, step: int) -> Motion:
@@ -133,7 +141,8 @@ class Motion:
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
-        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before)
+        weights = None if self.weights is None else self.weights[last]
+        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
 
 
 def motion_of(rec: Any, load: float | None, label: str) -> Motion:
@@ -153,6 +162,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
     cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
     t, x, F, N = t[good], x[good], F[good], N[good]
+    own = weights_at(rec, t)
     if len(t) < 16:
         raise InputError("identify", [f"{label} has {len(t)} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.sum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
@@ -162,8 +172,9 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
         x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
+        own = None if own is None else np.concatenate([own[:lead], own])
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    return Motion(t, v, N, F, lead, flipped, label, cut)
+    return Motion(t, v, N, F, lead, flipped, label, cut, own)
 
 
 def _integrated(t: Any, v: Any) -> Any:

@@ -49,7 +49,13 @@ def rounded(value: float, error: float) -> str:
 def unit_of_kind(kind: str) -> str:
     """The SI unit of what is compared."""
     return {
-        "velocity": "m/s", "position": "m", "mean": "m/s", "force": "N", "applied force": "N", "torque": "N m", "current": "A",
+        "velocity": "m/s",
+        "position": "m",
+        "mean": "m/s",
+        "force": "N",
+        "applied force": "N",
+        "torque": "N m",
+        "current": "A",
     }.get(kind, "")
 
 

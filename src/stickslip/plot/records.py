@@ -27,8 +27,14 @@ def _measured(ax: Any, x: Any, y: Any, factor: float, label: str) -> None:
 
 
 def _words(kind: str, unit: str) -> str:
-    what = {"velocity": ("velocity", "m/s"), "position": ("position", "m"), "force": ("friction force", "N"),
-            "torque": ("torque", "N m"), "current": ("current", "A"), "applied force": ("applied force", "N")}[kind]
+    what = {
+        "velocity": ("velocity", "m/s"),
+        "position": ("position", "m"),
+        "force": ("friction force", "N"),
+        "torque": ("torque", "N m"),
+        "current": ("current", "A"),
+        "applied force": ("applied force", "N"),
+    }[kind]
     return f"{what[0]} ({unit}{what[1]})"
 
 
@@ -126,7 +132,7 @@ def _rest(fit: Any, record: int) -> Any:
 def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
     target = _target(fit, record)
     if target.kind == "force":
-        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.before :]
+        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target._at]
         factor, unit = prefix(moved - moved.mean())
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
     if fit.problem.batched:
