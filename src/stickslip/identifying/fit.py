@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.identifying.spread import information_of
-from stickslip.identifying.words import unit_of_kind
+from stickslip.identifying.words import OVER_MOTION, unit_of_kind
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -354,7 +354,7 @@ class Fit:
         >>> import stickslip as ss
         >>> rig = ss.presets.piezo_rig
         >>> rec = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=3e-3, law="coulomb", f0=0.25), noise=1e-4, seed=1)
-        >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.4)}, tilt_deg=1.7, amplitude=3e-3, law="coulomb", starts=4)
+        >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, tilt_deg=1.7, amplitude=3e-3, law="coulomb", starts=4)
         >>> fit.undetermined
         ('f0',)
         >>> plan = fit.next_experiment({"amplitude": [2.5e-3, 6e-4]})
@@ -404,7 +404,7 @@ class Fit:
     def remedy(self) -> str:
         """What would tell apart the parameters that these data do not."""
         count = len(self.problem.targets)
-        if self.problem.batched:
+        if self.problem.targets[0].kind in OVER_MOTION:
             return "add a record with another stroke or speed"
         return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
 

@@ -17,6 +17,7 @@ from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.benches import bench_of, takes_records
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.fit import Fit
+from stickslip.identifying.means import MeansProblem
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.priors import ALLOWED, prior_of
@@ -171,7 +172,8 @@ def problem_of(
         model = _driven(records, of, load, noise, first)
     else:
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
-        model = SteadyProblem(of, targets, rtol)
+        only_means = all(t.kind == "mean" for t in targets)
+        model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
     numbers, held = sensors_of(sensor, model.targets)
     return Sensed(model, numbers, held, given=sensor)
 

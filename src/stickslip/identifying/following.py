@@ -15,7 +15,7 @@ from stickslip.identifying.designing import USES, Design, Experiment, _named, _s
 from stickslip.identifying.driven import DrivenProblem, motion_of
 from stickslip.identifying.sensed import Sensed, of_records
 from stickslip.identifying.sensors import sensors_of
-from stickslip.identifying.words import listed
+from stickslip.identifying.words import OVER_MOTION, listed
 from stickslip.information import Information
 from stickslip.records import Record
 
@@ -57,13 +57,17 @@ def next_experiment(fit: Fit, experiments: Any, noise: float | None, samples: in
     return Design(dict(fit.values), tuple(e for e, _ in found), (_verdict(fit, best), *dropped))
 
 
+def _over_motion(fit: Fit) -> bool:
+    return fit.problem.targets[0].kind in OVER_MOTION
+
+
 def _known(fit: Fit) -> list[str]:
     """What an experiment may set: arguments of the maker, how it is measured, and of a prescribed motion stroke, frequency and load."""
     from stickslip.arguments import parameters_of
 
     make = fit.problem.parameters.make
     own = [p.name for p in parameters_of(make)] if callable(make) else [name for name, _ in leaves(make)]
-    return [*(_MOTION if fit.problem.batched else ()), *own, *_HOW]
+    return [*(_MOTION if _over_motion(fit) else ()), *own, *_HOW]
 
 
 def _noise(fit: Fit) -> float:
@@ -77,7 +81,7 @@ def _rows_of(fit: Fit) -> Any:
 
 def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> tuple[Experiment, tuple[float, float]]:
     """What is expected of the records so far with one experiment more, and its place in the order."""
-    own = _moved(fit, chosen, how, samples) if fit.problem.batched else _driven(fit, chosen, how, samples)
+    own = _moved(fit, chosen, how, samples) if _over_motion(fit) else _driven(fit, chosen, how, samples)
     n, m = len(fit.values), rows.shape[1]
     same = _same(fit) if how["sensor"] == SAME else []
     places = [*range(n), *range(m, m + own.shape[1] - n - len(same)), *(k for k, _ in same)]

@@ -10,6 +10,7 @@ from stickslip.naming import described
 
 __all__ = [
     "NOT_DETERMINED",
+    "OVER_MOTION",
     "counted",
     "listed",
     "parameter_rows",
@@ -44,6 +45,10 @@ def rounded(value: float, error: float) -> str:
     places = 1 - int(np.floor(np.log10(error)))
     text = f"{value:.{places}f}" if 0 <= places <= 6 else f"{value:.{max(int(np.floor(np.log10(max(abs(value), error)))) + places, 0)}e}"
     return f"{round(value, places):.0f}" if places < 0 and abs(value) < 1e6 else text
+
+
+#: Kinds of values that are forces, or what stands for them, over a motion that was measured.
+OVER_MOTION = ("force", "applied force", "torque", "current")
 
 
 def unit_of_kind(kind: str) -> str:
