@@ -193,6 +193,22 @@ class MachineAdapter:
         return [note if self.is_single else f"{name}: {note}" for name, law, load in found for note in law.notes(load)]
 
     @property
+    def input(self) -> tuple[Any, dict[str, Any]] | None:
+        """What a record of its torque, current or force stands for: the machine without it, and the force for each unit, by what it is.
+
+        A machine that does not say is moved by a force besides its own; none on one whose inner mass is shaken.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> bare, per = machine_of(ss.Joint.example().replace(gear_ratio=50.0)).input
+        >>> bare.control is None, per
+        (True, {'torque': 50.0})
+        """
+        own = getattr(self.model, "input", None)
+        return own if own is not None else (self.model, {"applied force": 1.0}) if self.drive is None else None
+
+    @property
     def is_pulled(self) -> bool:
         """Whether something that moves steadily pulls it along by a spring."""
         return hasattr(self.model, "far_end_velocity")

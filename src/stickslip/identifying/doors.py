@@ -65,11 +65,11 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
+    from stickslip.faces import rounded
     from stickslip.identifying.words import (
         NOT_DETERMINED,
         cost_lines,
         parameter_rows,
-        rounded,
         sensor_lines,
         unit_of_kind,
         unit_of_parameter,

@@ -11,12 +11,21 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
-__all__ = ["DrivenProblem", "Motion", "driven_force", "motion_of"]
+__all__ = ["DrivenProblem", "Motion", "Stepped", "driven_force", "law_force", "motion_of"]
 
 _STEP = 1e-5
 _NUDGE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """Instants [s], and the mean slip velocity over the interval that ends at each [m/s]."""
+
+    t: Any
+    v: Any
 
 
 @sealed
@@ -49,6 +58,7 @@ class Motion:
     flipped: bool
     label: str
     cut: str | None = None  # which samples were left out, and why
+    weights: Any = None  # of all samples, where the user gave them
     given_sigma: bool = False  # whether the user gave the noise
 
     @property
@@ -59,22 +69,28 @@ class Motion:
     @property
     def y(self) -> Any:
         """The values that are compared."""
-        return self.force[self.before :]
+        return self.force[self._at]
 
     @property
-    def weight(self) -> float:
-        """Every value is one sample."""
-        return 1.0
+    def weight(self) -> Any:
+        """Weight of each value."""
+        return np.ones(self.count) if self.weights is None else self.weights[self._at]
+
+    @property
+    def _at(self) -> Any:
+        """Which samples are compared: those behind the lead, of a weight that is not zero."""
+        behind = np.arange(self.before, len(self.t))
+        return behind if self.weights is None else behind[self.weights[behind] > 0]
 
     @property
     def count(self) -> int:
         """Number of values."""
-        return len(self.force) - self.before
+        return len(self._at)
 
     @property
     def time(self) -> Any:
         """Times of the values, counted from the middle of the record [s]."""
-        return self._times[self.before :]
+        return self._times[self._at]
 
     @property
     def _times(self) -> Any:
@@ -88,7 +104,7 @@ class Motion:
     @property
     def acceleration(self) -> Any:
         """Acceleration at the values [m/s^2]."""
-        return self._accelerations[self.before :]
+        return self._accelerations[self._at]
 
     @property
     def _accelerations(self) -> Any:
@@ -107,7 +123,16 @@ class Motion:
 
     def mean_square(self, rest: Any) -> float:
         """Mean square of what is left of all samples."""
-        return float(np.mean(rest**2))
+        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
+
+    def given(self, law: Any, cases: int, reading: dict[str, Any]) -> Any:
+        """Friction forces at the values: array (values, cases) [N]."""
+        return driven_force(law, self, cases, reading)[self._at]
+
+    def held(self, given: Any, reading: dict[str, Any]) -> Any:
+        """Which values are those of a contact that is held, and so bears whatever is measured."""
+        borne = self.borne(reading)[self._at]
+        return given == (borne if borne.ndim == 1 else borne[:, 0])
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
@@ -116,7 +141,8 @@ class Motion:
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
-        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before)
+        weights = None if self.weights is None else self.weights[last]
+        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
 
 
 def motion_of(rec: Any, load: float | None, label: str) -> Motion:
@@ -136,6 +162,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
     cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
     t, x, F, N = t[good], x[good], F[good], N[good]
+    own = weights_at(rec, t)
     if len(t) < 16:
         raise InputError("identify", [f"{label} has {len(t)} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.sum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
@@ -145,8 +172,9 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
         x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
+        own = None if own is None else np.concatenate([own[:lead], own])
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    return Motion(t, v, N, F, lead, flipped, label, cut)
+    return Motion(t, v, N, F, lead, flipped, label, cut, own)
 
 
 def _integrated(t: Any, v: Any) -> Any:
@@ -175,14 +203,18 @@ def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, An
     known, reading = adapted(law), reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
     measured = motion.borne(reading)
-    measured = measured if measured.ndim == 2 else measured[:, None]
+    return law_force(known, motion, load, measured if measured.ndim == 2 else measured[:, None], cases)
+
+
+def law_force(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+    """The same from loads and from what would be borne at rest: columns [N]."""
     if not known.dynamic:
         return _set_valued(known, motion.v[:, None], load, measured, cases)
     found = None if known.modes or known.random else _at_once(known, motion, load, measured, cases)
     return _step_by_step(known, motion, load, measured, cases) if found is None else found
 
 
-def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+def _step_by_step(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
     out = np.empty((len(motion.t), cases))
     z = _wide(known.start(load[0]), cases)
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
@@ -199,7 +231,7 @@ def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, c
     return out
 
 
-def _at_once(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+def _at_once(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
     """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
     v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
     states, count = known.states, len(motion.t)
@@ -285,12 +317,12 @@ def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
 
 @dataclass(eq=False)
 class DrivenProblem:
-    """Fit of a law's force over prescribed motions. All derivatives, and all places of a multistart, are one batch.
+    """Fit of a law's force over prescribed motions, or of what a machine must be given for them. All derivatives, and all places of a multistart, are one batch.
 
     Parameters
     ----------
     parameters : Parameters
-    targets : tuple of Motion
+    targets : tuple of Motion or Bench
     level : float
         Standard deviation of the force, the same for all samples [N].
     thin : int
@@ -321,7 +353,7 @@ class DrivenProblem:
     @property
     def sigma(self) -> Any:
         """Standard deviation of each value."""
-        return np.full(len(self.y), self.level)
+        return np.concatenate([self.level / np.sqrt(m.weight * np.ones(m.count)) for m in self.targets])
 
     def with_values(self, y: Any) -> DrivenProblem:
         """The same fit for other measured values."""
@@ -351,7 +383,7 @@ class DrivenProblem:
             self.solves += cases * len(self.targets)
             own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
             with np.errstate(all="ignore"):
-                parts = [driven_force(law, m, cases, r)[m.before :] for law, m, r in zip(batches, self.targets, own, strict=True)]
+                parts = [m.given(law, cases, r) for law, m, r in zip(batches, self.targets, own, strict=True)]
             found[:, good] = np.concatenate(parts)
         return found
 
@@ -359,8 +391,9 @@ class DrivenProblem:
         """Which values are those of a contact that is held, and so bears whatever is measured."""
         if not self.holds:
             return np.zeros(len(h), bool)
-        borne = [m.borne(r)[m.before :] for m, r in zip(self.targets, readings, strict=True)]
-        return h == np.concatenate([b if b.ndim == 1 else b[:, 0] for b in borne])
+        edges = np.cumsum([0, *(m.count for m in self.targets)])
+        parts = zip(self.targets, edges[:-1], edges[1:], readings, strict=True)
+        return np.concatenate([m.held(h[a:b], r) for m, a, b, r in parts])
 
     def slopes(self, place: Any, readings: Any) -> Any:
         """Derivatives of the values by differences, all parameters in one batch."""

@@ -44,10 +44,11 @@ class Effect:
 
 #: The effects by name. A constant offset of a position is where it is counted from, which is always fitted; the delay of a steady motion is
 #: part of the drive's phase, which is too.
+_APPLIED = ("applied force", "torque", "current")  # to a machine whose motion was measured
 EFFECTS = {
-    "offset": Effect(("velocity", "force"), 0.0, None, True, ""),
-    "drift": Effect(("velocity", "position", "force"), 0.0, None, True, "/s"),
-    "gain": Effect(("velocity", "position", "force"), 1.0, Distribution("normal", 1.0, 0.02), True, None),
+    "offset": Effect(("velocity", "force", *_APPLIED), 0.0, None, True, ""),
+    "drift": Effect(("velocity", "position", "force", *_APPLIED), 0.0, None, True, "/s"),
+    "gain": Effect(("velocity", "position", "force", *_APPLIED), 1.0, Distribution("normal", 1.0, 0.02), True, None),
     "delay": Effect(("force",), 0.0, None, True, None, "s"),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg"),

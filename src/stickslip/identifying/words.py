@@ -11,10 +11,10 @@ from stickslip.naming import described
 
 __all__ = [
     "NOT_DETERMINED",
+    "OVER_MOTION",
     "counted",
     "listed",
     "parameter_rows",
-    "rounded",
     "sure",
     "told",
     "undetermined",
@@ -28,9 +28,21 @@ def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, floa
     return [(name, value, fit.errors[name], *fit.interval(name, level)) for name, value in fit.values.items()]
 
 
+#: Kinds of values that are forces, or what stands for them, over a motion that was measured.
+OVER_MOTION = ("force", "applied force", "torque", "current")
+
+
 def unit_of_kind(kind: str) -> str:
     """The SI unit of what is compared."""
-    return {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N"}.get(kind, "")
+    return {
+        "velocity": "m/s",
+        "position": "m",
+        "mean": "m/s",
+        "force": "N",
+        "applied force": "N",
+        "torque": "N m",
+        "current": "A",
+    }.get(kind, "")
 
 
 def unit_of_parameter(fit: Any, name: str) -> str:

@@ -27,7 +27,14 @@ def _measured(ax: Any, x: Any, y: Any, factor: float, label: str) -> None:
 
 
 def _words(kind: str, unit: str) -> str:
-    what = {"velocity": ("velocity", "m/s"), "position": ("position", "m"), "force": ("friction force", "N")}[kind]
+    what = {
+        "velocity": ("velocity", "m/s"),
+        "position": ("position", "m"),
+        "force": ("friction force", "N"),
+        "torque": ("torque", "N m"),
+        "current": ("current", "A"),
+        "applied force": ("applied force", "N"),
+    }[kind]
     return f"{what[0]} ({unit}{what[1]})"
 
 
@@ -103,7 +110,7 @@ def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
         middle = float(np.mean(y)) if target.kind == "position" else 0.0
         factor, unit = prefix(y - middle)
         _measured(ax, x, y - middle, factor, "record")
-        order = np.argsort(x, kind="stable") if target.kind != "force" else np.arange(len(x))
+        order = np.argsort(x, kind="stable") if not fit.problem.batched else np.arange(len(x))
         ax.plot(x[order], (curve[order] - middle) * factor, color=COLOURS[0], linewidth=0.9, label=fit.law)
         ax.set(xlabel=label, ylabel=_words(target.kind, unit))
         legend_above(ax, ncols=2)
@@ -125,9 +132,11 @@ def _rest(fit: Any, record: int) -> Any:
 def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
     target = _target(fit, record)
     if target.kind == "force":
-        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.before :]
+        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target._at]
         factor, unit = prefix(moved - moved.mean())
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
+    if fit.problem.batched:
+        return target.t[target.at], "time (s)"
     return np.mod(fit.problem._phase(fit.place, record), 1.0), "drive periods"
 
 
