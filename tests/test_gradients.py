@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.dynamics.named import numbers_meant
+from stickslip.named import numbers_meant
 from stickslip.engine import lanes
 from stickslip.fields import leaves, replace_leaf
 

@@ -136,8 +136,7 @@ class LimitCycle(ClosedMotion):
     def __repr__(self) -> str:
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         return (
-            f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {'stable' if self.stable else 'unstable'} (multipliers {told}), "
-            f"residual {self.residual:.1e}>"
+            f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {self.stability} (multipliers {told}), residual {self.residual:.1e}>"
         )
 
 

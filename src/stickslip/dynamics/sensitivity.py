@@ -11,13 +11,13 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.closing import Closed, Closing
 from stickslip.dynamics.mapping import coordinates
-from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import is_machine
+from stickslip.named import numbers_meant
 from stickslip.sealing import sealed
 from stickslip.solvers.repeating import check_period
 
