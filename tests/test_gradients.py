@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.sensitivity import directions_of
 from stickslip.engine import lanes
 from stickslip.fields import leaves, replace_leaf
+from stickslip.named import numbers_meant
 
 MODULE = ss.Robot(0.06259, 0.00948, ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), ss.Coulomb(0.15, 0.21))
 PAIR = ss.Chain((MODULE, MODULE), link=ss.Spring(1200.0, 0.4), phases=(0.0, 2.0))

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.maths import is_symbol
-from stickslip.quantities import allowed_in, example_of
+from stickslip.named import numbers_meant
+from stickslip.quantities import allowed_in, example_of, told_inside
 from stickslip.typed_numbers import in_unit
 
 if TYPE_CHECKING:
@@ -281,14 +282,12 @@ class Frozen:
         return hash(tuple((name, _key(value)) for name, value in leaves(self, kinds=True)))
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
-        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``."""
+        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
+
+        A name may mean the numbers of several parts: "modules.drive.omega" those of all modules, "*.omega" whatever ends so.
+        """
         problems = Problems(type(self).__name__)
-        grouped = {**(changes or {}), **fields}
-        for path in grouped:
-            try:
-                _look_up(self, path)
-            except InputError as error:
-                problems.include(error)
+        grouped = _spelled_out(self, {**(changes or {}), **fields}, problems)
         problems.check()
         parts = {}
         for head, sub in _by_head(grouped).items():
@@ -338,6 +337,24 @@ def _changed(part: Any, changes: dict[str, Any]) -> Any:
             found[int(place)] = _changed(part[int(place)], sub.changes) if isinstance(sub, _Sub) else sub
         return tuple(found)
     return part.replace(changes) if hasattr(part, "replace") else dataclasses.replace(part, **changes)
+
+
+def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The changes by names that mean one field or number each."""
+    found: dict[str, Any] = {}
+    for path, value in changes.items():
+        meant: tuple[str, ...] = (path,)
+        try:
+            _look_up(record, path)
+        except InputError as error:
+            meant = numbers_meant(path, (name for name, _ in leaves(record)))
+            if not meant:
+                problems.include(error)
+        for name in meant:
+            if name in found:
+                problems.add(f"{name} is given twice, once by {path!r}; leave one of the two out")
+            found[name] = value
+    return found
 
 
 @dataclasses.dataclass
@@ -482,13 +499,15 @@ def told_by_field(record: Any, name: str) -> Mapping[str, Any]:
     'stiffness of the spring'
     """
     told: Mapping[str, Any] = {}
+    held: Mapping[str, Any] = {}
     for place in name.split("."):
         if place.isdigit():
             record = record[int(place)] if isinstance(record, tuple) else record
             continue
         own = {f.name: f.metadata for f in dataclasses.fields(record)} if dataclasses.is_dataclass(record) else {}
         told, record = own.get(place, {}), getattr(record, place, None)
-    return told
+        held = told if "words" in told else held
+    return told_inside(told, held)
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:

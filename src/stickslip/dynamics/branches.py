@@ -18,7 +18,7 @@ from stickslip.dynamics.flow_paths import FlowPath
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.marked import Special, certain
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.paths import Path, Point, follow
+from stickslip.dynamics.paths import SIDE_BY_SIDE, Path, Point, follow
 from stickslip.dynamics.special import Located, located
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
@@ -233,7 +233,10 @@ def continuation(
             f"the motion at {parameter} = {start:.9g} could not be kept fixed while following it: {found.why}; try another start"
         )
     towards = np.eye(len(found.at))[-1] * np.sign(stop - start)
-    return _followed(path, path.point(found, towards), min(start, stop), max(start, stop), step, points)
+    begun = path.point(found, towards)
+    if not begun.alone:
+        raise SolveError(f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine what tells them apart, such as damping")
+    return _followed(path, begun, min(start, stop), max(start, stop), step, points)
 
 
 def _check(start: Any, stop: Any, step: Any, points: Any) -> None:

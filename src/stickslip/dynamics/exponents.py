@@ -343,7 +343,7 @@ class Verdict(Face):
         return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
 
     def _figures(self) -> list[Any]:
-        return (self.exponents if self.orbit is None else self.orbit)._figures()  # type: ignore[no-any-return]
+        return (self.exponents if self.orbit is None else self.orbit)._figures()
 
     def _facts(self) -> dict[str, Any]:
         period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.closed import multipliers_of
+from stickslip.dynamics.closed import multipliers_of, stability_of
 from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.switched import Passage, derivative, passage, started
 from stickslip.errors import InputError, Problems, SolveError, is_whole
@@ -110,7 +110,7 @@ class FlowOrbit(Drawn):
     @property
     def stable(self) -> bool:
         """Whether small disturbances die out."""
-        return bool(np.all(abs(self.multipliers) < 1.0))
+        return stability_of(self.multipliers) == "stable"
 
     @property
     def pattern(self) -> tuple[Any, ...]:
@@ -124,12 +124,12 @@ class FlowOrbit(Drawn):
 
     def _facts(self) -> dict[str, Any]:
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
-        stability = f"{'stable' if self.stable else 'unstable'}; multipliers {told}"
+        stability = f"{stability_of(self.multipliers)}; multipliers {told}"
         return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), "stable" if self.stable else "unstable"
+        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), stability_of(self.multipliers)
         length = f"{self.duration:.9g} long, {len(self.events)} switches"
         return f"<FlowOrbit: {length}, {word} (multipliers {told}), mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
 

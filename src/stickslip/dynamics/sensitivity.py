@@ -12,7 +12,6 @@ from stickslip.arguments import explains_arguments
 from stickslip.drives.within import drives_within
 from stickslip.dynamics.closing import Closed, Closing
 from stickslip.dynamics.mapping import coordinates
-from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
 from stickslip.dynamics.slopes import number_slopes, period_of, start_changes
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed
@@ -21,6 +20,7 @@ from stickslip.errors import InputError, did_you_mean
 from stickslip.faces import Face
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import is_machine
+from stickslip.named import numbers_meant
 from stickslip.sealing import sealed
 from stickslip.solvers.repeating import check_period
 

@@ -27,11 +27,12 @@ from stickslip.machines.periodic_inputs import (
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.machines.pid import PID, Loop
 from stickslip.maths import maximum, pi, sin, sqrt, where
-from stickslip.quantities import at_least, positive, quantity
+from stickslip.quantities import at_least, holding, positive, quantity
 
 __all__ = ["Joint"]
 
 STIFFNESS = 1e4  # of a gear that does not say its own: a small strain-wave gear [N m/rad]
+_APPLIED = holding({"force on the inner mass": "torque", "the force": "the torque"}, {"N": "N m"})
 _TORQUE = "a torque [N m], a force function of time with at(t) and period, or a record (times, torques) of one period"
 
 
@@ -107,7 +108,7 @@ class Joint(Machine):
 
     inertia: float = field(metadata=quantity("moment of inertia of the joint", "kg m^2", "J", example=0.01, rule=positive))
     friction: Any
-    torque: float | Any = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5))
+    torque: float | Any = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5) | _APPLIED)
     gravity_torque: float = field(default=0.0, metadata=quantity("torque of gravity", "N m", "G", example=0.2))
     gear_ratio: float = field(
         default=1.0,

@@ -125,7 +125,7 @@ class Optimum(Face):
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         known = [name for name, value in self.values.items() if isinstance(value, float) and isinstance(self.given.get(name), float)]
-        found = [("result", "given", "best"), *((name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}") for name in known)]
+        found: list[tuple[str, ...]] = [("result", "given", "best"), *((name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}") for name in known)]
         return [[("number", "best"), *((name, f"{value:.6g}") for name, value in self.varied.items())], found]
 
     def __repr__(self) -> str:

@@ -8,9 +8,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
-from stickslip.dynamics.named import numbers_meant
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import leaves, replace_leaf
+from stickslip.named import numbers_meant
 
 __all__ = ["Independent", "Spread", "Uncertain", "checked_spread", "sample_of", "sampled", "sobol"]
 
