@@ -45,7 +45,7 @@ addEventListener("keydown", (event) => {
 const tiles = () => [...document.querySelectorAll("[data-quantity]")];
 $("pin").addEventListener("click", () => {
   const curve = last?.curves[0];
-  pinned = pinned || !curve ? null : { ...curve, label: `pinned ${curve.label}`, period: last.header.period };
+  pinned = pinned || !curve ? null : { ...curve, label: `pinned ${curve.label}` };
   for (const out of tiles()) pinned ? out.parentElement.setAttribute("data-pinned", out.value) : out.parentElement.removeAttribute("data-pinned");
   $("pin").textContent = pinned ? "Unpin" : "Pin";
   $("pin").setAttribute("aria-pressed", String(Boolean(pinned)));
