@@ -18,7 +18,7 @@ def main() -> None:
     with publication():
         fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.0, 3.4), layout="constrained", width_ratios=(1, 1, 1.22))
         ss.plot.motion_map(exact, ax=left)
-        ss.plot.motion_map(rig, ax=middle)
+        ss.plot.motion_map(rig, borders="twin", ax=middle)
         ss.plot.velocity_map(rig, ax=right)
         fig.savefig(Path(__file__).resolve().parents[1] / "docs" / "images" / "maps.png", dpi=160)
 

@@ -312,7 +312,7 @@ def test_several_values_are_read(text, told):
         (["run", *ROBOT, "--jsn"], "did you mean '--json'?"),
         (["run", *ROBOT, "peridos=10"], "did you mean 'periods'?"),
         (["run", *ROBOT, "frequency=40"], "type omega=80pi for 40 Hz"),
-        (["sweep", *ROBOT, "--out", "grid.xlsx"], "'grid.xlsx' ends in '.xlsx'; allowed are .nc, .mat, .csv, .parquet"),
+        (["sweep", *ROBOT, "--out", "grid.ods"], "'grid.ods' ends in '.ods'; allowed are .nc, .mat, .csv, .xlsx, .parquet"),
         (["report", "not-there.nc"], "there is no 'not-there.nc'; give a .nc file"),
         (["run", *ROBOT, "amplitude"], "'amplitude' is not NAME=VALUE"),
         (["run", *ROBOT, "tilt_deg=2"], "tilt_deg is given twice"),

@@ -700,3 +700,13 @@ def test_memory_stays_flat_under_a_hundred_pages(explorer):
         answered += sum(map(len, drag(explorer, 100, 20).values()))
     assert answered > 1000
     assert explorer.memory() - before < 5e3 * answered  # an answer has 20 kB: keeping a quarter of them would show
+
+
+def test_the_effort_of_a_strip_along_the_frequency_is_told_case_by_case():
+    from stickslip.explorer.effort import effort
+
+    each = [effort(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, omega=omega)) for omega in (100.0, 200.0)]
+    both = effort(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, omega=[100.0, 200.0]))
+    assert np.allclose(np.broadcast_to(both[0], 2), [one[0] for one in each]) and np.allclose(
+        np.broadcast_to(both[1], 2), [one[1] for one in each]
+    )

@@ -22,6 +22,7 @@ from stickslip.explorer.models import CONTACTS, DRIVES, TRACKS, active
 from stickslip.explorer.opened import hash_of, state_of
 from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
+from stickslip.typed_numbers import in_unit
 
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
 WAIT = PATIENCE * 1000  # [ms]
@@ -102,8 +103,8 @@ class Page:
     def velocity(self):
         """The mean velocity that is shown [m/s]."""
         text = self.merit("mean_velocity")
-        assert text.endswith(" mm/s")
-        return float(text.removesuffix(" mm/s").replace("−", "-")) * 1e-3
+        number, unit = text.split()
+        return in_unit(f"{number.replace('−', '-')} {unit}", "m/s")
 
     def slide(self, name, value):
         """Put a slider somewhere, as a hand does."""
@@ -709,3 +710,51 @@ def test_make_it_faster_moves_the_sliders_and_goes_back(browser, explorer, width
         assert made.page.locator("#faster-found").is_hidden()
         assert made.page.evaluate("document.documentElement.scrollWidth") <= width
         assert not made.errors and not made.outside
+
+
+def test_numbers_may_be_typed_with_units_and_undo_takes_them_back(page):
+    page.open()
+    field = page.page.locator("#n-amplitude")
+    for typed, value in (("600 µm", 6e-4), ("0.00065 m", 6.5e-4), ("0,7", 7e-4)):
+        before = page.drawn()
+        field.fill(typed)
+        page.settled(before)
+        assert float(page.page.locator("#p-amplitude").input_value()) == pytest.approx(value, rel=1e-12), typed
+    before = page.drawn()
+    page.page.locator("#n-omega").fill("30 Hz")
+    page.settled(before)
+    assert float(page.page.locator("#p-omega").input_value()) == pytest.approx(60 * math.pi, rel=1e-9)
+    page.page.locator("#n-omega").fill("30 kg")
+    assert page.attribute("#n-omega", "aria-invalid") == "true"
+    for name, value in (("omega", 65.4 * math.pi), ("amplitude", 6.5e-4)):
+        before = page.drawn()
+        page.page.locator("#undo").click()
+        page.settled(before)
+        assert float(page.page.locator(f"#p-{name}").input_value()) == pytest.approx(value, rel=1e-9)
+
+
+def test_a_pinned_motion_stays_beside_the_next_ones(page):
+    page.open()
+    told = page.merit("mean_velocity")
+    page.page.locator("#pin").click()
+    before = page.drawn()
+    page.page.locator("#n-omega").fill("180")
+    page.settled(before)
+    assert page.page.locator("dd[data-pinned]").first.get_attribute("data-pinned") == told
+    assert "pinned Coulomb" in page.page.locator("#legend").inner_text()
+    page.page.locator("#pin").click()
+    assert "pinned" not in page.page.locator("#legend").inner_text()
+
+
+@pytest.mark.parametrize("width", [380, 1280])
+def test_the_page_is_no_wider_than_the_screen_and_all_sliders_can_be_reached(browser, explorer, width):
+    page = Page(browser, explorer, viewport={"width": width, "height": 800}, device_scale_factor=2)
+    with contextlib.closing(page.context):
+        page.open()
+        assert page.page.evaluate("document.documentElement.scrollWidth") <= width
+        last = page.page.locator("#p-inner_mass")
+        last.scroll_into_view_if_needed()
+        box = last.bounding_box()
+        assert box["y"] >= 0 and box["y"] + box["height"] <= 800
+        font = page.page.locator("#velocity canvas").evaluate("canvas => canvas.getContext('2d').font")
+        assert float(re.search(r"([\d.]+)px", font)[1]) < 40  # at two pixels a point a label is as large as on other screens, not six times

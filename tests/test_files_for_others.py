@@ -99,7 +99,6 @@ def test_resume_runs_no_code_that_a_folder_names(tmp_path, monkeypatch, capsys):
     (tmp_path / "study" / "command.json").write_text(json.dumps(begun), encoding="utf-8")
     assert main(["resume", "study"]) == 2
     assert "type --allow-code" in capsys.readouterr().err and not (tmp_path / "ran").exists()
-    begun["words"] = ["--figure", "x.png"]
     (tmp_path / "study" / "command.json").write_text('{"command": "doctor", "words": [], "folder": "."}', encoding="utf-8")
     assert main(["resume", "study"]) == 2
     assert "is damaged" in capsys.readouterr().err

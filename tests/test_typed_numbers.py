@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+import subprocess
+import sys
 from itertools import chain as joined
 
 import numpy as np
@@ -135,3 +137,11 @@ def test_a_number_without_its_part_is_told_with_its_part():
         robot.replace(amplitude=1e-4)
     with pytest.raises(ss.InputError, match=r'"modules.0.drive.amplitude"'):
         ss.presets.two_modules().replace(amplitude=1e-4)
+
+
+def test_one_robot_is_read_from_the_shell_without_loading_data_frames():
+    typed = "'tilt_deg=1.7deg', 'amplitude=0.5mm', 'law=coulomb'"
+    code = f"import sys; from stickslip.cli.arguments import subject; subject('piezo_rig', [{typed}]).robot(); "
+    code += "print({'xarray', 'pandas'} & set(sys.modules))"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout == "set()\n"  # they take longer to load than such a robot to run

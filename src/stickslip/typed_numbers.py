@@ -8,7 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from stickslip.units import Unit, unit_of
 
-__all__ = ["in_unit"]
+__all__ = ["in_unit", "others"]
 
 _TYPED = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(\s*[^\d\s.,].*?|\s+\S.*?)\s*", re.IGNORECASE)
 #: A cycle is 2 pi rad; 1/s may be either, and is neither.
@@ -107,3 +107,26 @@ def _factor_of_cycles(found: Unit, wanted: Unit, unit: str) -> float:
     if pair in _CYCLES:
         raise ValueError(f"{found.text} may be Hz or rad/s; say which")
     raise ValueError(f"{found.text} is a unit of {found.quantity or 'something else'} and no number in it can be one in {unit}")
+
+
+#: Units that are tried beside those with a prefix.
+_OTHERS = ("%", "g", "mg", "kg", "deg", "°", "rad", "mrad", "Hz", "kHz", "rpm", "rad/s", "in", "thou")
+
+
+def others(unit: str) -> dict[str, float]:
+    """Units in which a number in `unit` may be typed, with what one of each is.
+
+    Examples
+    --------
+    >>> others("m")["mm"], others("degrees")["rad"], others("kg")["g"], others("1")
+    (0.001, 57.29577951308232, 0.001, {'%': 0.01})
+    """
+    wanted = unit_of(unit)
+    letters = () if unit in ("1", "degrees", "kg", "rad", "rad/s", "Hz") else ("", "k", "m", "µ", "u", "n")
+    found = {}
+    for other in (*(letter + unit for letter in letters), *_OTHERS):
+        known = unit_of(other)
+        if wanted is None or known is None or (known.powers != wanted.powers and (known.quantity, wanted.quantity) not in _CYCLES):
+            continue
+        found[other] = in_unit(f"1 {other}", unit)
+    return found

@@ -85,11 +85,13 @@ def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
 
 def _choices(arguments: dict[str, Any]) -> Any:
     """The arguments with each choice of their words; lists of numbers become labelled arrays, as in a sweep."""
-    import xarray as xr
-
     words = {k: v for k, v in arguments.items() if isinstance(v, list) and not all(isinstance(x, (int, float)) for x in v)}
     rest = {k: v for k, v in arguments.items() if k not in words}
-    rest |= {k: xr.DataArray([float(x) for x in v], dims=(k,)) for k, v in rest.items() if isinstance(v, list)}
+    lists = {k: v for k, v in rest.items() if isinstance(v, list)}
+    if lists:
+        import xarray as xr
+
+        rest |= {k: xr.DataArray([float(x) for x in v], dims=(k,)) for k, v in lists.items()}
     return ({**rest, **dict(zip(words, choice, strict=True))} for choice in product(*words.values()))
 
 

@@ -33,7 +33,8 @@ def effort(robot: Any) -> tuple[Any, Any]:
     >>> round(float(swings), 1), decays
     (11.5, 0.0)
     """
-    period = machine_of(robot).time_scale or 1.0
+    scale = machine_of(robot).time_scale  # an array where the period varies
+    period = 1.0 if scale is None else scale
     found = [_of_contact(law, mass, period) for law, mass in _contacts(machine_of(robot).mechanics)]
     swings, decays = ([each[k] for each in found] for k in (0, 1))
     return _largest(swings), _largest(decays)

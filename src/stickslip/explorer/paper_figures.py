@@ -1,4 +1,4 @@
-"""The paper's figures as states of the page, for its list of presets."""
+"""States of the page for its list of presets: stories of what such a robot can do, the paper's figures, and other drives."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.paper.cases import CASES, EXPERIMENTS, OMEGA
 
-__all__ = ["PRESETS"]
+__all__ = ["GROUPS", "PRESETS"]
 
 
 def _entry(label: str, values: dict[str, float], also: tuple[str, ...] = ("coulomb",), **choices: str) -> dict[str, Any]:
@@ -32,5 +32,15 @@ _OTHERS = {
     "bang-bang": _entry("Bang-bang drive, level track", {}, drive="bangbang", track="level", law="coulomb", also=()),
     "beam": _entry("Piezo beam at 20 V and 32.7 Hz", {}, drive="piezobeam"),
 }  # fmt: skip
-PRESETS: dict[str, dict[str, Any]] = {**_of_the_paper(), **_OTHERS}
+_A_RIG = {"tilt_deg": 1.7, "omega": OMEGA}
+_STORIES = {
+    "inchworm": _entry("creeps like an inchworm: forwards, rest, forwards", {**_A_RIG, "amplitude": 3e-4}),
+    "steps-back": _entry("slides back after each step forwards (type III)", {"tilt_deg": 2.7, "amplitude": 6.032e-4, "omega": OMEGA}),
+    "never-rests": _entry("never rests (type IV)", {"tilt_deg": 5.7, "amplitude": 1.487e-3, "omega": OMEGA}),
+    "period-two": _entry("period two: every other drive period is alike", {**_A_RIG, "amplitude": 6e-4, "mu0": 0.04}, also=()),
+    "chaos": _entry("chaos: it never repeats", {**_A_RIG, "amplitude": 4e-4, "mu0": 0.05}, also=()),
+}  # fmt: skip
+#: The presets by name, in groups.
+GROUPS: dict[str, dict[str, dict[str, Any]]] = {"stories": _STORIES, "the paper's figures": _of_the_paper(), "other drives": _OTHERS}
+PRESETS: dict[str, dict[str, Any]] = {name: entry for group in GROUPS.values() for name, entry in group.items()}
 """Every preset by its name: a label, and a state in which only what differs from the page at first is given."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.explorer.models import DESCRIBED
 from stickslip.quantities import shown_factor, symbol_text
+from stickslip.typed_numbers import others
 
 __all__ = ["PARAMETERS", "Parameter"]
 
@@ -32,6 +33,8 @@ class Parameter:
         The shown number is the value times this.
     least, most : float
         What is allowed, however it is typed.
+    units : dict
+        Units that may be typed behind a number, and what one of each is.
 
     Examples
     --------
@@ -50,6 +53,7 @@ class Parameter:
     factor: float = 1.0
     least: float = 0.0
     most: float = 1e9
+    units: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def described(cls, name: str, told: Mapping[str, Any], value: float, reach: tuple[float, float]) -> Parameter:
@@ -58,8 +62,9 @@ class Parameter:
         least, most = min(low / _BEYOND, low * _BEYOND), max(high / _BEYOND, high * _BEYOND)
         rule = told.get("rule")
         least, most = (beyond if rule is None or rule(beyond) else end for beyond, end in ((least, low), (most, high)))
+        unit = str(told.get("unit", "1"))
         label = str(told.get("label") or name.rpartition(".")[2].replace("_", " "))
-        return cls(name, symbol_text(str(told.get("symbol", ""))), label, value, low, high, *shown_factor(told), least, most)
+        return cls(name, symbol_text(str(told.get("symbol", ""))), label, value, low, high, *shown_factor(told), least, most, others(unit))
 
     def shown(self, value: float) -> str:
         """A value as a person reads it."""

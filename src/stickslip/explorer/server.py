@@ -29,7 +29,7 @@ from stickslip.explorer.kernels import Kernels
 from stickslip.explorer.limits import LIMITS, Limits
 from stickslip.explorer.machines import Shown, report, study
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
-from stickslip.explorer.paper_figures import PRESETS
+from stickslip.explorer.paper_figures import GROUPS, PRESETS
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
 from stickslip.explorer.uploads import Uploads
@@ -87,7 +87,7 @@ def page() -> str:
     groups = {name: [p for p in PARAMETERS.values() if p.name in own] for name, own in _GROUPS.items()}
     rest = [p for p in PARAMETERS.values() if not any(p in group for group in groups.values())]
     return _rendered(
-        "page.html", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=PRESETS, exports=list(EXPORTS),
+        "page.html", drives=DRIVES, tracks=TRACKS, contacts=CONTACTS, laws=FRICTION, presets=GROUPS, exports=list(EXPORTS),
         groups={"Drive": groups["Drive"], "Track": groups["Track"], "Friction": rest, "Masses": groups["Masses"]},
         first=DEFAULT, active=set(DEFAULT.active), told=_told(), kept=KEPT,
     )  # fmt: skip

@@ -125,8 +125,9 @@ class Optimum(Face):
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
         known = [name for name, value in self.values.items() if isinstance(value, float) and isinstance(self.given.get(name), float)]
-        found: list[tuple[str, ...]] = [("result", "given", "best"), *((name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}") for name in known)]
-        return [[("number", "best"), *((name, f"{value:.6g}") for name, value in self.varied.items())], found]
+        varied: list[tuple[str, ...]] = [(name, f"{value:.6g}") for name, value in self.varied.items()]
+        found: list[tuple[str, ...]] = [(name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}") for name in known]
+        return [[("number", "best"), *varied], [("result", "given", "best"), *found]]
 
     def __repr__(self) -> str:
         share = f"{100 * self.of_limit:.4g} % of the limit ({self.limit})" if self.of_limit is not None else self.limit

@@ -1,6 +1,6 @@
 // Sliders with typed values, choices, the laws to compare with.
 import { active, parameters, span } from "./state.js";
-import { shown } from "./words.js";
+import { shown, typedNumber } from "./words.js";
 
 const row = (name) => document.querySelector(`[data-parameter="${name}"]`);
 const slider = (name) => document.getElementById(`p-${name}`);
@@ -37,10 +37,10 @@ function set(p, state) {
   }
 }
 
-// What a person typed, or null: a comma may be the decimal point.
+// What a person typed, or null.
 function read(p, field) {
-  const value = Number(field.value.trim().replace(",", ".").replace("−", "-")) / p.factor;
-  return field.value.trim() && value >= p.least * (1 - 1e-12) - 1e-300 && value <= p.most * (1 + 1e-12) ? Math.min(p.most, Math.max(p.least, value)) : null;
+  const value = typedNumber(p, field.value);
+  return value >= p.least * (1 - 1e-12) - 1e-300 && value <= p.most * (1 + 1e-12) ? Math.min(p.most, Math.max(p.least, value)) : null;
 }
 
 // Tell of every change: `change(name, value)` of a number, `choose(kind, value)` of a choice, `compare(laws)`.

@@ -2,7 +2,7 @@
 import * as faster from "./faster.js";
 import { Link } from "./link.js";
 import { $, connection, copies, exports, say, themed } from "./tools.js";
-import { shown, velocity } from "./words.js";
+import { shown, typedNumber, velocity } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
 const told = JSON.parse($("told").textContent), parameters = told.parameters;
@@ -99,10 +99,10 @@ for (const p of Object.values(parameters)) {
   $(`p-${p.name}`).addEventListener("input", (event) => set(p.name, Number(event.target.value)));
   const typed = $(`n-${p.name}`);
   typed.addEventListener("input", () => {
-    const text = typed.value.trim().replace(",", ".").replace("−", "-"), is = text !== "" && Number.isFinite(Number(text));
-    if (is) {
+    const number = typedNumber(p, typed.value);
+    if (Number.isFinite(number)) {
       typed.removeAttribute("aria-invalid");
-      set(p.name, Number(text));
+      set(p.name, number);
     } else typed.setAttribute("aria-invalid", "true");
   });
   typed.addEventListener("keydown", (event) => { if (event.key === "Enter") typed.blur(); });

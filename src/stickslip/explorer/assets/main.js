@@ -3,6 +3,7 @@ import * as controls from "./controls.js";
 import * as faster from "./faster.js";
 import { Link } from "./link.js";
 import * as map from "./map.js";
+import { colour } from "./plane.js";
 import * as portraits from "./portraits.js";
 import * as record from "./record.js";
 import * as robot from "./robot.js";
@@ -10,13 +11,46 @@ import { active, defaults, fromHash, parameters, settled, table, toHash, told, w
 import * as strip from "./strip.js";
 import { $, connection, copies, exports, say, themed } from "./tools.js";
 import * as velocity from "./velocity.js";
-import { digits, quantity, spoken } from "./words.js";
+import { digits, quantity, spoken, velocity as spelt } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
 if (location.search) history.replaceState(null, "", location.pathname + location.hash); // the token is a cookie now, and no part of a link
 let state = fromHash(location.hash), resting = 0, saving = 0, dropped = null, last = null, keys = {}, heard = "";
 
 const link = new Link(take, connection);
+
+// ---- going back, and two settings side by side ----
+const past = [JSON.stringify(state)];
+let pinned = null; // what was pinned: its curve and what its tiles said
+
+function remember() {
+  const now = JSON.stringify(state);
+  if (now !== past.at(-1)) past.push(now);
+  past.splice(0, past.length - 100);
+  $("undo").disabled = past.length < 2;
+}
+
+function undo() {
+  if (JSON.stringify(state) === past.at(-1) && past.length > 1) past.pop();
+  state = JSON.parse(past.at(-1));
+  $("preset").value = "";
+  $("undo").disabled = past.length < 2;
+  changed();
+}
+$("undo").addEventListener("click", undo);
+addEventListener("keydown", (event) => {
+  if ((event.ctrlKey || event.metaKey) && event.key === "z" && !event.shiftKey && event.target.type !== "text" && !$("undo").disabled) { event.preventDefault(); undo(); }
+});
+
+const tiles = () => [...document.querySelectorAll("[data-quantity]")];
+$("pin").addEventListener("click", () => {
+  const curve = last?.curves[0];
+  pinned = pinned || !curve ? null : { ...curve, label: `pinned ${curve.label}` };
+  for (const out of tiles()) pinned ? out.parentElement.setAttribute("data-pinned", out.value) : out.parentElement.removeAttribute("data-pinned");
+  $("pin").textContent = pinned ? "Unpin" : "Pin";
+  $("pin").setAttribute("aria-pressed", String(Boolean(pinned)));
+  draw();
+});
 
 // ---- asking ----
 function changed(name = null) {
@@ -38,6 +72,7 @@ function changed(name = null) {
 
 // The slider rests: longer runs, and what lies around them.
 function rest() {
+  remember();
   link.ask("curves", { state: table(state), fine: true });
   around("map", map.axesOf(state));
   around("strip", strip.axesOf(state));
@@ -80,8 +115,9 @@ function draw() {
   if (!last) return;
   const { header, curves } = last, waiting = last.waiting.map((law) => ({ ...velocity.look(header.laws.indexOf(law)), waits: `${law.label}: preparing …` }));
   const extra = dropped?.v && curves.length ? measured(header, curves[0]) : [];
-  velocity.draw([...curves, ...extra], waiting, header.shown * header.period);
-  if (curves.length) portraits.draw(curves, header.samples, header.once);
+  const beside = pinned && curves.length ? [{ ...pinned, colour: colour("soft"), dash: [9, 2] }] : [];
+  velocity.draw([...curves, ...beside, ...extra], waiting, header.shown * header.period);
+  if (curves.length) portraits.draw([...curves, ...beside], header.samples, header.once);
   if (curves[0]?.name === state.law) robot.show(curves[0], state.track === "level" ? 0 : state.values.tilt_deg);
 }
 
@@ -97,7 +133,7 @@ function measured(header, main) {
 
 function figures(f, fine) {
   const put = (name, text) => { const out = document.querySelector(`[data-quantity="${name}"]`); if (out.value !== text) out.value = text; };
-  put("mean_velocity", `${digits(1e3 * f.mean_velocity)} mm/s`);
+  put("mean_velocity", spelt(f.mean_velocity));
   put("motion_type", f.motion_type);
   $("pattern").textContent = $("pattern").title = f.pattern.replaceAll("-", "−");
   $("words").textContent = spoken(f.pattern, f.period_number, f.mean_velocity, state.track === "level" ? 0 : state.values.tilt_deg);

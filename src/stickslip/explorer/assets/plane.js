@@ -44,7 +44,11 @@ export class Plane {
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, w, h);
     pen.font = `${size}px system-ui, sans-serif`;
-    Object.assign(this, { xs, ys, left: size * 4.6, right: w - size, top: size * 0.6, bottom: h - size * 3.1 });
+    const widest = (found) => Math.max(...found.map((value) => pen.measureText(digits(value, 6)).width), 0);
+    const top = size * 0.6, bottom = h - size * 3.1, rows = ticks(...ys, Math.max((bottom - top) / (size * 3), 2));
+    const left = size * Math.ceil(widest(rows) / size + 2.1); // whole sizes, so that the frame does not tremble
+    const columns = ticks(...xs, Math.max((w - left - size) / (size * 6), 2)), right = w - Math.max(size, 0.5 * widest(columns.slice(-1)) + 2);
+    Object.assign(this, { xs, ys, left, right, top, bottom, rows, columns, w, h });
     this.axes(xlabel, ylabel);
     return this;
   }
@@ -59,21 +63,22 @@ export class Plane {
     pen.lineWidth = 1;
     pen.fillStyle = soft;
     pen.textAlign = "center";
-    for (const value of ticks(...this.xs, Math.max((right - left) / (size * 6), 2))) {
+    for (const value of this.columns) {
       this.stroke([[this.x(value), top], [this.x(value), bottom]], grid);
       pen.fillText(digits(value, 6), this.x(value), bottom + size * 1.25);
     }
     pen.textAlign = "right";
-    for (const value of ticks(...this.ys, Math.max((bottom - top) / (size * 3), 2))) {
+    for (const value of this.rows) {
       this.stroke([[left, this.y(value)], [right, this.y(value)]], grid);
       pen.fillText(digits(value, 6), left - size * 0.4, this.y(value) + size * 0.35);
     }
     pen.textAlign = "center";
-    pen.fillText(xlabel, (left + right) / 2, bottom + size * 2.65);
+    const half = 0.5 * Math.min(pen.measureText(xlabel).width, this.w); // a long title goes over the sides of the frame, and is squeezed at last
+    pen.fillText(xlabel, Math.min(Math.max((left + right) / 2, half), this.w - half), bottom + size * 2.65, this.w);
     pen.save();
     pen.translate(size * 0.9, (top + bottom) / 2);
     pen.rotate(-Math.PI / 2);
-    pen.fillText(ylabel, 0, 0);
+    pen.fillText(ylabel, 0, 0, bottom - top + size * 3);
     pen.restore();
     this.stroke([[left, top], [left, bottom], [right, bottom]], soft);
   }

@@ -1,7 +1,7 @@
 // The bifurcation strip: strobed velocities along one parameter.
 import { Plane, colour, extent } from "./plane.js";
 import { parameters, span } from "./state.js";
-import { axisLabel, digits, shown } from "./words.js";
+import { axisLabel, digits, prefix, shown } from "./words.js";
 
 const canvas = document.getElementById("strip");
 let state = null, found = null, go = null;
@@ -21,14 +21,15 @@ function draw() {
   if (!state || !canvas.clientWidth) return;
   const p = parameters[state.vary], mine = found && found.names[0] === state.vary ? found : null, [a, b] = mine ? mine.spans[0] : span(state.vary, state);
   const [low, high] = mine ? extent(mine.strobes, mine.means) : [-1e-3, 1e-3], room = 0.05 * (high - low || 1e-3);
-  plane.begin([a * p.factor, b * p.factor], [1e3 * (low - room), 1e3 * (high + room)], axisLabel(p), "velocity at t = kT [mm/s]");
+  const speed = prefix(Math.max(Math.abs(low), Math.abs(high)));
+  plane.begin([a * p.factor, b * p.factor], [speed.factor * (low - room), speed.factor * (high + room)], axisLabel(p), `velocity at t = kT [${speed.letter}m/s]`);
   const { pen } = plane;
   if (mine) {
-    plane.curve(mine.values, mine.means, p.factor, 1e3, colour("c1"), [5, 3], 1.4);
+    plane.curve(mine.values, mine.means, p.factor, speed.factor, colour("c1"), [5, 3], 1.4);
     pen.fillStyle = colour("c0");
     const size = Math.max(1.6, plane.size / 6);
     mine.strobes.forEach((v, k) => {
-      const x = plane.x(mine.values[Math.floor(k / mine.kept)] * p.factor), y = plane.y(1e3 * v);
+      const x = plane.x(mine.values[Math.floor(k / mine.kept)] * p.factor), y = plane.y(speed.factor * v);
       if (y === y) pen.fillRect(x - size / 2, y - size / 2, size, size);
     });
     const most = Math.max(...mine.values.map((_, i) => new Set(Array.from(mine.strobes.slice(i * mine.kept, (i + 1) * mine.kept), (v) => digits(v, 3))).size));

@@ -1,9 +1,9 @@
 // Velocity over time, of all laws and of a record.
 import { colour, DASHES, extent, steady } from "./plane.js";
-import { digits, velocity as words } from "./words.js";
+import { digits, prefix, velocity as words } from "./words.js";
 
 const box = document.getElementById("velocity"), legend = document.getElementById("legend");
-let chart = null, kinds = "", zoomed = null, range = null, last = null;
+let chart = null, kinds = "", zoomed = null, range = null, last = null, unit = prefix(1e-3);
 
 function series(curves) {
   return curves.map((c) => ({ label: c.label, stroke: c.colour, width: 1.8, dash: c.dash, points: { show: false }, spanGaps: false }));
@@ -11,7 +11,7 @@ function series(curves) {
 
 function made(curves) {
   chart?.destroy();
-  const size = parseFloat(getComputedStyle(document.documentElement).fontSize), font = `${size * 0.76}px system-ui, sans-serif`;
+  const size = parseFloat(getComputedStyle(document.documentElement).fontSize), font = `${Math.round(size * 0.76)}px system-ui, sans-serif`; // uPlot scales whole numbers of px alone
   const axis = (label, n) => ({
     label, font, labelFont: font, stroke: () => colour("soft"), grid: { stroke: () => colour("grid"), width: 1 }, ticks: { show: false },
     labelSize: size * 1.2, size: size * n, gap: 3, labelGap: 0, values: (u, found) => found.map((x) => digits(x, 6)),
@@ -20,7 +20,7 @@ function made(curves) {
     width: box.clientWidth, height: box.clientHeight, legend: { show: false }, padding: [6, 10, 0, 0],
     cursor: { drag: { x: true, y: false, setScale: true }, points: { size: 6 } },
     scales: { x: { time: false, range: () => zoomed ?? [0, last.end] }, y: { range: () => range } },
-    axes: [axis("time [ms]", 1.6), axis("velocity v [mm/s]", 3)],
+    axes: [axis("time [ms]", 1.6), axis(`velocity v [${unit.letter}m/s]`, 3.4)],
     series: [{}, ...series(curves)],
     hooks: { setSelect: [(u) => { if (u.select.width > 4) zoomed = [u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")]; tell(); }] },
   }, data(curves), box);
@@ -30,9 +30,15 @@ function made(curves) {
 // Columns of one length: a law with fewer periods ends earlier.
 function data(curves) {
   const longest = curves.reduce((a, b) => (b.t.length > a.t.length ? b : a));
-  const column = (c) => {
-    const found = new Array(longest.t.length).fill(null);
-    for (let i = 0; i < c.v.length && i < found.length; i++) found[i] = Number.isNaN(c.v[i]) ? null : 1e3 * c.v[i];
+  const step = longest.t[1] - longest.t[0];
+  const column = (c) => { // what was pinned may have another drive period, so another step
+    const found = new Array(longest.t.length).fill(null), ratio = step / (c.t[1] - c.t[0]);
+    for (let i = 0; i < found.length; i++) {
+      const at = i * ratio, k = Math.round(at);
+      if (at > c.v.length - 1 + 1e-6) break;
+      const value = Math.abs(at - k) < 1e-3 ? c.v[k] : c.v[Math.floor(at)] + (at - Math.floor(at)) * (c.v[Math.floor(at) + 1] - c.v[Math.floor(at)]);
+      found[i] = Number.isNaN(value) ? null : unit.factor * value;
+    }
     return found;
   };
   return [Array.from(longest.t, (t) => 1e3 * t), ...curves.map(column)];
@@ -56,8 +62,10 @@ export function draw(curves, waiting, end) {
   last = { curves, waiting, end: 1e3 * end };
   if (zoomed && zoomed[0] >= last.end) zoomed = null;
   const [low, high] = extent(...curves.map((c) => c.v));
-  range = steady(range, 1e3 * Math.min(low, 0), 1e3 * Math.max(high, 0));
-  const now = JSON.stringify([curves.map((c) => [c.label, c.colour, c.dash])]);
+  const wanted = prefix(Math.max(Math.abs(low), Math.abs(high)) || 1e-3);
+  if (wanted.letter !== unit.letter) [unit, range] = [wanted, null];
+  range = steady(range, unit.factor * Math.min(low, 0), unit.factor * Math.max(high, 0));
+  const now = JSON.stringify([unit.letter, curves.map((c) => [c.label, c.colour, c.dash])]);
   if (now !== kinds || !chart) made(curves);
   else chart.setData(data(curves));
   kinds = now;

@@ -20,7 +20,16 @@ export const shown = (p, value, n = 5) => `${digits(value * p.factor, n)}${p.uni
 // What stands at an axis.
 export const axisLabel = (p) => `${p.label.split(",")[0]} ${p.symbol}${p.unit ? ` [${p.unit}]` : ""}`;
 
-export const velocity = (v, n = 4) => `${digits(1e3 * v, n)} mm/s`;
+// What is rounding beside any motion, a billionth of a mm/s, is none.
+export const velocity = (v, n = 4) => (Math.abs(v) > 1e-12 && Number.isFinite(v) ? quantity(v, "m/s", n) : `${digits(Number.isFinite(v) ? 0 : v, n)} mm/s`);
+
+// What a person typed for a parameter, in SI units; NaN where it is none. A comma may be the decimal point, and a unit may stand behind.
+export function typedNumber(p, text) {
+  const found = /^([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(.*)$/i.exec(text.trim().replace(",", ".").replace("−", "-"));
+  if (!found) return NaN;
+  const unit = found[2].trim().replace("μ", "µ");
+  return Number(found[1]) * (unit === "" || unit === p.unit ? 1 / p.factor : (p.units?.[unit] ?? NaN));
+}
 
 // A motion as a sentence: what the body does, from its pattern of + (forwards), 0 (rest) and −.
 export function spoken(pattern, periods, mean, tilt) {
