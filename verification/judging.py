@@ -2,7 +2,7 @@
 
 Two starts that are 1e-12 of the velocity scale apart say how long that is: until they are 1e-6 apart. Where the methods differ by more than
 the tolerance of the less exact one, SciPy is asked once more, by another method: if it differs from itself by a third as much, the case
-is open.
+is open. Where plain Python takes too long, SciPy runs on the traced equations (`traced_judge.py`), once these are seen to be the same.
 """
 
 from __future__ import annotations
