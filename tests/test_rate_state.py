@@ -145,3 +145,42 @@ def test_the_judge_goes_the_same_way_from_rest():
     for model in (push, shaken):
         ours, judged = (ss.solve(model, periods=1, settle=0, method=method, rtol=1e-6) for method in ("rodas5p", "radau"))
         assert float(ours.x[-1]) == pytest.approx(float(judged.x[-1]), rel=1e-5)  # a hundred steps to 1e-6, of which few are as bad
+
+
+def _by_logarithms(stage, rtol):
+    """Position after one period, by Radau steps on s = arsinh(v/creep), in which the force is a N s: no velocity is too small for it."""
+    law, motion, N = stage.friction, stage.along, stage.load
+
+    def right(t, y):
+        s, phi, _ = y
+        creep = math.log(2 * law.v0) - (law.mu0 + law.b * phi) / law.a
+        size = math.exp(min(abs(s) + creep, 50.0)) / 2
+        slip, slope = math.copysign(size, s) * -math.expm1(-2 * abs(s)), size * (1 + math.exp(-2 * abs(s)))
+        age = (math.exp(-phi) - abs(slip) / law.v0) * law.v0 / law.Dc
+        speeds_up = stage.force / stage.mass - law.a * N * s / stage.mass - motion.acceleration(t)
+        return [speeds_up / slope + law.b / law.a * age * math.tanh(s), age, slip + motion.velocity(t)]
+
+    start = math.asinh(-motion.velocity(0.0) / (2 * law.v0 * math.exp(-law.mu0 / law.a)))
+    found = solve_ivp(right, (0, stage.period), [start, 0.0, 0.0], "Radau", rtol=rtol, atol=[1e-8, 1e-8, 1e-16])
+    assert found.success, found.message
+    return found.y[2, -1]
+
+
+@pytest.mark.slow
+def test_a_stage_that_sticks_and_slips_follows_the_law_in_logarithms_of_velocity():
+    """The slip is a difference here, and proportional friction below 1e-9 of the velocity scale lets it be off by as much."""
+    law = ss.RateState(mu0=0.2, a=0.012, b=0.018, Dc=1e-6, v0=1e-4)
+    stage = ss.MovingTrack(mass=0.05, along=ss.Harmonic(amplitude=2e-5, omega=600.0), friction=law, load=5.0, force=0.1)
+    unit = stage.velocity_scale * stage.period
+    assert float(ss.solve(stage, periods=1, rtol=1e-9).at(stage.period)["x"]) == pytest.approx(_by_logarithms(stage, 1e-8), abs=1e-8 * unit)
+
+
+@pytest.mark.slow
+def test_creep_that_is_lost_in_rounding_does_not_stop_a_run():
+    """Static friction 45 times the direct effect: a creep of 1e-20 of the velocities."""
+    law = ss.RateState(mu0=0.9, a=0.02, b=0.03, Dc=1e-6, v0=1e-3)
+    for force in (0.0, 2.0):
+        stage = ss.MovingTrack(
+            mass=0.05, along=ss.Harmonic(amplitude=2e-5, omega=np.array([400.0, 900.0])), friction=law, load=5.0, force=force
+        )
+        assert ss.solve(stage, periods=5).status_counts == {"finished": 2}

@@ -2,15 +2,18 @@
 
 Two starts that are 1e-12 of the velocity scale apart say how long that is: until they are 1e-6 apart. Where the methods differ by more than
 the tolerance of the less exact one, SciPy is asked once more, by another method: if it differs from itself by a third as much, the case
-is open.
+is open. Where plain Python takes too long, SciPy runs on the traced equations (`traced_judge.py`), once these are seen to be the same.
 """
 
 from __future__ import annotations
 
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from traced_judge import TracedRun, trace_differs
 
 import stickslip as ss
 from stickslip.machine import machine_of
@@ -22,6 +25,8 @@ OFF, GROWN = 1e-12, 1e-6  # of the velocity scale: how far off the second start 
 #: Largest difference of ways in parts of the velocity scale times the time: of two exact methods, and of steps that are held to 1e-9.
 EXACT, STEPS = 1e-7, 1e-5
 PATIENCE = 12.0  # seconds of processor time for one run of the judge
+TRACED = 1e-8  # tolerance of Radau steps on the traced equations
+SAME_EQUATIONS = 1e-6  # of the largest acceleration: what the median of those by tracing differs by from those of plain Python
 
 
 class TooLong(Exception):
@@ -59,9 +64,30 @@ def judged(machine: Any) -> tuple[str, float, str]:
         compared.until(ss.solve(machine, start=_off(machine), **how, **exact))
         return compared.verdict(*((("radau", 1e-9), ("bdf", 1e-9)) if stiff else (("dop853", 1e-12), ("radau", 1e-10))), how)
     except TooLong:
-        return "no judge", np.nan, f"SciPy takes longer than {PATIENCE:g} s"
+        return _traced(compared) if stiff else ("no judge", np.nan, f"SciPy takes longer than {PATIENCE:g} s")
     except ss.SolveError as error:
         return "no judge", np.nan, _sentence(error)
+
+
+def _traced(compared: _Compared) -> tuple[str, float, str]:
+    """The verdict of SciPy on the traced equations, which are those of plain Python where both say the same accelerations."""
+    try:
+        with _patience():
+            judge = TracedRun(compared.machine, compared.run, TRACED)
+            apart = trace_differs(compared.run, judge)
+            judge.run(1 if compared.machine.period is None else PERIODS)
+            if judge.status.startswith(("failed", "too many")):
+                return "no judge", np.nan, judge.status
+            if apart > SAME_EQUATIONS:
+                return "SILENT", apart, "the traced equations are not those of plain Python"
+            error = compared.difference(judge)
+            if error <= compared.tolerance:
+                return "agrees", error, ""
+            looser = TracedRun(compared.machine, compared.run, 100 * TRACED).run(1 if compared.machine.period is None else PERIODS)
+            by_itself = compared.apart(judge, looser)
+    except TooLong:
+        return "no judge", np.nan, f"SciPy takes longer than {PATIENCE:g} s, on the traced equations too"
+    return ("open" if by_itself > error / 3 else "SILENT"), error, f"differs by {error:.2g}, SciPy from itself by {by_itself:.2g}"
 
 
 def _sentence(error: Exception) -> str:
@@ -94,18 +120,22 @@ class _Compared:
     def verdict(self, first: tuple[str, float], second: tuple[str, float], how: dict[str, Any]) -> tuple[str, float, str]:
         """That of the judge, who is asked again by another method where it differs."""
         other = _asked(self.machine, first, how)
-        error = self._difference(other)
+        error = self.difference(other)
         if error <= self.tolerance:
             return "agrees", error, ""
         again = _asked(self.machine, second, how)
-        by_itself = float(np.max(abs(_held(other, self.t) - _held(again, self.t)))) / self.unit
+        by_itself = self.apart(other, again)
         note = f"differs by {error:.2g}, SciPy from itself by {by_itself:.2g}; ends {self._ends(self.run)}, {self._ends(other)}"
-        return ("open" if by_itself > min(error, self._difference(again)) / 3 else "SILENT"), error, note
+        return ("open" if by_itself > min(error, self.difference(again)) / 3 else "SILENT"), error, note
 
     def _ends(self, run: Any) -> str:
         return f"{float(run.t[-1]):.9g} s ({run.status})"
 
-    def _difference(self, other: Any) -> float:
+    def apart(self, one: Any, other: Any) -> float:
+        """Largest difference of the ways of two runs of judges."""
+        return float(np.max(abs(_held(one, self.t) - _held(other, self.t)))) / self.unit
+
+    def difference(self, other: Any) -> float:
         """Largest of ways; a contact that is lost in one alone, or elsewhere than in the other, is a difference too."""
         lost = float(abs(other.t[-1] - self.run.t[-1])) / _time(self.machine) if self._whole else 0.0
         return max(float(np.max(abs(_ways(self.run, self.t) - _held(other, self.t)))) / self.unit, lost)
@@ -128,13 +158,19 @@ def _held(run: Any, t: Any) -> Any:
 
 def _asked(machine: Any, method: tuple[str, float], how: dict[str, Any]) -> Any:
     """The run of the judge; `TooLong` where that takes too much time."""
+    with _patience():
+        return ss.solve(machine, method=method[0], rtol=method[1], **how)
+
+
+@contextmanager
+def _patience() -> Iterator[None]:
+    """Not longer than `PATIENCE`."""
     signal.signal(signal.SIGPROF, _stop)
     signal.setitimer(signal.ITIMER_PROF, PATIENCE)
     try:
-        run = ss.solve(machine, method=method[0], rtol=method[1], **how)
+        yield
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
-    return run
 
 
 def _stop(*_: Any) -> None:

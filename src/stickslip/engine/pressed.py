@@ -24,6 +24,7 @@ __all__ = ["Pressed", "add_pressed", "closes", "pressed_stops"]
 
 _MOMENT = 1e-8  # of a period: rebounds that are over within it are over at once
 _OPEN = 1e-14  # of the distance of a period: the gap that a closed stop keeps, so that rounding cannot close it once more
+_NOTHING = 1e-11  # of the force that gives the mass of a hit the velocity scale in a period: a pull that opens no stop
 _STILL = 1e-12  # of the velocity scale: a gap that opens no faster may be closed where a run begins
 
 
@@ -103,7 +104,12 @@ def add_pressed(parts: Assembly, p: Pressed) -> None:
         others = [parts.f[c] if parts.f[c] is not None else m.accelerations(parts.forces)[c] for c in range(len(m.y))]
         open_ = others[k] if parts.f[k] is not None else m.accelerations(parts.forces, closed=None)[k]
         parts.f[k] = graph.select(p.closed, p.followed(m, others), open_)
-    parts.events.append((graph.select(p.closed, closes(parts, p, now), one), {p.number: zero}, {}, 0))
+    apart = closes(parts, p, now)
+    if any(
+        law.needs_applied for law in m.laws
+    ):  # what each end bears by itself leaves nothing for the stop: it is then no more than rounding
+        apart = apart + _NOTHING * p.mass(m) * m.lift(m.machine.velocity_scale) / m.period(m.model)
+    parts.events.append((graph.select(p.closed, apart, one), {p.number: zero}, {}, 0))
     shut = Substituted(graph, {p.closed.name: one})
     first = {i: shut.of(parts.first_modes[i]) for i in now}
     presses = graph.select(closes(parts, p, first), one, zero)

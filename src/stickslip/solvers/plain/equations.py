@@ -226,16 +226,16 @@ class Equations:
                 R[i] = float(force)
                 inner += map(float, rate)
         for i in self.applied:  # bodies that a closed stop moves as one bear together what is applied to all of them
-            as_one = self._as_one(self.alone[i], mode)
+            as_one = self._as_one(self.alone[i] or 0, mode)
             if len(as_one) > 1:
-                others = sum(R[k] for k in range(self.k) if k != i and self.alone[k] in as_one)
+                others = math.fsum(R[k] for k in range(self.k) if k != i and self.alone[k] in as_one)
                 left = sum(self.masses[c] * (without[c] + float(self.mechanics.offset_rates(t)[i])) for c in as_one) - others
                 R[i] = float(self.laws[i].response(held(w[i], mode.sides[i]), self.z(y, i), loads[i], mode.memory[i], left)[0])
         return R, inner
 
-    def _as_one(self, first: int | None, mode: Mode) -> set[int | None]:
+    def _as_one(self, first: int, mode: Mode) -> set[int]:
         """The coordinates that closed stops move with one."""
-        found: set[int | None] = {first}
+        found = {first}
         closed = [row for row, side in zip(self.rows[self.k :], mode.sides[self.k :], strict=True) if side == 0]
         for row in [row for row in closed for _ in closed]:
             ends = {c for c, h in enumerate(row) if h}
