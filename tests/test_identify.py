@@ -9,7 +9,8 @@ import stickslip as ss
 from registries import examples
 from stickslip.errors import InputError
 from stickslip.friction.adapter import adapted
-from stickslip.identifying.driven import Motion, driven_force, motion_of
+from stickslip.identifying.driven import driven_force
+from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.targets import target
 from stickslip.identifying.words import rounded
 

@@ -14,8 +14,9 @@ from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
 from stickslip.friction.adapter import adapted
-from stickslip.identifying.driven import DrivenProblem, motion_of
+from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit import Fit
+from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.priors import ALLOWED, prior_of

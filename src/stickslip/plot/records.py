@@ -125,7 +125,7 @@ def _rest(fit: Any, record: int) -> Any:
 def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
     target = _target(fit, record)
     if target.kind == "force":
-        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.before :]
+        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.compared]
         factor, unit = prefix(moved - moved.mean())
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
     return np.mod(fit.problem._phase(fit.place, record), 1.0), "drive periods"
