@@ -115,7 +115,7 @@ def test_an_interval_says_which_options_its_method_has(fit):
     with pytest.raises(InputError) as error:
         fit.interval("mu", level=2.0, workers=2)
     assert len(error.value.problems) == 3 and "did you mean 'mu0'?" in error.value.problems[0]
-    assert "'workers' is no option of covariance, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
+    assert "'workers' is no option of auto, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
     with pytest.raises(InputError, match="'repeat' is no option of bootstrap, which has repeats, seed, workers"):
         fit.interval("mu0", method="bootstrap", repeat=50)
 

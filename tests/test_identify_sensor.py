@@ -15,6 +15,7 @@ from stickslip.identifying.effects import EFFECTS
 from stickslip.identifying.fitting import problem_of
 from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.problems import SteadyProblem
+from stickslip.identifying.search import polished
 from stickslip.identifying.spread import determined_spread
 from stickslip.identifying.uncertainty import costs
 from stickslip.information import Information
@@ -270,6 +271,35 @@ def test_a_load_cell_does_not_make_up_for_what_a_law_lacks():
 
 
 # how sure ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_search_goes_on_where_nothing_but_noise_is_left():
+    """At another place the residuals are as small as the noise allows, to a per cent, and mu0 is off by ten standard errors there."""
+    amplitudes = [5e-4, 8e-4]
+    records = [ss.virtual_rig(RIG(tilt_deg=1.7, amplitude=A), noise=1e-3, seed=i) for i, A in enumerate(amplitudes)]
+    free = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
+    truth = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
+    fit = ss.identify(records, RIG, free=free, tilt_deg=1.7, amplitude=amplitudes)
+    near = polished(fit.problem, fit.problem.aligned(fit.problem.parameters.place(truth)))
+    assert fit.cost < near.cost + 0.1 * fit.scale**2
+    for name in ("mu0", "f0", "v_s"):
+        low, high = fit.interval(name, 0.999)
+        assert low < truth[name] < high
+
+
+def squared(a):
+    return ss.Coulomb(a**2, a**2)
+
+
+def test_an_interval_is_by_profile_where_the_sum_of_squares_is_no_parabola():
+    """A coefficient that is the square of the number: near zero its interval is that of its square, not symmetric."""
+    record, free = forces(ss.Coulomb(5e-5, 5e-5), n=400), {"a": (0.0, 0.3)}
+    fit = ss.identify(record, squared, free=free, using="force", starts=8, sensor={}, load=10.0)
+    plain = ss.identify(record, lambda mu: ss.Coulomb(mu, mu), free={"mu": (0.0, 0.09)}, using="force", starts=8, sensor={}, load=10.0)
+    low, high = fit.interval("a")
+    assert fit.bent == ("a",) and plain.bent == () and fit.interval("a") != fit.interval("a", method="covariance")
+    assert [low**2, high**2] == pytest.approx(plain.interval("mu"), rel=0.02, abs=2e-6)
+    assert plain.interval("mu") == plain.interval("mu", method="covariance")
 
 
 class _Linear:

@@ -162,7 +162,6 @@ class DrivenProblem:
     batched: ClassVar[bool] = True
     nuisances: ClassVar[int] = 0
     timing: ClassVar[int] = 0
-    quiet: ClassVar[float] = -np.inf  # the noise of a force is not known beforehand
 
     parameters: Parameters
     targets: tuple[Motion, ...]

@@ -104,12 +104,6 @@ class SteadyProblem:
         """The same fit for the search: looser tolerance, one-sided differences."""
         return SteadyProblem(self.parameters, self.targets, max(self.rtol, 1e-6), False, _warm=dict(self._warm))
 
-    @property
-    def quiet(self) -> float:
-        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
-        known = all(t.kind != "mean" or t.given_sigma for t in self.targets)
-        return 1.1 * sum(t.count for t in self.targets) if known else -np.inf
-
     # ---- predictions ----
     def predicted(self, place: Any) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""

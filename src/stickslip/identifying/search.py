@@ -98,7 +98,7 @@ def _ends(
         if progress:
             progress(min(k, _POLISHED), _POLISHED + 1)
         ends.append(polished(problem, place, rough=True))
-        if ends[-1].stopped or ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
+        if ends[-1].stopped:
             break
     return ends
 

@@ -73,11 +73,6 @@ class Sensed:
         return int(self.model.solves)
 
     @property
-    def quiet(self) -> float:
-        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
-        return float(self.model.quiet)
-
-    @property
     def batched(self) -> bool:
         """Whether many places cost little more than one."""
         return bool(self.model.batched)

@@ -26,7 +26,7 @@ NOT_DETERMINED = "not determined"
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
     """For each free parameter: name, value, standard error, and the ends of its interval."""
-    return [(name, value, fit.errors[name], *fit.interval(name, level)) for name, value in fit.values.items()]
+    return [(name, value, fit.errors[name], *fit.interval(name, level, "covariance")) for name, value in fit.values.items()]
 
 
 def rounded(value: float, error: float) -> str:
