@@ -293,7 +293,7 @@ def squared(a):
 
 def test_an_interval_is_by_profile_where_the_sum_of_squares_is_no_parabola():
     """A coefficient that is the square of the number: near zero its interval is that of its square, not symmetric."""
-    record, free = forces(ss.Coulomb(5e-5, 5e-5), n=400), {"a": (0.0, 0.3)}
+    record, free = forces(ss.Coulomb(2e-4, 2e-4), n=400, noise=0.05, seed=1), {"a": (0.0, 0.3)}
     fit = ss.identify(record, squared, free=free, using="force", starts=8, sensor={}, load=10.0)
     plain = ss.identify(record, lambda mu: ss.Coulomb(mu, mu), free={"mu": (0.0, 0.09)}, using="force", starts=8, sensor={}, load=10.0)
     low, high = fit.interval("a")

@@ -229,7 +229,7 @@ class Fit:
         method : {"auto", "covariance", "profile", "bootstrap"}
             From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
             parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers=1``; the same numbers for any workers).
-            "auto" is by covariance where the sum of squares rises as a parabola would within a standard error, else by profile.
+            "auto" is by covariance where the sum of squares rises as a parabola would within two standard errors, else by profile.
         part : {"total", "statistical", "systematic"}
             Statistical is what noise alone would leave if the sensors, and all that is known beforehand, were as they are fitted;
             systematic is what these add. Lengths on either side add up in squares to the total.

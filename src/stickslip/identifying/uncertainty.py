@@ -15,7 +15,7 @@ from stickslip.identifying.words import listed, undetermined
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
-_LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares at one standard error, of which a parabola has one
+_LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
 __all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
@@ -185,7 +185,7 @@ def remarks(fit: Fit) -> list[str]:
 def bent_parameters(fit: Fit) -> list[str]:
     """Parameters along whose interval the model is not linear: covariance and bootstrap are then not to be believed, a profile is.
 
-    One standard error away, the others along, the sum of squares should have risen by one: by as much as it would for white noise.
+    Two standard errors of white noise away, the others along, the sum of squares should have risen by four.
     """
     covariance = fit.information.covariance(fit.scale)
     errors = np.sqrt(np.diag(covariance))
@@ -194,13 +194,13 @@ def bent_parameters(fit: Fit) -> list[str]:
 
 
 def _parabolic(fit: Fit, along: Any) -> bool:
-    """Whether the sum of squares rises as a parabola one standard error away on either side; of a bound that is near, as far as it is."""
+    """Whether the sum of squares rises as a parabola two standard errors away on either side, or as far as a bound is."""
     low, high = fit.problem.bounds()
     told = []
     for side in (along, -along):
         with np.errstate(divide="ignore", invalid="ignore"):
             room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
-        part = min(float(np.min(room)), 1.0)
+        part = min(float(np.min(room)), 2.0)
         if part > _NEAR_BOUND:
             rest = fit.problem.residuals(fit.place + part * side)
             told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
