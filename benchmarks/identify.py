@@ -14,7 +14,7 @@ import numpy as np
 
 import stickslip as ss
 
-LOAD, NOISE, V_S, COUNT = 10.0, 0.05, 5e-4, 600
+LOAD, NOISE, V_S, COUNT = 10.0, 0.01, 5e-4, 600
 TRUTH = {"mu_plus": 0.30, "mu_minus": 0.36, "f_plus": 0.40, "f_minus": 0.50, "sigma0": 6e4, "sigma2": 120.0}
 OFFSET, WALKERS = 0.2, 32
 MU = {name: (0.05, 1.0) for name in ("mu_plus", "mu_minus", "f_plus", "f_minus")}

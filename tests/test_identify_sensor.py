@@ -270,6 +270,17 @@ def test_a_load_cell_does_not_make_up_for_what_a_law_lacks():
     assert fit.errors["mu_plus"] > 1.3 * ideal.errors["mu_plus"]
 
 
+@pytest.mark.parametrize("law", [ss.Coulomb(0.3, 0.4), ss.LuGre(0.3, 0.4, None, None, sigma0=3e5, sigma1=0.0, sigma2=0.0, v_s=1.0)],
+                         ids=["Coulomb", "another law"])  # fmt: skip
+def test_a_zero_far_beyond_what_friction_can_make_up_for_is_found(law):
+    """50 N beside a friction of 3 and 4 N, of which bounds allow 10: no ideal sensor would do, of whatever law the record is."""
+    fit = ss.identify(forces(law, zero=50.0), ss.Coulomb, free=BOTH, starts=8)
+    ideal = ss.identify(forces(law), ss.Coulomb, free=BOTH, starts=8, sensor={})
+    assert fit.undetermined == ("mu_plus", "mu_minus") and fit.sensor["offset"][1] == np.inf
+    assert sum(fit.values.values()) == pytest.approx(sum(ideal.values.values()), rel=0.01) and fit.cost < 1.001 * ideal.cost
+    assert fit.sensor["offset"][0] + 10 * fit.values["mu_plus"] == pytest.approx(50 + 10 * ideal.values["mu_plus"], abs=0.1)
+
+
 # how sure ---------------------------------------------------------------------------------------------------------
 
 

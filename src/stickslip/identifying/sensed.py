@@ -281,10 +281,12 @@ class Sensed:
         columns = self._in_proportion(h, readings, [self.numbers[k] for k in moved]) / self.sigma[:, None]
         sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
         away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
-        rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
-        size = np.sqrt(np.sum(rows**2, axis=0))
-        size = np.where(size > 0, size, 1.0)
-        change = np.linalg.lstsq(rows / size, -target, rcond=1e-9)[0] / size
+        for _ in range(2 if self.has_known_rows else 1):  # what is known beforehand counts by what is left, once that is seen
+            rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
+            size = np.sqrt(np.sum(rows**2, axis=0))
+            size = np.where(size > 0, size, 1.0)
+            change = np.linalg.lstsq(rows / size, -target, rcond=1e-9)[0] / size
+            sd = sd * max(float(np.sqrt(np.mean((rest + columns @ change) ** 2))), 1.0)
         low, high = (np.array([n.bounds[side] for n in self.numbers]) for side in (0, 1))
         left = target + rows @ change
         values[moved] += change
