@@ -11,7 +11,17 @@ author = "The stickslip contributors"
 copyright = "2026, The stickslip contributors"
 release = metadata.version("stickslip")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "mathml", "commands", "gallery"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "mathml",
+    "commands",
+    "executed",
+    "notebooks",
+    "api_pages",
+]
 exclude_patterns = ["_build"]
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
@@ -22,6 +32,10 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings say type, unit and shape
 napoleon_google_docstring = False
 napoleon_use_rtype = False
+
+copybutton_selector = "div:not(.output) > div.highlight pre"  # what is typed, not what is answered
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
 
 html_theme = "furo"
 html_title = f"stickslip {release}"

@@ -198,7 +198,7 @@ def test_laws_side_by_side():
     assert many["viscous"].numbers["slow_forward"] == 0 and many[0].numbers == many[2].numbers
     head = many.table.splitlines()[0].split()
     assert head[0] == "law" and head[-3:] == ["Coulomb", "Viscous", "Coulomb"]
-    assert "<table>" in many._repr_html_() and "<th>drift [m]</th>" in many._repr_html_()
+    assert "<table>" in many._repr_html_() and ">drift [m]</th>" in many._repr_html_()
     assert len(ss.plot.bench(many).axes) == 3 * 2  # the name with the drift, and the steady curve
 
 

@@ -121,3 +121,17 @@ def test_what_needs_a_drive_says_so_of_a_belt(ask):
 def test_a_map_of_exponents_needs_a_drive():
     with pytest.raises(ss.InputError, match="BlockOnBelt has no period"):
         ss.chaos_map(belt(), speed=[0.1, 0.2])
+
+
+@pytest.mark.parametrize("kind", [ss.BlockOnBelt, ss.PulledMass])
+def test_cycles_that_lie_side_by_side_are_not_followed(kind):
+    """Without damping and stiction a mass swings on its spring at any amplitude below the speed: folds there would be rounding."""
+    machine = kind(1.0, 2.0, 0.1, ss.Coulomb(mu_plus=0.2, mu_minus=0.2), load=1.0)
+    start = {"x": 0.12, "v": 0.05} if kind is ss.BlockOnBelt else {"x": -0.08, "v": 0.05}
+    cycle = ss.periodic_orbit(machine, guess=start)
+    assert cycle.type == "slip" and cycle.duration == pytest.approx(2 * np.pi / np.sqrt(2.0), rel=1e-9)
+    assert cycle.stability == "neutral" and not cycle.stable and "neutral" in repr(cycle)
+    with pytest.raises(ss.SolveError, match=r"at speed = 0\.1 such motions lie side by side.*damping"):
+        ss.continuation(machine, parameter="speed", start=0.1, stop=0.15, guess=start)
+    branch = ss.continuation(machine, parameter="speed", start=0.1, stop=0.15, points=60)
+    assert "side by side" in branch.ended and not branch.special

@@ -106,6 +106,7 @@ def examples():
         "design": (ss.design, {"make": ss.presets.piezo_rig, "free": {"mu0": 0.18}, "experiments": {"amplitude": [5e-4, 6e-4]},
              "noise": 1e-4,
                                "samples": 20, "together": 1, "rivals": None, "using": "velocity", "tilt_deg": 1.7, "law": "coulomb"}),
+        "certify": (ss.certify, {"orbit": ss.periodic_orbit(robot), "digits": 20}),
         "sensitivity": (ss.sensitivity, {"of": run, "wrt": ["drive.amplitude"]}),
         "gradient": (ss.gradient, {"model": robot, "of": "mean_velocity", "wrt": ["drive.amplitude"], "rtol": 1e-9}),
         "derivative": (ss.derivative, {"of": "mean_velocity", "by": "friction.mu_plus", "unit": "m/s"}),
@@ -192,6 +193,7 @@ def examples():
         # pictures
         "plot.velocity": (ss.plot.velocity, {"run": run, "periods": 2, "ax": None, "labels": None, "duration": None}),
         "plot.phase": (ss.plot.phase, {"run": run, "periods": 2, "ax": None, "labels": None}),
+        "plot.pattern": (ss.plot.pattern, {"motion": ss.motion(run), "ax": None}),
         "plot.contacts": (ss.plot.contacts, {"run": run, "periods": 2, "ax": None, "duration": None}),
         "plot.states": (ss.plot.states, {"run": ss.solve(flow, start=[1.0, 0.0], duration=1.0), "duration": None, "ax": None}),
         "plot.forces": (ss.plot.forces, {"run": run, "periods": 2, "ax": None, "duration": None}),
@@ -229,7 +231,7 @@ NO_DOORS = {
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
     "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",
     "StickslipError", "Sum", "Trajectory", "Verdict",
-    "ExportedLaw", "Gradient", "Optimum", "Propagated", "Waveform",
+    "Certificate", "Enclosure", "ExportedLaw", "Gradient", "Optimum", "Propagated", "Waveform",
     *(name for name in ss.__all__ if inspect.ismodule(getattr(ss, name))),
 }  # fmt: skip
 

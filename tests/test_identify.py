@@ -8,11 +8,11 @@ import pytest
 import stickslip as ss
 from registries import examples
 from stickslip.errors import InputError
+from stickslip.faces import rounded
 from stickslip.friction.adapter import adapted
 from stickslip.identifying.driven import driven_force
 from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.targets import target
-from stickslip.identifying.words import rounded
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
 FREE = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}

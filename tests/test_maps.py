@@ -198,6 +198,27 @@ def test_the_motion_map_names_its_regions_and_draws_the_exact_borders(plane):
     assert "rad/s" in turned.get_xlabel() and not turned.lines
 
 
+def test_borders_of_another_law_than_the_maps_are_drawn_only_when_asked_for():
+    axes = dict(amplitude=np.linspace(1e-4, 8e-4, 12), omega=np.linspace(60, 300, 12), tilt_deg=1.7)
+    static = ss.map(RIG, law="coulomb-static", **axes)
+    assert not ss.plot.motion_map(static).lines  # it breaks away later than its twin
+    twin = ss.plot.motion_map(static, borders="twin")
+    assert len(twin.lines) >= 8 and "Coulomb twin" in {text.get_text() for text in twin.get_legend().get_texts()}
+
+
+def test_axes_are_logarithmic_where_values_are_spaced_so(plane):
+    spaced = ss.map(RIG, amplitude=np.geomspace(1e-4, 1e-2, 12), omega=np.linspace(60, 300, 9), tilt_deg=1.7, law="coulomb")
+    for draw in (ss.plot.motion_map, ss.plot.velocity_map):
+        ax = draw(spaced, x="omega")
+        assert (ax.get_xscale(), ax.get_yscale()) == ("linear", "log") and ax.get_ylim() == pytest.approx((0.1, 10.0))
+        corners = np.asarray(ax.collections[0].get_coordinates())[:, 0, 1]  # each cell reaches half way, by a factor, to its neighbours
+        assert corners[1:-1] == pytest.approx(1e3 * np.sqrt(spaced.amplitude.values[1:] * spaced.amplitude.values[:-1]), rel=1e-12)
+    assert ss.plot.line_cut(spaced, "amplitude").get_xscale() == "log" and ss.plot.line_cut(plane, "amplitude").get_xscale() == "linear"
+    diagram = ss.bifurcation(RIG, parameter="mu0", values=np.geomspace(0.1, 0.3, 4), settle=5, points=2, follow=False, amplitude=6e-4,
+                             tilt_deg=0.5, law="coulomb")  # fmt: skip
+    assert ss.plot.bifurcation(diagram).get_xscale() == "log"
+
+
 def test_each_drawn_region_has_the_colour_of_its_type(plane):
     from matplotlib.colors import to_rgba
 

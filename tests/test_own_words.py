@@ -196,7 +196,7 @@ def test_a_file_holds_what_its_ending_says(short, suffix, tmp_path):
 
 
 def test_an_ending_that_is_no_format_is_refused(short, tmp_path):
-    says(lambda: short.save(tmp_path / "x.xlsx"), "'.xlsx'", ".nc", "run.save('run.nc')")
+    says(lambda: short.save(tmp_path / "x.ods"), "'.ods'", ".nc", "run.save('run.nc')")
     assert not list(tmp_path.iterdir())
 
 

@@ -16,7 +16,8 @@ import problems
 import stickslip as ss
 from problems import chain, module
 from stickslip.dynamics.mapping import at_rest, coordinates, flow_map, strobe_map
-from stickslip.dynamics.tangents import changes_along, jacobian_of, number_slopes
+from stickslip.dynamics.slopes import number_slopes
+from stickslip.dynamics.tangents import changes_along, jacobian_of
 from stickslip.engine.tangent import tangent
 from stickslip.engine.trace import numbers_of, trace
 from stickslip.fields import leaves, replace_leaf

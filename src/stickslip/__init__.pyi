@@ -60,9 +60,14 @@ from .dynamics.attractors import (
     Basins as Basins,
     basins as basins,
 )
+from .dynamics.balls import Enclosure as Enclosure
 from .dynamics.branches import (
     Branch as Branch,
     continuation as continuation,
+)
+from .dynamics.certify import (
+    Certificate as Certificate,
+    certify as certify,
 )
 from .dynamics.curves import (
     Curve as Curve,

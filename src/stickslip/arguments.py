@@ -123,7 +123,7 @@ def checked_arguments(make: Callable[..., Any], given: dict[str, Any], problems:
     """The numbers among the arguments of a maker, checked by their descriptions; what is wrong with them is noted."""
     described = described_arguments(make)
     return {
-        name: checked_number(name, value, problems, told.get("rule"), allowed_in(told), f"{name}={example_of(told)}")
+        name: checked_number(name, value, problems, told.get("rule"), allowed_in(told), f"{name}={example_of(told)}", told.get("unit"))
         for name, value in given.items()
         if (told := described.get(name))
     }

@@ -1,4 +1,4 @@
-"""What a caller may give as `progress`: a function, or True for a line on the terminal."""
+"""What a caller may give as `progress`: a function, or True for a line on the terminal or in the notebook."""
 
 from __future__ import annotations
 
@@ -47,8 +47,13 @@ def told_of_progress(progress: Any, what: str) -> Callable[..., Any] | None:
     raise InputError(what, [f"progress = {progress!r}; allowed is {allowed}; type progress=True"])
 
 
+def _is_watched(out: Any) -> bool:
+    """Whether a line may be written over itself: on a terminal, and below the cell of a notebook, which is none."""
+    return bool(out.isatty()) or type(out).__module__.startswith("ipykernel.")
+
+
 class Line:
-    """How far the work is, in one line: written over itself on a terminal, from time to time in a log."""
+    """How far the work is, in one line: written over itself on a terminal and in a notebook, from time to time in a log."""
 
     def __init__(self, out: Any = None):
         self.out, self._last, self._next = out or sys.stderr, 0, time.monotonic() + PAUSE
@@ -57,7 +62,7 @@ class Line:
         """Take what a callback is told: one object with a ``line()``, or (done, whole), or (what, done, whole)."""
         *names, done, whole = state if len(state) > 1 else (state[0].done, state[0].cases)
         text = state[0].line() if len(state) == 1 else f"{': '.join(map(str, names)) + ', ' if names else ''}{done} of {whole}"
-        if self.out.isatty():
+        if _is_watched(self.out):
             print(f"\r{text:<{self._last}}", end="\n" if done >= whole else "", file=self.out, flush=True)
             self._last = len(text)
         elif time.monotonic() >= self._next:

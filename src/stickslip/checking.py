@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 import time
 from collections.abc import Callable
@@ -16,6 +15,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.faces import Face
 from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
@@ -69,7 +69,7 @@ class Judge:
 
 @sealed
 @dataclass(frozen=True)
-class Check:
+class Check(Face):
     """What the judges found; `print` shows it as a table.
 
     Parameters
@@ -122,14 +122,18 @@ class Check:
         of = "the drive's work in a period" if self.judges[0].periods else "the largest work of the run"
         return f"energy balance: worst residual {self.energy:.1e} of {of}"
 
+    def _facts(self) -> dict[str, Any]:
+        return {"energy balance": self._balance().partition(": ")[2]}
+
     def _remarks(self) -> list[str]:
         fixed = any(judge.name == RK4 and judge.periods for judge in self.judges)
         return [*([f"The {RK4} rows show what fixed steps give; they do not count."] if fixed else []), *(f"note: {n}" for n in self.notes)]
 
-    def _repr_html_(self) -> str:
-        cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in self.rows()]
-        below = "".join(f"<p>{html.escape(line)}</p>" for line in (self._balance(), *self._remarks()))
-        return f"<table><caption>{html.escape(self.verdict)}</caption>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>{below}"
+    def _title(self) -> str:
+        return self.verdict
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [self.rows()]
 
 
 def _row(judge: Judge) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -41,29 +43,42 @@ def columns_of_parts(mechanics: Mechanics, mode: Array, t: Array, x: Array, v: A
     q, u = (mechanics.coordinates_of(of.T) for of in (x, v))
     slips, loads = _columns(mechanics.slips(t, u), t), _columns(mechanics.loads(t, q), t)
     R = np.zeros_like(slips)
-    first = 0
+    first, scale = 0, getattr(mechanics, "velocity_scale", None) or 0.0
     held = held_by_controllers(mechanics, np.stack(z, axis=-1) if len(z) else None)
-    free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held)
+    free = _columns(mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts), held), t)
+    told, closed = _columns(mechanics.offset_rates(t), t), _closed(mechanics, t, q, u)
+    asking: dict[int, Callable[[Array], Array]] = {}
     for i, law in enumerate(mechanics.laws):
         own, first = tuple(memory[first : first + law.modes]), first + law.modes
         side = np.where(mode[:, i] == 0, 1, mode[:, i])
         slip = side * np.maximum(side * slips[:, i], TINY)
         inner, rates = (tuple(of[:, i] for of in states[: law.states]) for states in (z, zdot))
-        applied = (
-            sum(g * m * a for g, m, a in zip(mechanics.directions[i], mechanics.masses, free, strict=True)) if law.needs_applied else 0.0
-        )
-        R[:, i] = law.force(slip, inner, rates, loads[:, i], own, applied)
+        if law.needs_applied:
+            asking[i] = partial(law.force, slip, inner, rates, loads[:, i], own)
+            R[:, i] = asking[i](_left(mechanics, i, [c for c, g in enumerate(mechanics.directions[i]) if g], free, told, R))
+        else:
+            R[:, i] = law.resolved(law.least_creep(scale, mechanics.difference(i)), slip, inner, rates, loads[:, i], own)
         if law.flies:  # its states are the gap and the gap's rate
             aloft = (inner[0] != 0.0) | (inner[1] != 0.0) | (rates[1] != 0.0)
             R[aloft, i], loads[aloft, i] = 0.0, 0.0
     resting = (mode == 0) & np.array([not law.dynamic for law in mechanics.laws], bool)
-    closed = _closed(mechanics, t, q, u)
+    for i, force in asking.items():
+        for stop, shut in zip(mechanics.stops, closed.T, strict=True):  # a closed one makes one body of its ends
+            ends = [c for c, h in enumerate(stop.direction) if h]
+            if len(ends) > 1 and any(mechanics.directions[i][c] for c in ends):
+                R[:, i] = np.where(shut, force(_left(mechanics, i, ends, free, told, R)), R[:, i])
     pressed = np.zeros(closed.shape)
     if np.any(resting) or np.any(closed):
         _hold(mechanics, np.hstack([resting, closed]), t, q, u, loads, R, pressed, held)
     moved = _under(mechanics, t, q, u, R, pressed, held)
     acceleration = _columns(mechanics.accelerations_of_bodies(t, moved), t)
     return {"acceleration": acceleration, "friction_force": R, "slip": slips, "load": loads}
+
+
+def _left(mechanics: Mechanics, i: int, coordinates: list[int], free: Array, told: Array, R: Array) -> Array:
+    """The force that a contact must bear to keep its slip constant, where these coordinates move as one [N]."""
+    others = sum(R[:, k] for k, g in enumerate(mechanics.directions) if k != i and any(g[c] for c in coordinates))
+    return sum(mechanics.masses[c] * (free[:, c] + told[:, i]) for c in coordinates) - (others if len(coordinates) > 1 else 0.0)
 
 
 def _columns(rows: Any, t: Array) -> Array:

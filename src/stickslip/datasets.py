@@ -16,7 +16,10 @@ from stickslip.status import STATUS
 from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES, unit_of
 
-__all__ = ["COLUMNS", "attributes", "dims_of", "names_of", "summary_dataset", "trajectory_columns", "trajectory_dataset", "write_csv"]
+__all__ = [
+    "COLUMNS", "attributes", "dims_of", "flat_columns", "headed", "names_of", "summary_dataset", "trajectory_columns",
+    "trajectory_dataset", "write_csv",
+]  # fmt: skip
 
 COLUMNS = tuple(name for name, variable in VARIABLES.items() if variable.dims[:1] == ("time",))
 
@@ -45,15 +48,32 @@ def dims_of(name: str, column: Any, names: dict[str, list[str]]) -> tuple[str, .
     return tuple(dim for dim in VARIABLES[name].dims if dim in names or dim not in ("body", "contact"))[: column.ndim]
 
 
+def flat_columns(run: Any) -> dict[str, tuple[Any, str]]:
+    """Every column of a run as columns of numbers (time,) with their units, by name.
+
+    A column of each of several bodies and contacts is called "x.head". Inner states are numbered; those that a law does not have are
+    left out.
+    """
+    return _flat(trajectory_columns(run), names_of(run), run.model)
+
+
+def _flat(columns: dict[str, Any], names: dict[str, list[str]], model: Any) -> dict[str, tuple[Any, str]]:
+    return {n: (one, unit_of(name, model)) for name, column in columns.items() for n, one in _parts(name, column, names)}
+
+
+def headed(columns: dict[str, tuple[Any, str]]) -> list[str]:
+    """The names of columns with their units: "v [m/s]"."""
+    return [f"{name} [{unit}]" for name, (_, unit) in columns.items()]
+
+
 def write_csv(columns: dict[str, Any], file: Any, names: dict[str, list[str]] | None = None, model: Any = None) -> None:
     """Write columns of a run as CSV, to a path or an open file: names with units first, every digit of the numbers.
 
-    `names` are those of the bodies and contacts: a column of each is called "x.head". Inner states are numbered; those that a law does
-    not have are left out. The `model` says whether columns are ways or angles.
+    `names` are those of the bodies and contacts. The `model` says whether columns are ways or angles.
     """
-    flat = {f"{n} [{unit_of(name, model)}]": one for name, column in columns.items() for n, one in _parts(name, column, names or {})}
-    table = np.column_stack(list(flat.values()))
-    np.savetxt(file, table, delimiter=",", header=",".join(flat), comments="", fmt="%.17g", encoding="utf-8")
+    flat = _flat(columns, names or {}, model)
+    table = np.column_stack([values for values, _ in flat.values()])
+    np.savetxt(file, table, delimiter=",", header=",".join(headed(flat)), comments="", fmt="%.17g", encoding="utf-8")
 
 
 def _parts(name: str, column: Any, names: dict[str, list[str]]) -> Iterator[tuple[str, Any]]:

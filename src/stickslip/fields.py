@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.maths import is_symbol
-from stickslip.quantities import allowed_in, example_of
+from stickslip.named import numbers_meant
+from stickslip.quantities import allowed_in, example_of, told_inside
+from stickslip.typed_numbers import in_unit
 
 if TYPE_CHECKING:
     import inspect
@@ -67,8 +69,9 @@ def is_array(value: Any) -> bool:
     return getattr(value, "ndim", 0) > 0
 
 
-def number(value: Any) -> Any:
-    """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither."""
+def number(value: Any, unit: str | None = None) -> Any:
+    """A float, or an array of floats that keeps its labels; `ValueError` says why a value is neither. With a unit "0.55 mm" is one too."""
+    value = value if unit is None else in_unit(value, unit)
     if _only_looks_like_one(value):
         raise ValueError(_refused(value))
     if masked := masked_in(value):
@@ -153,7 +156,9 @@ def describe_bad(value: Any, good: Callable[[Any], Any]) -> str:
     return f"[{', '.join(map(str, where))}] = {array[where]:.6g} ({len(bad)} of {array.size} values are not allowed)"
 
 
-def checked_number(name: str, value: Any, problems: Problems, rule: Callable[[Any], Any] | None, allowed: str, typed: str) -> Any:
+def checked_number(
+    name: str, value: Any, problems: Problems, rule: Callable[[Any], Any] | None, allowed: str, typed: str, unit: str | None = None
+) -> Any:
     """A finite number by its rule; what is wrong with it is noted and the value comes back as it was.
 
     Parameters
@@ -166,6 +171,8 @@ def checked_number(name: str, value: Any, problems: Problems, rule: Callable[[An
         Takes the sentence.
     rule : callable or None
         From value(s) to truth(s).
+    unit : str, optional
+        The unit in which it is kept; text such as "0.55 mm" is then allowed too.
 
     Returns
     -------
@@ -180,9 +187,11 @@ def checked_number(name: str, value: Any, problems: Problems, rule: Callable[[An
     >>> _ = checked_number("mass", "2", problems, positive, "a positive mass [kg]", "mass=0.06")
     >>> problems.found
     ["mass: '2' is not a number; allowed is a positive mass [kg]; type for example mass=0.06"]
+    >>> checked_number("mass", "60 g", Problems("robot"), positive, "a positive mass [kg]", "mass=0.06", "kg")
+    0.06
     """
     try:
-        value = number(value)
+        value = number(value, unit)
     except ValueError as error:
         problems.add(f"{name}: {error}; allowed is {allowed}; type for example {typed}")
         return value
@@ -257,7 +266,7 @@ class Frozen:
         told = field.metadata
         allowed = allowed_in(told, "None" in str(field.type) and not is_tuple_field(field))
         return checked_number(
-            name, value, problems, told.get("rule"), allowed, f"{field.name}={example_of(field.metadata, is_tuple_field(field))}"
+            name, value, problems, told.get("rule"), allowed, f"{field.name}={example_of(told, is_tuple_field(field))}", told.get("unit")
         )
 
     def _check(self, problems: Problems) -> None:
@@ -273,14 +282,12 @@ class Frozen:
         return hash(tuple((name, _key(value)) for name, value in leaves(self, kinds=True)))
 
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
-        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``."""
+        """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
+
+        A name may mean the numbers of several parts: "modules.drive.omega" those of all modules, "*.omega" whatever ends so.
+        """
         problems = Problems(type(self).__name__)
-        grouped = {**(changes or {}), **fields}
-        for path in grouped:
-            try:
-                _look_up(self, path)
-            except InputError as error:
-                problems.include(error)
+        grouped = _spelled_out(self, {**(changes or {}), **fields}, problems)
         problems.check()
         parts = {}
         for head, sub in _by_head(grouped).items():
@@ -332,6 +339,24 @@ def _changed(part: Any, changes: dict[str, Any]) -> Any:
     return part.replace(changes) if hasattr(part, "replace") else dataclasses.replace(part, **changes)
 
 
+def _spelled_out(record: Any, changes: dict[str, Any], problems: Problems) -> dict[str, Any]:
+    """The changes by names that mean one field or number each."""
+    found: dict[str, Any] = {}
+    for path, value in changes.items():
+        meant: tuple[str, ...] = (path,)
+        try:
+            _look_up(record, path)
+        except InputError as error:
+            meant = numbers_meant(path, (name for name, _ in leaves(record)))
+            if not meant:
+                problems.include(error)
+        for name in meant:
+            if name in found:
+                problems.add(f"{name} is given twice, once by {path!r}; leave one of the two out")
+            found[name] = value
+    return found
+
+
 @dataclasses.dataclass
 class _Sub:
     changes: dict[str, Any]
@@ -357,8 +382,15 @@ def _look_up(record: Any, path: str) -> Any:
         names = [f.name for f in dataclasses.fields(record)] if dataclasses.is_dataclass(record) else []
         value = getattr(record, head, None)
     if head not in names:
-        raise InputError(type(record).__name__, [f"{head!r} is not a field; {did_you_mean(head, names)}"])
+        raise InputError(type(record).__name__, [f"{head!r} is not a field; {_of_parts(record, path) or did_you_mean(head, names)}"])
     return _look_up(value, rest) if rest else value
+
+
+def _of_parts(record: Any, path: str) -> str:
+    """What to type for a number of a part that is given without the part's name; nothing where no part has it."""
+    found = [name for name, _ in leaves(record) if name.endswith(f".{path}")] if dataclasses.is_dataclass(record) else []
+    typed = " or ".join(f'replace({{"{name}": ...}})' for name in found[:3])
+    return f"{found[0].rpartition('.')[0]} has it; type {typed}" if found else ""
 
 
 def described_by(cls: Any, name: str) -> Mapping[str, Any]:
@@ -467,13 +499,15 @@ def told_by_field(record: Any, name: str) -> Mapping[str, Any]:
     'stiffness of the spring'
     """
     told: Mapping[str, Any] = {}
+    held: Mapping[str, Any] = {}
     for place in name.split("."):
         if place.isdigit():
             record = record[int(place)] if isinstance(record, tuple) else record
             continue
         own = {f.name: f.metadata for f in dataclasses.fields(record)} if dataclasses.is_dataclass(record) else {}
         told, record = own.get(place, {}), getattr(record, place, None)
-    return told
+        held = told if "words" in told else held
+    return told_inside(told, held)
 
 
 def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:

@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Drawn
 from stickslip.sealing import sealed
 from stickslip.storage import FORMAT
 
@@ -31,7 +32,7 @@ class ModeChange(NamedTuple):
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class FlowRun:
+class FlowRun(Drawn):
     """One run of a switching flow, made by `solve`. ``run[name]`` is the column of a state over the instants `t`.
 
     Parameters
@@ -214,6 +215,10 @@ class FlowRun:
         numbers = {name: float(value) for name, value in self.model.numbers.items()}
         return xr.Dataset(columns, {"time": self.t}, {"method": self.method, "status": self.status, **numbers})
 
+    def to_dataframe(self) -> Any:
+        """The columns as a `pandas.DataFrame` over time."""
+        return self.to_xarray().to_dataframe()
+
     @explains_arguments
     def save(self, path: str | Path) -> Path:
         """Write the columns to .csv or .nc; returns its path.
@@ -222,13 +227,19 @@ class FlowRun:
         """
         path = Path(path)
         if path.suffix == ".csv":
-            self.to_xarray().to_dataframe().to_csv(path)
+            self.to_dataframe().to_csv(path)
         elif path.suffix == ".nc":
             told = {"stickslip_format": FORMAT, "stickslip_content": "run of a flow"}
             self.to_xarray().assign_attrs(told).to_netcdf(path)
         else:
             raise InputError("save", [f"{str(path)!r} ends in {path.suffix!r}; allowed are .csv and .nc"])
         return path
+
+    _drawn_by = "states"
+
+    def _facts(self) -> dict[str, Any]:
+        length = f"{float(self.nodes[-1] - self.nodes[0]):.6g}"
+        return {"method": self.method, "status": self.status, "length": length, "switches": len(self.events)}
 
     def __repr__(self) -> str:
         length = f"{float(self.nodes[-1] - self.nodes[0]):.6g}"

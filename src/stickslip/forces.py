@@ -165,7 +165,7 @@ def friction_force(model: Any, mode: Any, t: Any, x: Any, v: Any, z: Any, zdot: 
     slip = held_velocity(model.contact_velocity(v), np.where(mode == 0, 1, mode))
     if law.dynamic:
         applied = model.total_mass * model.acceleration(t, x, v, 0.0) if law.needs_applied else None
-        return law.force(slip, z, zdot, load, memory, applied)
+        return law.resolved(law.least_creep(model.velocity_scale), slip, z, zdot, load, memory, applied)
     return np.where(mode == 0, offered_force(model, t, x), law.sliding(slip, load))
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
+from stickslip.drives.adapter import drive_of, lacking, unlikely
+from stickslip.fields import is_record
 from stickslip.friction.adapter import LawAdapter
 from stickslip.layout import of_principal
 from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
@@ -177,13 +179,34 @@ class MachineAdapter:
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on its numbers: its own, or those of its law."""
+        """Remarks on its numbers: its own, or those of its law; and on drives that no actuator makes."""
+        unlikely_ones = [note for drive in _drives_in(self.model) for note in unlikely(drive_of(drive))]
+        return list(dict.fromkeys([*unlikely_ones, *self._own_notes]))
+
+    @property
+    def _own_notes(self) -> list[str]:
         own = getattr(self.model, "notes", None)
         if own is not None:
             return list(own)
         mechanics = self.mechanics
         found = zip(mechanics.contacts, mechanics.laws, mechanics.loads(0.0, mechanics.start), strict=True)
         return [note if self.is_single else f"{name}: {note}" for name, law, load in found for note in law.notes(load)]
+
+    @property
+    def input(self) -> tuple[Any, dict[str, Any]] | None:
+        """What a record of its torque, current or force stands for: the machine without it, and the force for each unit, by what it is.
+
+        A machine that does not say is moved by a force besides its own; none on one whose inner mass is shaken.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> bare, per = machine_of(ss.Joint.example().replace(gear_ratio=50.0)).input
+        >>> bare.control is None, per
+        (True, {'torque': 50.0})
+        """
+        own = getattr(self.model, "input", None)
+        return own if own is not None else (self.model, {"applied force": 1.0}) if self.drive is None else None
 
     @property
     def is_pulled(self) -> bool:
@@ -194,6 +217,14 @@ class MachineAdapter:
     def far_end_velocity(self) -> Any:
         """Velocity of what pulls it [m/s]; 0 where nothing does."""
         return self.model.far_end_velocity if self.is_pulled else 0.0
+
+
+def _drives_in(record: Any) -> list[Any]:
+    """The motions that stand anywhere in a record."""
+    if not isinstance(record, tuple) and not lacking(record):
+        return [record]
+    parts = record if isinstance(record, tuple) else [getattr(record, f.name) for f in fields(record)] if is_record(record) else []
+    return [drive for part in parts for drive in _drives_in(part)]
 
 
 def machine_of(model: Machine) -> MachineAdapter:

@@ -138,6 +138,10 @@ class Mechanics(Protocol):
         """Rates of the contacts' offsets [m/s^2]."""
         return (0.0,) * len(self.contacts)
 
+    def difference(self, i: int) -> bool:
+        """Whether the slip of a contact is a difference of velocities that vary, which is known less exactly than it is small."""
+        return False
+
     def slips(self, t: Any, u: Numbers) -> tuple[Any, ...]:
         """Slip velocity of each contact [m/s]."""
         return tuple(_dot(g, u) + b for g, b in zip(self.directions, self.offsets(t), strict=True))

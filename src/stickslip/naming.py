@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stickslip.arguments import described_arguments
-from stickslip.fields import told_by_field
+from stickslip.fields import is_record, leaves, told_by_field
+from stickslip.named import numbers_meant
 from stickslip.quantities import axis_in, quantity
 
 __all__ = ["axis_of", "described", "example_for"]
@@ -23,7 +24,14 @@ def described(name: str, make: Any = None) -> Mapping[str, Any]:
     """The description of a number of a record, or of an argument of its maker; empty where nobody described it."""
     if name in _START:
         return _START[name]
-    return described_arguments(make).get(name, {}) if callable(make) else told_by_field(make, name)
+    if callable(make):
+        return described_arguments(make).get(name, {})
+    return told_by_field(make, name) or next((told_by_field(make, each) for each in _meant(make, name)), {})
+
+
+def _meant(record: Any, name: str) -> tuple[str, ...]:
+    """The numbers of a record that a name stands for."""
+    return numbers_meant(name, (each for each, _ in leaves(record))) if is_record(record) else ()
 
 
 def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
@@ -36,9 +44,22 @@ def axis_of(name: str, make: Any = None) -> tuple[str, str] | None:
     >>> import stickslip as ss
     >>> axis_of("link.stiffness", ss.Chain.example()), axis_of("amplitude", lambda amplitude: None)
     (('stiffness of the spring k', 'N/m'), ('amplitude of the inner mass A', 'm'))
+    >>> axis_of("modules.1.drive.omega", ss.Chain.example()), axis_of("modules.drive.omega", ss.Chain.example())
+    (('angular frequency (modules.1) ω', 'rad/s'), ('angular frequency ω', 'rad/s'))
     """
-    told = described(str(name), make)
-    return axis_in(told) or (axis_in(_of_presets().get(str(name), {})) if make is None or callable(make) else None)
+    name = next(iter(meant), str(name)) if len(meant := _meant(make, str(name))) == 1 else str(name)
+    told = _with_part(described(name, make), name, make)
+    return axis_in(told) or (axis_in(_of_presets().get(name, {})) if make is None or callable(make) else None)
+
+
+def _with_part(told: Mapping[str, Any], name: str, make: Any) -> Mapping[str, Any]:
+    """The description of a number that several parts have, with the part that is meant."""
+    places = name.split(".")
+    last = max((i for i, place in enumerate(places) if place.isdigit()), default=0)
+    alike = ".".join(place for place in places if not place.isdigit())
+    if not last or "label" not in told or callable(make) or len(_meant(make, alike)) < 2:
+        return told
+    return {**told, "label": f"{told['label']} ({'.'.join(places[: last + 1])})"}
 
 
 def example_for(name: str) -> float:

@@ -158,6 +158,32 @@ def example_of(told: Mapping[str, Any], several: bool = False) -> str:
     return f"{example:.6g}" if isinstance(example, float) else str(example)
 
 
+def holding(words: Mapping[str, str], units: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """For the metadata of a field that holds a record: what its numbers are of there, and in which units.
+
+    A `Harmonic` is that of an inner mass [m]; as the target of a controller it is an angle [rad].
+
+    Examples
+    --------
+    >>> told = told_inside(quantity("amplitude of the inner mass", "m"), holding({"the inner mass": "the target"}, {"m": "rad"}))
+    >>> told["label"], told["unit"]
+    ('amplitude of the target', 'rad')
+    """
+    return {"words": words, "units": units or {}}
+
+
+def told_inside(told: Mapping[str, Any], held: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The description of a number within a field that was described by `holding`."""
+    if "label" not in told or not held.get("words"):
+        return told
+    label = str(told["label"])
+    for word, there in held["words"].items():
+        label = label.replace(word, there)
+    unit = held["units"].get(told.get("unit"))
+    kept = told if unit is None else {name: of for name, of in told.items() if name not in ("shown", "range")} | {"unit": unit}
+    return {**kept, "label": label}
+
+
 def axis_in(told: Mapping[str, Any]) -> tuple[str, str] | None:
     r"""What an axis of a number is called, and its unit; None where its field does not say what it is.
 

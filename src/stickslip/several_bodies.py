@@ -240,6 +240,12 @@ class SeveralBodies(Mechanics):
         """Velocity of each body [m/s]."""
         return tuple(_plus(u[self.coordinate[name]], arm) for name, arm in zip(self.bodies, self._arms("velocity", t), strict=True))
 
+    def difference(self, i: int) -> bool:
+        """Where it rubs on a body or a motion, or its body moves otherwise than its coordinate."""
+        contact = self.joints[self.contacts[i]]
+        arms = self.arms[contact.body] or len(self.groups[self.coordinate[contact.body]]) > 1
+        return bool(arms) or isinstance(contact.on, str) or callable(getattr(contact.on, "velocity", None))
+
     def coordinate_of(self, body: str) -> int:
         """Number of the coordinate of its group."""
         return self.coordinate[body]

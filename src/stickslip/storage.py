@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import hdf5
-from stickslip.datasets import attributes, dims_of, names_of, trajectory_columns, write_csv
+from stickslip.datasets import attributes, dims_of, flat_columns, headed, names_of, trajectory_columns, write_csv
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
 from stickslip.friction.adapter import adapted
@@ -33,8 +33,9 @@ from stickslip.robot import Robot
 from stickslip.tables import document_of
 from stickslip.unpacking import Allowance
 from stickslip.variables import VARIABLES, unit_of
+from stickslip.workbooks import write_workbook
 
-__all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_mat", "unwritable"]
+__all__ = ["FORMAT", "from_text", "moved_into_place", "read", "save", "to_csv", "to_excel", "to_mat", "unwritable"]
 
 #: Version of the file format; a reader refuses a newer one. 1 had one body on one contact, without axes for them.
 FORMAT = 2
@@ -78,8 +79,8 @@ def save(run: Any, path: str | Path) -> Path:
     ----------
     run : Trajectory
     path : str or Path
-        ``.nc`` (also .nc4, .h5, .hdf5 or no ending) for netCDF4, which `stickslip.load` reads back; ``.csv`` or ``.mat`` for the columns
-        alone, which it does not.
+        ``.nc`` (also .nc4, .h5, .hdf5 or no ending) for netCDF4, which `stickslip.load` reads back; ``.csv``, ``.xlsx`` or ``.mat`` for
+        the columns alone, which it does not.
 
     Returns
     -------
@@ -307,6 +308,17 @@ def to_csv(run: Any, path: str | Path) -> Path:
     return path
 
 
+# ---- Excel ----
+def to_excel(run: Any, path: str | Path) -> Path:
+    """Write the columns of a run to an Excel workbook, units in its first line; returns its path."""
+    path = as_path(path, "to_excel", "run.xlsx")
+    columns = flat_columns(run)
+    rows = zip(*(np.asarray(values, float).tolist() for values, _ in columns.values()), strict=True)
+    with moved_into_place(path, unwritable("to_excel")) as beside:
+        write_workbook(beside, headed(columns), rows, len(run.t), attributes(run), "to_excel")
+    return path
+
+
 #: Endings of a file that `load` reads back, and of those that hold the columns alone.
 _NETCDF = (".nc", ".nc4", ".h5", ".hdf5", "")
-_OF_COLUMNS: dict[str, Callable[[Any, Path], Path]] = {".csv": to_csv, ".mat": to_mat}
+_OF_COLUMNS: dict[str, Callable[[Any, Path], Path]] = {".csv": to_csv, ".xlsx": to_excel, ".mat": to_mat}

@@ -16,6 +16,7 @@ from stickslip.steadiness import IRREGULAR, STEADINESS, UNSETTLED, unsettled_not
 from stickslip.variables import VARIABLES
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 __all__ = ["Summary"]
@@ -101,6 +102,10 @@ class Summary:
         from stickslip.datasets import summary_dataset
 
         return summary_dataset(self)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The columns as a `pandas.DataFrame`, a row for each case (and body, contact or stop, where a machine has several)."""
+        return self.to_xarray().to_dataframe()
 
     def __repr__(self) -> str:
         ends = "; ".join(f"{n} {sentence}" for sentence, n in self.status_counts.items()) if "status" in self.columns else ""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import html
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,12 +13,14 @@ from stickslip.arguments import Numbers, explains_arguments
 from stickslip.contact_forces import held_by_controllers
 from stickslip.errors import InputError
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
+from stickslip.faces import Drawn
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine import machine_of
 from stickslip.part_notes import shared_at_rest
 from stickslip.part_runs import BodyRun, ContactRun, ControllerRun
 from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
+from stickslip.run_files import RunFiles
 from stickslip.sealing import sealed
 from stickslip.status import Status
 from stickslip.steadiness import Steadiness, drifting_apart, of_run
@@ -28,7 +28,6 @@ from stickslip.summary import Summary
 from stickslip.variables import VARIABLES
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
 #: Samples of a run that has no period: this many times `samples` in all.
@@ -73,7 +72,7 @@ def _force_column(name: str) -> _Column:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Trajectory:
+class Trajectory(Drawn, RunFiles):
     """One run of one machine. It is computed once by `solve`; everything here only reads it.
 
     The columns ``t, x, v, z, mode, acceleration, friction_force, drive_force, xi, xi_rate, xi_acceleration,
@@ -482,32 +481,14 @@ class Trajectory:
             return f"whether a motion of {layout.says} has settled is not judged"
         return self.steadiness.note
 
-    def to_xarray(self) -> xr.Dataset:
-        """The columns as an `xarray.Dataset` over time, with units, names and provenance."""
-        from stickslip.datasets import trajectory_dataset
-
-        return trajectory_dataset(self)
-
-    @explains_arguments
-    def to_mat(self, path: str | Path) -> Path:
-        """Write the columns to a MATLAB file; returns its path."""
-        from stickslip.storage import to_mat
-
-        return to_mat(self, path)
-
-    @explains_arguments
-    def save(self, path: str | Path) -> Path:
-        """Write the run to a netCDF4 file (.nc) that `stickslip.load` reads back, or its columns to .csv or .mat; returns its path."""
-        from stickslip.storage import save
-
-        return save(self, path)
-
     def __repr__(self) -> str:
         seconds = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
         length = seconds if self.model.period is None else f"{self.periods} periods of {self.period_time:.6g} s"
         return f"<Trajectory: {length} by {self.method}, {self.status}>"
 
-    def _repr_html_(self) -> str:
-        rows = {"method": self.method, "status": self.status, "periods": f"{self.periods} ({self.settle} to settle)", "rtol": self.rtol}
-        cells = "".join(f"<tr><td>{k}</td><td>{html.escape(str(v))}</td></tr>" for k, v in {**rows, **self.counts}.items())
-        return f"<table><caption>Trajectory</caption>{cells}</table>{self.model._repr_html_()}"
+    _drawn_by = "velocity"
+
+    def _facts(self) -> dict[str, Any]:
+        length = f"{float(self.pieces.t[-1] - self.pieces.t[0]):.6g} s"
+        periods = {} if self.model.period is None else {"periods": f"{self.periods} of {self.period_time:.6g} s ({self.settle} to settle)"}
+        return {"machine": type(self.model).__name__, "method": self.method, "status": self.status, "length": length, **periods}

@@ -18,8 +18,6 @@ def worm(law: str, d: Draw) -> Any:
     masses = mass if alike else tuple(mass * d.uniform(0.5, 2.0) for _ in range(count))
     omega = 2 * np.pi / period
     rubs = friction(law, sized(d, mass, stroke * omega / 2, omega, 9.81 * mass))
-    if law == "ratestate":  # the slip of a foot is a difference of velocities, whose rounding hides what creeps more slowly
-        rubs = rubs.replace(a=rubs.mu0 * d.uniform(0.05, 0.1), b=rubs.mu0 * d.uniform(0.02, 0.1))
     wave = motion(d, stroke, period, jumps=not remembers(law) and d.choice.random() < 0.3)
     lag = 2 * np.pi / count * (1.0 + 0.0 * mass) if alike and d.choice.random() < 0.5 else d.uniform(-np.pi, np.pi)
     gait = ss.Gait(wave, lag=lag, length=0.05 * d.uniform(0.0, 1.0))

@@ -11,6 +11,7 @@ from stickslip import forces
 from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
+from stickslip.faces import Face
 from stickslip.machine import machine_of
 from stickslip.pieces import HarmonicArcs
 from stickslip.sealing import sealed
@@ -25,7 +26,7 @@ NODES_ARC, NODES_STEP = 24, 10
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Energy:
+class Energy(Face):
     r"""Energy balance in each period, :math:`W_d + W_g - W_f - W_c = \Delta E + \Delta U` with :math:`E = (M+m)\dot x^2/2`.
 
     A run without a period is one row; so is what a run has left over behind its last whole period.
@@ -71,6 +72,15 @@ class Energy:
     settle: int
     friction_of: dict[str, Array] = field(default_factory=dict)
     damping_of: dict[str, Array] = field(default_factory=dict)
+
+    def _facts(self) -> dict[str, Any]:
+        works = {name: getattr(self, name) for name in ("drive", "gravity", "friction", "damping")}
+        for kind, parts in (("friction", self.friction_of), ("damping", self.damping_of)):
+            works |= {f"{kind} of {name}": work for name, work in parts.items() if len(parts) > 1}
+        means = {name: float(np.mean(work[self.settle :])) for name, work in works.items() if len(work) > self.settle}
+        largest = max(map(abs, means.values()), default=0.0)
+        told = {f"work of {name}, a period": f"{mean:.6g} J" for name, mean in means.items() if abs(mean) > 1e-12 * largest}
+        return {**told, "worst residual": f"{self.worst:.1e}"}
 
     def __repr__(self) -> str:
         n = len(self.drive)

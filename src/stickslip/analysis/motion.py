@@ -13,6 +13,7 @@ from stickslip.analysis.segments import Segments, Watched, WatchedOf, clipped, i
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
+from stickslip.faces import Drawn
 from stickslip.fields import everywhere
 from stickslip.friction import Coulomb
 from stickslip.friction.adapter import adapted, law_of
@@ -29,7 +30,7 @@ _FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near
 
 
 @dataclass(frozen=True)
-class Motion:
+class Motion(Drawn):
     """The motion that a run ends in, judged on its last motion period.
 
     Parameters
@@ -80,6 +81,21 @@ class Motion:
     dwell: float | None = None
     _twin: Callable[[], str | None] | None = field(default=None, repr=False, compare=False)
 
+    _drawn_by, _inches = "pattern", (4.4, 1.0)
+
+    def _facts(self) -> dict[str, Any]:
+        return {
+            "type": self.type,
+            "pattern": self.pattern.replace("-", "−"),
+            "repeats after": "not found" if self.period is None else f"{self.period} drive period{'s' * (self.period != 1)}",
+            "margin": f"{self.margin:.3g} (0 is the border to another type)",
+            "forward, backward, stick": ", ".join(self._parts),
+        }
+
+    @property
+    def _parts(self) -> tuple[str, ...]:
+        return tuple(f"{100 * part:.1f} %" for part in (self.forward_fraction, self.backward_fraction, self.stick_fraction))
+
     @cached_property
     def twin(self) -> str | None:
         """Type of the same robot with Coulomb friction at its kinetic coefficients, solved when first asked for; None without such."""
@@ -87,7 +103,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Motions:
+class Motions(Drawn):
     """The motion that a machine of several contacts ends in: that of each contact. The machine as a whole has no motion type.
 
     Parameters
@@ -116,6 +132,12 @@ class Motions:
     period: int | None
     direction: int
     principal: str | None = None
+
+    _drawn_by, _inches = "pattern", (4.4, 1.6)
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("contact", "pattern", "forward", "backward", "stick")
+        return [[head, *((name, m.pattern.replace("-", "−"), *m._parts) for name, m in self.contacts.items())]]
 
     def __getattr__(self, name: str) -> Any:
         if name in Motion.__dataclass_fields__ or name == "twin":

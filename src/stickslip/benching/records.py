@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from typing import Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Drawn, drawn_on
 from stickslip.fields import leaves
 from stickslip.sealing import sealed
 
@@ -110,7 +110,7 @@ class Experiment:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Bench:
+class Bench(Drawn):
     """What one law does, alone; `print` shows the table, `stickslip.plot.bench` the figure.
 
     Parameters
@@ -170,7 +170,7 @@ class Bench:
     @property
     def table(self) -> str:
         """The numbers as a table of text, with what to know about them below it."""
-        return "\n".join([f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg", aligned(self.rows()), *self._remarks()])
+        return "\n".join([self._title(), aligned(self.rows()), *self._remarks()])
 
     def _remarks(self) -> list[str]:
         return [*(f"{e.title}: {e.remark}" for e in self.experiments if e.remark), *(f"note: {note}" for note in self.notes)]
@@ -193,14 +193,21 @@ class Bench:
     def __repr__(self) -> str:
         return f"<Bench of {self.name}: {len(self.quantities)} numbers from {len(self.experiments)} experiments>"
 
-    def _repr_html_(self) -> str:
-        below = "".join(f"<p>{html.escape(line)}</p>" for line in self._remarks())
-        return html_table(self.rows(), f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg") + below
+    _drawn_by = "bench"
+
+    def _figures(self) -> list[Any]:
+        return drawn_on(self.plot, (9.8, 4.5) if len(self.experiments) > 3 else (2.45 * (len(self.experiments) + 1), 2.25))
+
+    def _title(self) -> str:
+        return f"{self.name}, load {self.load:g} N, mass {self.mass:g} kg"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [self.rows()]
 
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Benches:
+class Benches(Drawn):
     """Several laws on the same bench, side by side; `print` shows one row for each law.
 
     Parameters
@@ -256,8 +263,16 @@ class Benches:
     def __repr__(self) -> str:
         return f"<Benches of {', '.join(found.name for found in self.benches)}>"
 
-    def _repr_html_(self) -> str:
-        return html_table(self.rows(), "Friction laws on the bench")
+    _drawn_by = "bench"
+
+    def _figures(self) -> list[Any]:
+        return drawn_on(self.plot, (1.75 * (len(self.benches[0].experiments) + 0.9), 0.5 + 1.0 * len(self)))
+
+    def _title(self) -> str:
+        return "Friction laws on the bench"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [self.rows()]
 
 
 def _bare(quantity: Quantity) -> str:
@@ -269,10 +284,3 @@ def aligned(rows: list[tuple[str, ...]]) -> str:
     """Rows of text in columns."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
-
-
-def html_table(rows: list[tuple[str, ...]], caption: str) -> str:
-    """Rows of text as an HTML table, the first its heading."""
-    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in rows[0])
-    body = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows[1:])
-    return f"<table><caption>{html.escape(caption)}</caption><tr>{head}</tr>{body}</table>"

@@ -14,11 +14,12 @@ from stickslip.cli.probing import probe, probe_axes
 from stickslip.cli.study_files import ALLOW_CODE, SOLVER, found
 from stickslip.cli.transcripts import commands_in, transcript
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
-from stickslip.naming import example_for
+from stickslip.naming import axis_of, example_for
+from stickslip.typed_numbers import in_unit
 
 __all__ = [
-    "SOLVER", "Parser", "Subject", "check_driven", "names_of", "parser", "parser_of", "settings", "subject", "value",
-    "without_default",
+    "SOLVER", "Parser", "Subject", "check_driven", "names_of", "parser", "parser_of", "settings", "subject", "units_of",
+    "value", "without_default",
 ]  # fmt: skip
 
 
@@ -120,13 +121,13 @@ def parser_of(act: Callable[[str, list[str]], int], command: str) -> Parser:
     raise LookupError(f"the command {command} reads no words")
 
 
-def value(text: str) -> Any:
-    """What stands behind the = sign: a whole number, a number, a multiple of pi, none, or a word.
+def value(text: str, unit: str = "") -> Any:
+    """What stands behind the = sign: a whole number, a number, a multiple of pi, a number with a unit, none, or a word.
 
     Examples
     --------
-    >>> value("200"), value("5e-4"), round(value("65.4pi"), 3), value("lugre"), value("none")
-    (200, 0.0005, 205.46, 'lugre', None)
+    >>> value("200"), value("5e-4"), round(value("65.4pi"), 3), value("lugre"), value("none"), value("0.55mm", "m")
+    (200, 0.0005, 205.46, 'lugre', None, 0.00055)
     """
     text = text.strip()
     if re.fullmatch(r"[+-]?\d+", text):
@@ -137,20 +138,20 @@ def value(text: str) -> Any:
             return float({"": "1", "+": "1", "-": "-1"}.get(multiple[1], multiple[1])) * 3.141592653589793
         return float(text)
     except ValueError:
-        return None if text.lower() == "none" else text
+        return None if text.lower() == "none" else in_unit(text, unit) if unit else text
 
 
-def values(text: str) -> Any:
+def values(text: str, unit: str = "") -> Any:
     """The same for a sweep, where a..b:n, a..b:n:log and a,b,c are several values.
 
     Examples
     --------
-    >>> values("1..3:3"), values("1..100:3:log"), values("4,5")
-    ([1.0, 2.0, 3.0], [1.0, 10.0, 100.0], [4, 5])
+    >>> values("1..3:3"), values("1..100:3:log"), values("4,5"), values("1mm..3mm:3", "m")
+    ([1.0, 2.0, 3.0], [1.0, 10.0, 100.0], [4, 5], [0.001, 0.002, 0.003])
     """
     spread = re.fullmatch(r"(.+?)\.\.(.+?):(\d+)(:log)?", text)
     if spread:
-        first, last, count = value(spread[1]), value(spread[2]), int(spread[3])
+        first, last, count = value(spread[1], unit), value(spread[2], unit), int(spread[3])
         if isinstance(first, (int, float)) and isinstance(last, (int, float)) and count >= 1:
             steps = max(count - 1, 1)
             if spread[4]:
@@ -160,8 +161,8 @@ def values(text: str) -> Any:
     if ".." in text:
         raise ValueError(f"{text!r} does not say how many values; add their number, such as {text}:9")
     if "," in text:
-        return [value(part) for part in text.split(",") if part.strip()]
-    return value(text)
+        return [value(part, unit) for part in text.split(",") if part.strip()]
+    return value(text, unit)
 
 
 def _by_a_factor(text: str, first: float, last: float, count: int) -> list[float]:
@@ -172,8 +173,13 @@ def _by_a_factor(text: str, first: float, last: float, count: int) -> list[float
     return [float(first), *inner, float(last)][:count]
 
 
-def settings(words: list[str], many: bool, problems: Problems) -> dict[str, Any]:
-    """NAME=VALUE words as a dict; what is wrong with them is noted."""
+def units_of(make: Any) -> Callable[[str], str]:
+    """From the name of a number to the unit in which its maker takes it; "" where nobody says."""
+    return lambda name: (axis_of(name, make) or ("", ""))[1]
+
+
+def settings(words: list[str], many: bool, problems: Problems, units: Callable[[str], str] = lambda name: "") -> dict[str, Any]:
+    """NAME=VALUE words as a dict, numbers with units in the units of those names; what is wrong with them is noted."""
     found: dict[str, Any] = {}
     for word in words:
         name, equals, text = word.partition("=")
@@ -186,7 +192,7 @@ def settings(words: list[str], many: bool, problems: Problems) -> dict[str, Any]
             problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
         else:
             try:
-                found[name] = values(text) if many else value(text)
+                found[name] = values(text, units(name)) if many else value(text, units(name))
             except ValueError as error:
                 problems.add(f"{name}: {error}")
     return found
@@ -249,7 +255,8 @@ def subject(
     if own or not strict:
         kept = {n: v for n, v in study.options.items() if strict or n in {word.partition(".")[0] for word in solver}}
         study = replace(study, arguments={n: v for n, v in study.arguments.items() if n not in own}, options=kept)
-    given = {**_from_file(study.arguments, words, many, problems), **settings(words, many, problems)}
+    units = units_of(study.make)
+    given = {**_from_file(study.arguments, words, many, problems, units), **settings(words, many, problems, units)}
     needed, known = names_of(study.make)
     tried = {word.partition("=")[0] for word in words} | set(study.arguments)
     for missing in (n for n in needed if n not in tried):
@@ -278,13 +285,13 @@ def _in_other_words(word: str, value: Any, known: Sequence[str]) -> str | None:
     return other_words(word, one, known)
 
 
-def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems: Problems) -> dict[str, Any]:
+def _from_file(arguments: dict[str, Any], words: list[str], many: bool, problems: Problems, units: Callable[[str], str]) -> dict[str, Any]:
     """The [arguments] of a study file that the command line does not set itself."""
     typed = {word.partition("=")[0] for word in words}
     rest = {name: v for name, v in arguments.items() if name not in typed}
     found = {name: v for name, v in rest.items() if not isinstance(v, (str, list)) or (many and isinstance(v, list))}
     several = [f"{name}={','.join(map(str, v))}" if isinstance(v, list) else f"{name}={v}" for name, v in rest.items() if name not in found]
-    return {**found, **settings(several, many, problems)}
+    return {**found, **settings(several, many, problems, units)}
 
 
 def names_of(make: Any) -> tuple[list[str], list[str]]:

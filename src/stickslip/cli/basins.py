@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import check_driven, parser, subject, values
+from stickslip.cli.arguments import check_driven, parser, subject, units_of, values
 from stickslip.cli.kept import Outcome, add_targets, finish, targets
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
@@ -108,10 +108,10 @@ def _text(value: Any) -> str:
 
 def _starts(words: list[str]) -> dict[str, Any]:
     """The words that are coordinates of the start."""
-    problems, found = Problems("arguments"), {}
+    problems, found, units = Problems("arguments"), {}, units_of(None)
     for match in filter(None, map(_START.fullmatch, words)):
         try:
-            found[match[1]] = values(match[2])
+            found[match[1]] = values(match[2], units(f"start.{match[1]}"))
         except ValueError as error:
             problems.add(f"{match[1]}: {error}")
     problems.check()

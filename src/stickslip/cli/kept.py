@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 __all__ = ["FILES", "Outcome", "Targets", "add_targets", "finish", "is_run", "targets"]
 
 #: Endings of the files.
-FILES = (".nc", ".mat", ".csv", ".parquet")
+FILES = (".nc", ".mat", ".csv", ".xlsx", ".parquet")
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Targets:
 def add_targets(made: Any, drawn: str, written: str) -> None:
     """The options --figure and --out of a command."""
     made.add_argument("--figure", metavar="FILE", help=f"draw {drawn} (.png, .svg or .pdf)")
-    made.add_argument("--out", metavar="FILE", help=f"write {written} (.nc, .mat, .csv or .parquet)")
+    made.add_argument("--out", metavar="FILE", help=f"write {written} (.nc, .mat, .csv, .xlsx or .parquet)")
 
 
 def targets(asked: Any) -> Targets:

@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
+from stickslip.cli.resuming import remembered
 from stickslip.cli.sweep import add_options, axes_of, out_file, run_options, unsettled, watcher
 from stickslip.errors import InputError, as_path, did_you_mean
 
@@ -34,7 +35,8 @@ def act(command: str, words: list[str]) -> int:
     asked = made.parse_intermixed_args(words)
     pictures = {name: show.writable(f"--{name}", getattr(asked, name), _PICTURES) for name in ("figure", "velocity")}
     file = out_file(asked.out)
-    grid, name = _grid(asked, file)
+    with remembered(command, words, asked, file):
+        grid, name = _grid(asked, file)
     _draw(grid, asked.x, pictures)
     written = [str(p) for p in (*pictures.values(), file or asked.out) if p]
     found = _found(grid)

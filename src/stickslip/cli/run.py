@@ -13,14 +13,14 @@ from stickslip.machine import machine_of
 __all__ = ["DATA", "act", "written_to"]
 
 FIGURES = (".png", ".svg", ".pdf")
-DATA = (".nc", ".mat", ".csv")
+DATA = (".nc", ".mat", ".csv", ".xlsx")
 
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(command, "Simulate one robot, mechanism or machine and say how it moves.")
     made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
-    made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat or .csv)")
+    made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat, .csv or .xlsx)")
     asked = made.parse_intermixed_args(words)
     figure, data = show.writable("--figure", asked.figure, FIGURES), show.writable("--data", asked.data, DATA)
     study = subject(asked.robot, asked.settings)
@@ -141,5 +141,5 @@ def _drawn(run: Any, path: Path | None) -> Path | None:
 
 
 def written_to(run: Any, path: Path | None) -> Path | None:
-    """Write every column of a run to a .nc, .mat or .csv file; returns its path."""
+    """Write every column of a run to a .nc, .mat, .csv or .xlsx file; returns its path."""
     return None if path is None else Path(run.save(path))

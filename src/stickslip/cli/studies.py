@@ -34,7 +34,7 @@ def _merge(command: str, words: list[str]) -> int:
 def _export(command: str, words: list[str]) -> int:
     made = parser(command, "Write the results of a study, or every column of a run, to one file.", robot=False)
     made.add_argument("results", metavar="RESULTS", help="a study folder, the .nc file of a sweep, or the .nc file of a run")
-    made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv or (of a study) .parquet file")
+    made.add_argument("file", metavar="FILE", help="a .nc, .mat, .csv, .xlsx or (of a study) .parquet file")
     asked = made.parse_args(words)
     source = as_path(asked.results, "study")
     if source.is_file() and is_run(source, command):

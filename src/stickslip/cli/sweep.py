@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject
+from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject, units_of
 from stickslip.cli.kept import FILES
+from stickslip.cli.resuming import remembered
+from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, StickslipError, as_path
 
 __all__ = ["act", "add_options", "axes_of", "out_file", "run_options", "watcher"]
@@ -16,7 +19,7 @@ __all__ = ["act", "add_options", "axes_of", "out_file", "run_options", "watcher"
 _SHOWN = 60  # rows of the table that are printed
 _COLUMNS = ("mean_velocity", "motion_type", "pattern", "period", "margin")
 _SETTLED = 1  # the status of a case whose strobe point repeats
-_NOT_OURS = (".xlsx", ".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg")
+_NOT_OURS = (".xls", ".ods", ".txt", ".tsv", ".dat", ".json", ".npy", ".npz", ".h5", ".hdf5", ".pkl", ".png", ".pdf", ".svg")
 _MORE = """\
 values
   amplitude=4e-4          one value
@@ -43,10 +46,11 @@ def act(command: str, words: list[str]) -> int:
 
     options = run_options(asked, file)
     try:
-        grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
+        with remembered(command, words, asked, file):
+            grid = sweep(study.make, *designs, progress=watcher(), **{**study.options, **options}, **study.arguments)
     except KeyboardInterrupt:
         if "out" in options:
-            raise StickslipError(f"interrupted; what is finished is in {asked.out}: type --resume to go on") from None
+            raise StickslipError(f"interrupted; what is finished is in {asked.out}: type stickslip resume {asked.out} to go on") from None
         raise
     if file is not None:
         export(grid, file)
@@ -66,7 +70,7 @@ def act(command: str, words: list[str]) -> int:
 # ---- what is asked ----
 def add_options(made: Parser, designs: bool = True) -> None:
     """Options that sweep and map share."""
-    made.add_argument("--out", metavar="PATH", help="a study folder that is filled tile by tile, or a .nc, .mat, .csv or .parquet file")
+    made.add_argument("--out", metavar="PATH", help="a study folder, filled tile by tile, or a .nc, .mat, .csv, .xlsx or .parquet file")
     made.add_argument("--resume", action="store_true", help="go on with the study in --out")
     made.add_argument("--shard", metavar="I/N", help="compute only part I of N of the study (then: stickslip merge)")
     made.add_argument("--dask", metavar="ADDRESS", help="compute on the Dask cluster of this scheduler, such as tcp://host:8786")
@@ -95,7 +99,7 @@ def axes_of(asked: Any) -> tuple[Subject, list[Any]]:
     count = asked.sobol or asked.latin
     made, settings = [], list(asked.settings)
     if count:
-        ranges, settings = _ranges(settings)
+        ranges, settings = _ranges(settings, units_of(found(asked.robot).make))
         make = designs.sobol if asked.sobol else designs.latin_hypercube
         made.append(make(count, seed=asked.seed, **ranges))
     if asked.table:
@@ -114,7 +118,7 @@ def _first(values: Any) -> Any:
     return values[0]
 
 
-def _ranges(settings: list[str]) -> tuple[dict[str, Any], list[str]]:
+def _ranges(settings: list[str], units: Callable[[str], str]) -> tuple[dict[str, Any], list[str]]:
     """NAME=a..b words as ranges of a random design, and the other words."""
     from stickslip.cli.arguments import value
 
@@ -124,7 +128,7 @@ def _ranges(settings: list[str]) -> tuple[dict[str, Any], list[str]]:
         name, _, text = word.partition("=")
         if ".." in text and ":" not in text:
             low, _, high = text.partition("..")
-            ranges[name] = (value(low), value(high))
+            ranges[name] = (value(low, units(name)), value(high, units(name)))
         else:
             rest.append(word)
             if ".." in text:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.contracts import Drive
-from stickslip.maths import maximum
+from stickslip.maths import is_symbol, maximum
 
-__all__ = ["NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of"]
+__all__ = ["NEEDS", "DriveAdapter", "drive_of", "lacking", "needs_of", "unlikely"]
 
 #: What a drive has to say; the rest has its default in `DriveAdapter`.
 NEEDS = ("position", "velocity", "acceleration", "period")
@@ -77,8 +77,44 @@ class DriveAdapter:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Remarks on where its numbers come from."""
-        return tuple(getattr(self.drive, "notes", None) or ())
+        """Remarks on where its numbers come from, and on a motion that no actuator makes."""
+        return (*(getattr(self.drive, "notes", None) or ()), *unlikely(self))
+
+
+#: Beyond this relative velocity [m/s] we ask whether a unit was mistaken: piezo actuators, voice coils, cranks and shakers stay below.
+_FASTEST = 10.0
+_EARTH = 9.81  # [m/s^2]
+
+
+def unlikely(adapter: DriveAdapter) -> tuple[str, ...]:
+    """A remark on a motion that is faster than actuators are, as one is whose millimetres were typed as metres.
+
+    Examples
+    --------
+    >>> from stickslip.drives import Harmonic
+    >>> unlikely(drive_of(Harmonic(amplitude="0.55 mm", omega=205.0)))
+    ()
+    >>> print(*unlikely(drive_of(Harmonic(amplitude=0.55, omega=205.0))))
+    is a unit mistaken? This drive has a stroke of 1.1 m, reaches 113 m/s and 2.36e+03 g; lengths are in m, and amplitude="0.55 mm" ...
+    """
+    if not _reaches(adapter.velocity_scale, _FASTEST):
+        return ()
+    import numpy as np
+
+    drive = adapter.drive
+    t = [drive.period * ((k + 0.5) / _SAMPLES) for k in range(_SAMPLES)]
+    ways, accelerations = (np.array([one(s) + 0.0 * drive.period for s in t]) for one in (drive.position, drive.acceleration))
+    stroke, speed = np.max(np.ptp(ways, axis=0)), np.max(np.asarray(adapter.velocity_scale))
+    told = f"has a stroke of {_digits(stroke)} m, reaches {_digits(speed)} m/s and {_digits(np.max(abs(accelerations)) / _EARTH)} g"
+    return (f'is a unit mistaken? This drive {told}; lengths are in m, and amplitude="0.55 mm" is allowed',)
+
+
+def _reaches(value: Any, bound: float) -> bool:
+    return not is_symbol(value) and bool((value > bound).any() if hasattr(value, "any") else value > bound)
+
+
+def _digits(value: Any) -> str:
+    return f"{float(value):.3g}"
 
 
 def drive_of(drive: Drive) -> DriveAdapter:

@@ -33,12 +33,12 @@ def take_damping(beam: Any, problems: Problems) -> None:
 def given(voltage: Any, frequency: Any) -> tuple[Any, Any]:
     """Voltage and frequency as numbers; what is wrong with both at once."""
     problems, taken = Problems("PiezoBeam"), []
-    for name, value, rule, allowed, example in (
-        ("voltage", voltage, between(0.0, 1e9), "zero or more [V], up to 1e9", "60"),
-        ("frequency", frequency, between(1e-9, 1e12), "a positive frequency [Hz], 1e-9 to 1e12", "32.7"),
+    for name, value, rule, allowed, example, unit in (
+        ("voltage", voltage, between(0.0, 1e9), "zero or more [V], up to 1e9", "60", "V"),
+        ("frequency", frequency, between(1e-9, 1e12), "a positive frequency [Hz], 1e-9 to 1e12", "32.7", "Hz"),
     ):
         try:
-            x = number(value)
+            x = number(value, unit)
             if not (everywhere(rule(x)) and everywhere(x < float("inf"))):
                 problems.add(f"{name} = {describe(x)}; allowed is {allowed}; type for example {name}={example}")
             taken.append(x)

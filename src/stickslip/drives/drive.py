@@ -81,9 +81,14 @@ def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:
     if frequency is None:
         return omega
     try:
-        return 2 * pi * number(frequency)
+        return 2 * pi * number(frequency, "Hz")
     except ValueError as error:
         raise InputError(kind, [f"frequency: {error}; allowed is a positive frequency [Hz]; type frequency=32.7"]) from None
+
+
+#: Units of what the constructors of motions in phases take.
+_UNITS = {**dict.fromkeys(("u1", "u2", "u3"), "m/s"), **dict.fromkeys(("a1", "a2", "w1", "w2", "w3"), "m/s^2"), "stroke": "m",
+          **dict.fromkeys(("t1", "t2", "period", "ramp"), "s"), "frequency": "Hz"}  # fmt: skip
 
 
 def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, Any]:
@@ -93,7 +98,7 @@ def given_numbers(problems: Problems, allowed: str, **values: Any) -> dict[str, 
         if value is None:
             continue
         try:
-            x = number(value)
+            x = number(value, _UNITS.get(name))
         except ValueError as error:
             problems.add(f"{name}: {error}; allowed is {allowed}")
             continue

@@ -17,6 +17,7 @@ from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe
 from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.shifted import shifted
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.faces import Drawn
 from stickslip.fields import number
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
@@ -58,16 +59,20 @@ class Attractor:
     interval: tuple[float, float]
     orbit: Any
 
+    @property
+    def _bounds(self) -> str:
+        """The interval of its share, as text."""
+        return f"{self.interval[0]:.3f} to {self.interval[1]:.3f}"
+
     def __repr__(self) -> str:
-        low, high = self.interval
         kind = f"period {self.period}" if self.period else "no period up to 32"
         way = f"V = {self.mean_velocity:.7g} m/s, " if np.isfinite(self.mean_velocity) else ""
-        return f"<Attractor: {kind}, {way}share {self.share:.3f} ({low:.3f} to {high:.3f})>"
+        return f"<Attractor: {kind}, {way}share {self.share:.3f} ({self._bounds})>"
 
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Basins:
+class Basins(Drawn):
     """Which start goes to which attractor.
 
     Parameters
@@ -95,6 +100,13 @@ class Basins:
     def fractions(self) -> list[float]:
         """The shares, the largest first."""
         return [a.share for a in self.attractors]
+
+    _drawn_by = "basins"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("attractor", "period [drive periods]", "mean velocity [m/s]", "share of the starts", "95 %")
+        told = [(str(a.period or "none"), f"{a.mean_velocity:.7g}", f"{a.share:.3f}", a._bounds) for a in self.attractors]
+        return [[head, *((str(k), *row) for k, row in enumerate(told))]]
 
     def __repr__(self) -> str:
         return "<Basins: " + "; ".join(map(repr, self.attractors)) + f"; {self.map.attractor.size} starts>"

@@ -18,9 +18,10 @@ from stickslip.dynamics.flow_paths import FlowPath
 from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.marked import Special, certain
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.paths import Path, Point, follow
+from stickslip.dynamics.paths import SIDE_BY_SIDE, Path, Point, follow
 from stickslip.dynamics.special import Located, located
 from stickslip.errors import InputError, Problems, SolveError
+from stickslip.faces import Drawn
 from stickslip.flow import is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.machine import machine_of
@@ -39,7 +40,7 @@ _ASIDE = 0.01  # how far from a flip its doubled branch is looked for, in scales
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Branch:
+class Branch(Drawn):
     """A branch of periodic orbits along a parameter.
 
     Parameters
@@ -139,6 +140,18 @@ class Branch:
         low, high = ends if stop is None else (min(stop, flip.value), max(stop, flip.value))
         return _doubled(self, flip, low, high, step, points)
 
+    _drawn_by = "continuation"
+
+    def _title(self) -> str:
+        return f"Branch of period {self.period}: {self.parameter} from {self.values[0]:.6g} to {self.values[-1]:.6g}"
+
+    def _facts(self) -> dict[str, Any]:
+        stable = sum(orbit.stable for orbit in self.orbits)
+        return {"orbits": f"{len(self.orbits)}, {stable} of them stable", "ended": self.ended}
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        return [[("special point", self.parameter), *((s.kind, s.told) for s in self.special)]] if self.special else []
+
     def __repr__(self) -> str:
         told = "; ".join(f"{s.kind} at {s.told}" for s in self.special) or "no special point"
         return (
@@ -220,7 +233,10 @@ def continuation(
             f"the motion at {parameter} = {start:.9g} could not be kept fixed while following it: {found.why}; try another start"
         )
     towards = np.eye(len(found.at))[-1] * np.sign(stop - start)
-    return _followed(path, path.point(found, towards), min(start, stop), max(start, stop), step, points)
+    begun = path.point(found, towards)
+    if not begun.alone:
+        raise SolveError(f"at {parameter} = {start:.9g} {SIDE_BY_SIDE}; give the machine what tells them apart, such as damping")
+    return _followed(path, begun, min(start, stop), max(start, stop), step, points)
 
 
 def _check(start: Any, stop: Any, step: Any, points: Any) -> None:

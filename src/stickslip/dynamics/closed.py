@@ -8,18 +8,25 @@ from typing import Any
 import numpy as np
 
 from stickslip.dynamics.mapping import coordinates
+from stickslip.faces import Drawn
 from stickslip.machine import machine_of
 
-__all__ = ["ClosedMotion", "largest_first", "multipliers_of", "resting"]
+__all__ = ["NEUTRAL", "ClosedMotion", "largest_first", "multipliers_of", "resting", "stability_of"]
 
 Array = Any
+NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 
-class ClosedMotion(ABC):
+class ClosedMotion(Drawn, ABC):
     """A motion of a model that comes back to a state."""
 
     model: Any
     state: Array
+
+    _drawn_by = "phase"
+
+    def _drawn(self) -> Any:
+        return self.run
 
     @property
     @abstractmethod
@@ -59,7 +66,28 @@ class ClosedMotion(ABC):
     @property
     def stable(self) -> bool:
         """Whether small disturbances die out: all multipliers within the unit circle."""
-        return bool(np.all(abs(self.multipliers) < 1.0))
+        return self.stability == "stable"
+
+    @property
+    def stability(self) -> str:
+        """What becomes of small disturbances, as `stability_of` its multipliers says."""
+        return stability_of(self.multipliers)
+
+
+def stability_of(multipliers: Array) -> str:
+    """What multipliers say of small disturbances: "stable", "neutral", "unstable" or "of unknown stability".
+
+    Neutral are those with a multiplier on the unit circle, to rounding, and none beyond it; unknown are those that the map does not have.
+
+    Examples
+    --------
+    >>> [stability_of(np.array(m)) for m in ([0.5], [1.0, 0.5], [-2.0, 0.5], [np.nan])]
+    ['stable', 'neutral', 'unstable', 'of unknown stability']
+    """
+    sizes = abs(np.asarray(multipliers))
+    if not np.isfinite(sizes).all():
+        return "of unknown stability"
+    return "stable" if np.all(sizes < 1.0 - NEUTRAL) else "unstable" if np.any(sizes > 1.0 + NEUTRAL) else "neutral"
 
 
 def largest_first(multipliers: Array) -> Array:

@@ -32,12 +32,16 @@ _MOST = 12  # steps of Newton's method from a run that has settled
 @sealed
 @dataclass(frozen=True, eq=False)
 class Settled:
-    """The motions in which runs from rest have ended: strobe state, number of drive periods (0: it does not repeat), mean velocity."""
+    """The motions in which runs from rest have ended: strobe state, number of drive periods (0: it does not repeat), mean velocity.
+
+    `stepped` says that the runs were made of steps, not of closed arcs.
+    """
 
     state: Array  # (cases, coordinates)
     period: Array
     mean_velocity: Array  # [m/s]
     status: Array
+    stepped: bool = True
 
 
 def settled(model: Any, at: Coordinates, cases: int = 1, periods: int = 400, rtol: float = 1e-6) -> Settled:
@@ -71,7 +75,7 @@ def settled(model: Any, at: Coordinates, cases: int = 1, periods: int = 400, rto
         from stickslip.solvers.exact import solve_batch
 
         raw = solve_batch(model, periods, "auto")
-        return Settled(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"])
+        return Settled(raw["v_end"][:, None], raw["period"], raw["displacement"] / (raw["window"] * T), raw["status"], False)
     start = np.broadcast_to(at_rest(model, at), (cases, len(at.names)))
     found, table, end = run_lanes(model, start, periods, rtol, auto=True, at=at)
     with np.errstate(invalid="ignore", divide="ignore"):

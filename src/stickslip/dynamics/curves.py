@@ -20,6 +20,7 @@ from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.paths import tangent_of
 from stickslip.dynamics.switching import Margin, Sequence, dip, gap, margins, misses, sequence_of, slope_of_gap
 from stickslip.errors import InputError, SolveError
+from stickslip.faces import Face
 from stickslip.flow import is_flow
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
@@ -36,7 +37,7 @@ _SLOPE = 1e-5  # half the distance of the differences that give multipliers alon
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Curve(Face):
     """A curve of special points in two parameters.
 
     Parameters
@@ -84,6 +85,11 @@ class Curve:
         columns |= {f"{name}_accuracy": ("point", self.accuracy[:, i]) for i, name in enumerate(self.parameters)}
         columns |= {name: ("point", [o.state[i] for o in self.orbits]) for i, name in enumerate(self.orbits[0].names)}
         return xr.Dataset(columns, attrs={"kind": self.kind, "ended": self.ended})
+
+    def _facts(self) -> dict[str, Any]:
+        across, up = self.parameters
+        ends = [f"{across} = {x:.6g}, {up} = {y:.6g}" for x, y in self.values[[0, -1]].tolist()]
+        return {"kind": self.kind, "from": ends[0], "to": ends[1], "points": len(self.values), "ended": self.ended}
 
     def __repr__(self) -> str:
         told = "".join(f"; {m.kind} at {m.told}" for m in self.special)

@@ -133,11 +133,15 @@ class LimitCycle(ClosedMotion):
             return "slip"
         return "stick-slip" if law_of(self.model).dynamic else "reversing"
 
+    def _facts(self) -> dict[str, Any]:
+        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        stability = f"{self.stability}; multipliers {told}"
+        return {"type": self.type, "duration": f"{self.duration:.9g} s", "stability": stability}
+
     def __repr__(self) -> str:
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         return (
-            f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {'stable' if self.stable else 'unstable'} (multipliers {told}), "
-            f"residual {self.residual:.1e}>"
+            f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {self.stability} (multipliers {told}), residual {self.residual:.1e}>"
         )
 
 

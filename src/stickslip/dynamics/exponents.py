@@ -18,6 +18,7 @@ from stickslip.dynamics.needs import needs_model
 from stickslip.dynamics.tangents import Changes, changes_along, not_followed
 from stickslip.engine.tangent import with_volume
 from stickslip.errors import InputError, Problems
+from stickslip.faces import Face
 from stickslip.fields import checked_number, number
 from stickslip.flow import is_flow
 from stickslip.machine import machine_of
@@ -307,7 +308,7 @@ def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apar
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Verdict(Face):
     """What kind of motion a robot settles on, and on what evidence.
 
     Parameters
@@ -336,6 +337,17 @@ class Verdict:
     exponents: Lyapunov
     orbit: Any
     why: str
+
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """Draw the orbit, or, where there is none, how the exponents converge; returns the axes."""
+        return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
+
+    def _figures(self) -> list[Any]:
+        return (self.exponents if self.orbit is None else self.orbit)._figures()
+
+    def _facts(self) -> dict[str, Any]:
+        period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
+        return {"motion": self.kind, **period, "exponents": self.exponents.told, "evidence": self.why}
 
     def __repr__(self) -> str:
         return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"

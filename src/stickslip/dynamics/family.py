@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.batch import made_model, point_by_point
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
+from stickslip.named import numbers_meant
 from stickslip.naming import axis_of
 from stickslip.sweeps.axes import check_names  # a family is a sweep whose values are not known before
 
@@ -84,6 +85,6 @@ def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, A
     if not callable(make):
         names = [name for name, _ in leaves(make)]
         for name in parameters:
-            if name not in names:
+            if not numbers_meant(name, names):
                 raise InputError(what, [f"{name!r} is no number of the robot; {did_you_mean(name, names)}"])
     return Family(make, parameters, fixed, what)

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
-from stickslip.dynamics.closed import multipliers_of
+from stickslip.dynamics.closed import multipliers_of, stability_of
 from stickslip.dynamics.order import needs_one_body
 from stickslip.dynamics.switched import Passage, derivative, passage, started
 from stickslip.errors import InputError, Problems, SolveError, is_whole
+from stickslip.faces import Drawn
 from stickslip.flow import Switch, SwitchingFlow, is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.mechanics import normal_load
@@ -31,7 +32,7 @@ _PARTS = (2, 3, 5, 7, 11, 13)
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class FlowOrbit:
+class FlowOrbit(Drawn):
     """A periodic orbit of a switching flow.
 
     Parameters
@@ -109,16 +110,26 @@ class FlowOrbit:
     @property
     def stable(self) -> bool:
         """Whether small disturbances die out."""
-        return bool(np.all(abs(self.multipliers) < 1.0))
+        return stability_of(self.multipliers) == "stable"
 
     @property
     def pattern(self) -> tuple[Any, ...]:
         """The modes in order."""
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
+    _drawn_by = "phase"
+
+    def _drawn(self) -> Any:
+        return self.run
+
+    def _facts(self) -> dict[str, Any]:
+        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        stability = f"{stability_of(self.multipliers)}; multipliers {told}"
+        return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}
+
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), "stable" if self.stable else "unstable"
+        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), stability_of(self.multipliers)
         length = f"{self.duration:.9g} long, {len(self.events)} switches"
         return f"<FlowOrbit: {length}, {word} (multipliers {told}), mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
 

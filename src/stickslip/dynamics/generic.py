@@ -15,6 +15,7 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.dynamics.written import numbers, of_state
 from stickslip.errors import InputError, Problems
+from stickslip.faces import Drawn, rounded
 from stickslip.fields import number as plain_number
 from stickslip.flow import is_flow
 from stickslip.sealing import sealed
@@ -27,7 +28,7 @@ STRETCHES = 20  # of which the scatter of the means gives the error
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Lyapunov:
+class Lyapunov(Drawn):
     """Lyapunov exponents with what one must know to believe them.
 
     Parameters
@@ -83,6 +84,20 @@ class Lyapunov:
                 return float(k + (total / abs(exponent) if np.isfinite(exponent) else 0.0))
             total += float(exponent)
         return float(len(self.spectrum))
+
+    _drawn_by = "convergence"
+
+    @property
+    def told(self) -> str:
+        """The exponents with their standard errors, rounded to what is known."""
+        known = zip(self.spectrum.tolist(), self.errors.tolist(), strict=True)
+        return ", ".join(f"{rounded(a, e)} ± {e:.1g}" if np.isfinite(a) else "−∞" for a, e in known) + f" per {self.unit}"
+
+    def _facts(self) -> dict[str, Any]:
+        return {"exponents": self.told, "averaged over": f"{self.steps:g} {self.unit}s"}
+
+    def _remarks(self) -> list[str]:
+        return [self.note] if self.note else []
 
     def __repr__(self) -> str:
         told = ", ".join(f"{a:.6g} ± {e:.1g}" for a, e in zip(self.spectrum, self.errors, strict=True))

@@ -233,7 +233,9 @@ def spread_over(model: Any, cases: int) -> Any:
     return replace_leaf(model, {name: np.full(cases, float(numbers[name]))})
 
 
-def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, at: Coordinates | None = None) -> Ends:
+def strobe_map(
+    model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, at: Coordinates | None = None, stepped: bool = False
+) -> Ends:
     """The states after some drive periods.
 
     Parameters
@@ -248,6 +250,9 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, a
         Tolerance for dynamic laws.
     at : Coordinates, optional
         Where they are known.
+    stepped : bool
+        Go by steps without asking first whether there are closed arcs and whether the equations come back after the period, as of
+        machines beside one that has been asked.
 
     Examples
     --------
@@ -257,6 +262,8 @@ def strobe_map(model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, a
     [0.000185664, 0.000186046]
     """
     states = np.atleast_2d(np.asarray(states, float))
+    if stepped:
+        return _in_lanes(model, states, periods, rtol, at=at, known=True)
     if is_flow(model):
         return _of_flow(model, states, periods)
     machine = machine_of(model)
@@ -288,9 +295,11 @@ def map_method(model: Any, rtol: float) -> tuple[Any, float]:
     return (tableau(model, rtol), SAFETY * rtol) if machine_of(model).has_inner_states else (None, REPEAT / 10)
 
 
-def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None) -> Ends:
+def _in_lanes(
+    model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None, known: bool = False
+) -> Ends:
     """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
-    found, table, end = run_lanes(model, states, periods, rtol, span, at=at)
+    found, table, end = run_lanes(model, states, periods, rtol, span, at=at, known=known)
     segments = _segments(found, len(machine_of(model).laws), table.span)
     if not machine_of(model).is_single:
         none = np.full(len(states), np.nan)
@@ -301,9 +310,13 @@ def _in_lanes(model: Any, states: Array, periods: int, rtol: float, span: Any = 
 
 
 def run_lanes(
-    model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None
-) -> tuple[Any, Any, Array]:
-    """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs."""
+    model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
+    known: bool = False,
+) -> tuple[Any, Any, Array]:  # fmt: skip
+    """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs.
+
+    Where it is not `known`, they are asked whether their equations come back after the period.
+    """
     from stickslip.engine import lanes
     from stickslip.solvers.repeating import check_period
     from stickslip.solvers.stepping import BUDGET, budget_of
@@ -311,7 +324,8 @@ def run_lanes(
 
     at, cases = coordinates(model) if at is None else at, len(states)
     order, (tableau, tolerance) = at.order, map_method(model, rtol)
-    check_period(model)
+    if not known:
+        check_period(model)
     kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
     q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
     span = (0.0 if model.period is None else spread(model.period, labels_of(model))) if span is None else span

@@ -36,11 +36,15 @@ class Found:
 
 
 def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array, Array]:
-    """The residuals and their Jacobian by central differences, in one batch."""
+    """The residuals and their Jacobian by central differences, in one batch; by one-sided ones where one side has no residuals."""
     n = len(u)
     found = residuals(np.vstack([u, u + step * np.eye(n), u - step * np.eye(n)]))
+    here, ahead, behind = found[0], found[1 : n + 1], found[n + 1 :]
     with np.errstate(invalid="ignore"):
-        return found[0], ((found[1 : n + 1] - found[n + 1 :]) / (2 * step)).T
+        slopes, forwards, backwards = (ahead - behind) / (2 * step), (ahead - here) / step, (here - behind) / step
+    for one_sided in (forwards, backwards):  # beside the border of what the map takes
+        slopes = np.where(np.isfinite(slopes).all(axis=1, keepdims=True), slopes, one_sided)
+    return here, slopes.T
 
 
 def newton(

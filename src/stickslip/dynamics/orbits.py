@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.analysis.motion import Motion, Motions, motion
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import Labels
-from stickslip.dynamics.closed import ClosedMotion, largest_first, multipliers_of, resting
+from stickslip.dynamics.closed import NEUTRAL, ClosedMotion, largest_first, multipliers_of, resting
 from stickslip.dynamics.cycles import limit_cycle
 from stickslip.dynamics.flow_orbits import FlowOrbit, flow_orbit
 from stickslip.dynamics.mapping import (
@@ -38,6 +38,7 @@ from stickslip.machine import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers.flow_solving import starts_of
 from stickslip.solvers.request import LARGEST_START
+from stickslip.variables import unit_of
 
 if TYPE_CHECKING:
     from stickslip.dynamics.cycles import LimitCycle
@@ -52,7 +53,6 @@ RTOL = 1e-12
 RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
 _SETTLING = 100  # drive periods that a guess is run for
 _CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
-_NEUTRAL = 1e-8  # how far from 1 the multiplier of a place that is free may be computed
 _SAME = 1e-7  # strobe states closer than this are one
 
 
@@ -164,7 +164,7 @@ class PeriodicOrbit(ClosedMotion):
     def _is_neutral(self) -> bool:
         """Whether disturbances that do not die out only move what rests all the time to another place at rest."""
         free = sum(pattern == "0" for pattern in self.patterns.values())
-        return bool(0 < np.sum(abs(self.multipliers) >= 1.0 - _NEUTRAL) <= free and np.all(abs(self.multipliers) <= 1.0 + _NEUTRAL))
+        return self.stability == "neutral" and bool(np.sum(abs(self.multipliers) >= 1.0 - NEUTRAL) <= free)
 
     @property
     def margin(self) -> float:
@@ -177,16 +177,23 @@ class PeriodicOrbit(ClosedMotion):
         largest = float(abs(self.multipliers).max())
         return 0.0 if largest == 0.0 else float("inf") if largest == 1.0 else -self.period / float(np.log(largest))
 
+    def _facts(self) -> dict[str, Any]:
+        patterns = self.patterns if len(self.patterns) > 1 else {"motion type": self.type, "pattern": self.pattern}
+        return {
+            "mean velocity": f"{self.mean_velocity:.9g} {unit_of('v', self.model)}",
+            **{name: text.replace("-", "−") for name, text in patterns.items()},
+            "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
+            "stability": f"{self.stability}; multipliers {', '.join(f'{m:.6g}' for m in self.multipliers)}",
+        }
+
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
         told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         single = machine_of(self.model).is_single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
-        known = bool(np.isfinite(self.multipliers).all())
-        word = "stable" if self.stable else "neutral" if self._is_neutral else "unstable" if known else "of unknown stability"
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
-            f"{word} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+            f"{self.stability} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
         )
 
 

@@ -19,13 +19,16 @@ from stickslip.dynamics.grazed import grazed
 from stickslip.dynamics.mapping import Coordinates, coordinates, strobe_map, with_rests
 from stickslip.dynamics.newton import Found, newton_within
 from stickslip.dynamics.orbits import RUNS, PeriodicOrbit
+from stickslip.errors import InputError
 from stickslip.sealing import sealed
 
-__all__ = ["Path", "Point", "tangent_of"]
+__all__ = ["SIDE_BY_SIDE", "Path", "Point", "tangent_of"]
 
 Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
 _SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
+_FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9
+SIDE_BY_SIDE = "such motions lie side by side, each as good as the next (a multiplier is 1), and no single one can be followed"
 _SMALL, _PATIENCE = 1e-4, 40  # a step that is small, and how many such steps in a row are taken before it is no use
 
 
@@ -39,6 +42,7 @@ class Point:
     value: float
     orbit: Any
     blur: float = 0.0  # how far its residual may have moved it, in the scaled space
+    alone: bool = True  # not one of a family of motions at the same value of the parameter
 
     @cached_property
     def flip(self) -> float:
@@ -113,11 +117,30 @@ class Path:
         """How far each state is from itself after the period, in its scales."""
         return self.ends(U, memory)[:, : self.at.smooth] / self.scales - U[:, :-1]
 
+    def _admissible_misses(self, U: Array, memory: Array) -> Array:
+        """The misses; no numbers at points beside the first whose parameter is refused, such as a restitution just below zero."""
+        try:
+            return self.misses(U, memory)
+        except InputError:
+            good = np.array([self._is_admissible(u) for u in U])
+            if not good[0]:
+                raise
+        found = np.full((len(U), len(self.scales)), np.nan)
+        found[good] = self.misses(U[good], memory)
+        return found
+
+    def _is_admissible(self, u: Array) -> bool:
+        try:
+            self.family.robot(self.value(u))
+        except InputError:
+            return False
+        return True
+
     def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1) -> Found:
         """The point of the branch in the plane through `guess` across a direction."""
 
         def problem(memory: Array) -> Any:
-            return lambda U: np.column_stack([self.misses(U, memory), (U - guess) @ across])
+            return lambda U: np.column_stack([self._admissible_misses(U, memory), (U - guess) @ across])
 
         def after(u: Array, memory: Array) -> Array:
             return self.ends(u[None, :], memory)[0, self.at.smooth :]
@@ -138,7 +161,8 @@ class Path:
         """A point with its orbit and its direction."""
         tangent = tangent_of(found.jacobian[:-1], towards)
         blur = found.residual / max(float(np.linalg.svd(found.jacobian, compute_uv=False)[-1]), 1e-300)
-        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur)
+        sizes = np.linalg.svd(found.jacobian[:-1], compute_uv=False)
+        return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]))
 
     def beyond(self, here: Point) -> tuple[Found, Point, float] | None:
         """The next point where the branch has a corner, such as where a new switch begins: found at a fixed parameter beyond it."""
@@ -178,8 +202,6 @@ def _apart(u: Array, corners: Array) -> float:
 
 def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[float], bool]) -> Iterator[Point | str]:
     """The points after the first; at the end a sentence that says why it ended."""
-    from stickslip.errors import InputError
-
     here, largest, name, small = first, 4 * step, path.family.parameters[0], 0
     passed = [first.u]
     for _ in range(most):
@@ -210,6 +232,9 @@ def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[f
                     return
                 yield why or f"no step was small enough at {name} = {here.value:.9g}: {found.why if found else ''}"
                 return
+        if not point.alone:
+            yield f"at {name} = {point.value:.9g} {SIDE_BY_SIDE}"
+            return
         if not inside(point.value):
             yield point
             yield "it reached the end of the range"

@@ -9,15 +9,18 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import explains_arguments
+from stickslip.drives.within import drives_within
 from stickslip.dynamics.closing import Closed, Closing
 from stickslip.dynamics.mapping import coordinates
-from stickslip.dynamics.named import numbers_meant
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit, states_of
-from stickslip.dynamics.tangents import Changes, changes_along, not_followed, number_slopes, start_changes
+from stickslip.dynamics.slopes import number_slopes, period_of, start_changes
+from stickslip.dynamics.tangents import Changes, changes_along, not_followed
 from stickslip.engine.trace import SPAN, numbers_of
 from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Face
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import is_machine
+from stickslip.named import numbers_meant
 from stickslip.sealing import sealed
 from stickslip.solvers.repeating import check_period
 
@@ -25,12 +28,13 @@ __all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sen
 
 Array = Any
 _ALONE = "if it alone changes, the equations do not come back after the period"
+_WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
 _ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
 
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Sensitivity:
+class Sensitivity(Face):
     """Derivatives of a motion by numbers of its machine.
 
     Parameters
@@ -77,6 +81,14 @@ class Sensitivity:
         """By how many per cent V changes when a number grows by one: (p/V) dV/dp."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.values / self.velocity * self.mean_velocity
+
+    def _title(self) -> str:
+        return f"Sensitivity of the mean velocity, {self.velocity:.9g} m/s"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("number p", "value", "dV/dp [SI]", "% of V for 1 % of p")
+        rows = zip(self.names, self.values, self.mean_velocity, self.relative, strict=True)
+        return [[head, *((name, f"{p:.6g}", f"{slope:.7g}", f"{relative:.4g}") for name, p, slope, relative in rows)]]
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))
@@ -152,7 +164,8 @@ def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]
 def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
     if not names:
         return f"{pattern!r} is no number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
-    last = names[0].rpartition(".")[2]
+    places = names[0].split(".")
+    last = ".".join(places[-2:] if places[-1].isdigit() else places[-1:])
     return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
 
 
@@ -163,7 +176,7 @@ def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:
     for i, names in enumerate(moved):
         for name in names:
             aside[name][i] += _ASIDE * (abs(own[name]) or 1.0)
-    return not _has_period(replace_leaf(model, aside))
+    return not _has_period(replace_leaf(model, aside), model)
 
 
 def _breaks(model: Any, names: tuple[str, ...]) -> bool:
@@ -174,16 +187,22 @@ def _breaks(model: Any, names: tuple[str, ...]) -> bool:
             aside = replace_leaf(model, {name: own[name] + side * _ASIDE * (abs(own[name]) or 1.0) for name in names})
         except InputError:  # at the end of its range
             continue
-        return not _has_period(aside)
+        return not _has_period(aside, model)
     return False
 
 
-def _has_period(model: Any) -> bool:
+def _has_period(aside: Any, model: Any) -> bool:
+    """Whether the equations of a machine come back after its period as they did before its numbers were moved."""
     try:
-        check_period(model)
+        check_period(aside)
     except InputError:
         return False
-    return True
+    return all(np.all(abs(now / was - 1.0) < _WHOLE) for now, was in zip(_cycles(aside), _cycles(model), strict=True))
+
+
+def _cycles(model: Any) -> list[Any]:
+    """How many periods of each drive there are in that of the machine: accelerations that jump or are zero do not show it."""
+    return [] if model.period is None else [model.period / drive.period for drive in drives_within(model)]
 
 
 def seeds_of(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
@@ -202,7 +221,7 @@ def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
     """Change of the period along each direction [s]."""
     if model.period is None:
         return np.zeros(count)
-    return number_slopes(model, numbers, lambda machine: [machine.mechanics.period], count)[0]
+    return number_slopes(model, numbers, period_of, count)[0]
 
 
 def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:

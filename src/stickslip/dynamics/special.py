@@ -65,7 +65,7 @@ def _accuracy(path: Path, p: Point, test: Callable[[Point], float], b: Point) ->
     h = float((aside.u - p.u) @ p.tangent)
     slope, bend = abs(test(aside) - test(p)) / abs(h), abs(aside.fold - p.fold) / abs(h)
     unsure = abs(test(p)) + abs(test(other) - test(p)) + _MULTIPLIERS * float(np.prod(1.0 + abs(np.asarray(p.orbit.multipliers))))
-    along = unsure / max(slope, 1e-300)
+    along = unsure / slope if unsure < slope else 1.0  # of the range, where the test hardly changes
     moved = path.span * (abs(p.fold) * along + 0.5 * bend * along**2 + _RESIDUALS * p.blur)
     return float(min(moved + abs(other.value - p.value) + 2 * np.spacing(abs(p.value)), path.span))
 

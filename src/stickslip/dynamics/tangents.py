@@ -5,34 +5,31 @@ They are passive states of the system itself (`stickslip.engine.tangent`), a lan
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from stickslip.batch import numbers_by_name, some_of
+from stickslip.batch import some_of
 from stickslip.dynamics.mapping import Coordinates, coordinates, map_method
+from stickslip.dynamics.slopes import Slopes, period_of
 from stickslip.engine import lanes
-from stickslip.engine.graphs import Along
-from stickslip.engine.symbols import Graph, Sym
-from stickslip.engine.tangent import has_corners, means_of, part_in, tangent
-from stickslip.engine.trace import kind_of, numbers_of, trace
-from stickslip.engine.values import values_of
-from stickslip.fields import replace_leaf
+from stickslip.engine.remembered import Remembered
+from stickslip.engine.tangent import has_corners, means_of, tangent
+from stickslip.engine.trace import kind_of, trace
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
 from stickslip.status import Status
 
 __all__ = [
     "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "means_named", "not_followed",
-    "number_slopes", "orders_differ", "start_changes",
+    "orders_differ",
 ]  # fmt: skip
 
 Array = Any
-_corners: dict[Any, bool] = {}
-_means: dict[Any, tuple[str, ...]] = {}
+_corners: Remembered[bool] = Remembered()
+_means: Remembered[tuple[str, ...]] = Remembered()
 _ORDERS = (1, -1)  # in which guards that fire at one instant are gone through
 
 
@@ -127,14 +124,14 @@ class Follower:
         self.is_exact = tableau is None
         self.kernel = lanes.ordered(lanes.kernel_of(model, tableau, False, observe, made, noted=integrals > 0), order)
         self.integrals, self.more = integrals, more
-        self.span, self.slopes = 0.0 if span is None else span, _Slopes(model, self.given, cases)
+        self.span, self.slopes = 0.0 if span is None else span, Slopes(model, self.given, cases)
 
     @cached_property
     def period(self) -> tuple[Array, Array]:
         """The drive period, or the span, and its change along each direction [s]."""
         if self.model.period is None:
             return np.broadcast_to(self.span, (self.slopes.cases,)), np.zeros(self.slopes.cases)
-        return self.slopes.values(_period)[0], self.slopes.of(_period)[0]
+        return self.slopes.values(period_of)[0], self.slopes.of(period_of)[0]
 
     @cached_property
     def table(self) -> Any:
@@ -180,9 +177,9 @@ def _parted(at: Coordinates, states: Array) -> tuple[list[Array], list[Array], l
 class _Carried:
     """The lanes' columns of a state (way, velocities less offsets, inner states, positions), and the same of its change."""
 
-    def __init__(self, table: Any, kernel: lanes.Kernel, at: Coordinates, slopes: _Slopes):
+    def __init__(self, table: Any, kernel: lanes.Kernel, at: Coordinates, slopes: Slopes):
         self.table, self.at = table, at
-        self.offsets = np.array(slopes.of(lambda machine: _offsets(machine, kernel.owners)))
+        self.offsets = np.array(slopes.of(_offsets, kernel.owners))
         self.inner = at.order.inner.stop - at.order.inner.start
         self.n = 2 * table.count + self.inner - int(table.cyclic)  # states of the motion itself
         self.more = kernel.states - 2 * self.n
@@ -243,26 +240,12 @@ def jacobians_of(model: Any, states: Array, periods: int = 1, rtol: float = 1e-1
 
 def means_named(model: Any, observe: Any = ()) -> tuple[str, ...]:
     """Names of what `tangent_of_means` averages over a machine's motion, in order."""
-    key = kind_of(model), observe
-    try:
-        known = _means.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return tuple(means_of(trace(model, observe, noted=True)))
-    if known is None:
-        known = _means[key] = tuple(means_of(trace(model, observe, noted=True)))
-    return known
+    return _means((kind_of(model), observe), lambda: tuple(means_of(trace(model, observe, noted=True))))
 
 
 def has_corners_of(model: Any) -> bool:
     """Whether something jumps where a machine switches, by its traced equations: then derivatives may be other ones on its two sides."""
-    key = kind_of(model)
-    try:
-        known = _corners.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return has_corners(trace(model))
-    if known is None:
-        known = _corners[key] = has_corners(trace(model))
-    return known
+    return _corners(kind_of(model), lambda: has_corners(trace(model)))
 
 
 def not_followed(model: Any) -> str:
@@ -278,85 +261,10 @@ def orders_differ(model: Any, state: Array, periods: int = 1, rtol: float = 1e-1
     return bool(np.max(abs(one - other) * scaled) > tolerance * np.max(abs(one) * scaled))
 
 
-class _Slopes:
-    """Values of a machine's plain functions, and their changes along directions in its numbers."""
-
-    def __init__(self, model: Any, along: dict[str, Array], cases: int):
-        graph, self.cases = Graph(), cases
-        names = numbers_of(model)
-        self.graph, self.machine = graph, machine_of(replace_leaf(model, {name: graph.case(name) for name in names}))
-        own = numbers_by_name(model)
-        self.known = {name: own[name] for name in names} | {part_in(name): part for name, part in along.items()}
-        self.along = Along(graph, {name: graph.case(part_in(name)) for name in along})
-
-    def values(self, what: Callable[[Any], Any]) -> list[Array]:
-        """What a function of the machine gives, for each case."""
-        return self._each([self._lift(value) for value in what(self.machine)])
-
-    def of(self, what: Callable[[Any], Any]) -> list[Array]:
-        """The changes of that."""
-        return self._each([self.along.of(self._lift(value)) for value in what(self.machine)])
-
-    def _lift(self, value: Any) -> Sym:
-        return value if isinstance(value, Sym) else self.graph.constant(value)
-
-    def _each(self, nodes: list[Sym]) -> list[Array]:
-        found = values_of(self.graph, self.known, nodes)
-        return [np.broadcast_to(np.asarray(found[node.number], float), (self.cases,)) for node in nodes]
-
-
-def number_slopes(model: Any, along: dict[str, Array], what: Callable[[Any], Any], cases: int = 1) -> list[Array]:
-    """Changes of what a function of the machine gives, along directions in its numbers."""
-    return _Slopes(model, along, cases).of(what)
-
-
-def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], cases: int) -> Array:
-    """Changes of the state in which a run begins, where the model says it and not who asked for the run: array (cases, states)."""
-    at, slopes, m = coordinates(model), _Slopes(model, along, cases), machine_of(model).mechanics
-    placed, bent = _given(start.get("x"), m.bodies), _given(start.get("z"), m.contacts)
-    held = {m.coordinate_of(body) for body in placed}
-    owners = [name for name, law in zip(m.contacts, m.laws, strict=True) for _ in range(law.states)]
-    q = [0.0 * d if j in held else d for j, d in enumerate(slopes.of(lambda machine: machine.mechanics.start))]
-    z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts), strict=True)]
-    on, told = slopes.of(lambda machine: _control_starts(machine, start)), _given(start.get("control"), m.controllers.names)
-    owners = [name for name, count in zip(m.controllers.names, m.controllers.counts, strict=True) for _ in range(count)]
-    z += [0.0 * d if name in told else d for name, d in zip(owners, on, strict=True)]
-    return np.column_stack(at.order.joined(q, [np.zeros(cases)] * len(q), z))
-
-
-def _given(values: Any, names: tuple[str, ...]) -> tuple[str, ...]:
-    """The parts whose numbers a start says."""
-    return () if values is None else tuple(values) if isinstance(values, dict) else names
-
-
-def _inner_starts(machine: Any) -> list[Any]:
-    """Inner states of contacts that nobody has moved."""
-    mechanics = machine.mechanics
-    loads = mechanics.loads(0.0, mechanics.start)
-    return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
-
-
-def _control_starts(machine: Any, start: dict[str, Any]) -> list[Any]:
-    """States of controllers that are switched on where a run begins."""
-    m = machine.mechanics
-    first = m._named(0.0, m.start, (0.0,) * m.coordinates)
-    x, v = ({**told, **_by_name(start.get(what), m.bodies)} for what, told in zip("xv", first, strict=True))
-    return list(m.controllers.start(0.0, x, v))
-
-
-def _by_name(values: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    """What a start says of the bodies."""
-    return {} if values is None else values if isinstance(values, dict) else dict(zip(names, np.moveaxis(values, -1, 0), strict=True))
-
-
 def _offsets(machine: Any, owners: tuple[int | None, ...]) -> list[Any]:
     """Velocity of each coordinate less the state that stands for it."""
     offsets = machine.mechanics.offsets(0.0)
     return [0.0 if i is None else -offsets[i] for i in owners]
-
-
-def _period(machine: Any) -> list[Any]:
-    return [machine.mechanics.period]
 
 
 def _shares(machine: Any) -> list[Any]:

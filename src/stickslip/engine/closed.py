@@ -6,12 +6,12 @@ all rows of a batch are a few products of columns (`rows_with`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.sums import Terms, difference, rate_of, terms_of
 from stickslip.engine.symbols import Sym
 from stickslip.engine.trace import System, kind_of, trace
@@ -71,24 +71,13 @@ class Rows:
     numbers: dict[str, Array]
 
 
-_known: dict[Any, Any] = {}
-
-
-def _once(what: str, model: Any, find: Callable[[Any], Any]) -> Any:
-    """What is found out about the kind of a model; a kind that was seen before costs nothing."""
-    key = (what, kind_of(model))
-    try:
-        if key not in _known:
-            _known[key] = find(model)
-        return _known[key]
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return find(model)
+_arcs: Remembered[Closed] = Remembered()
+_forces: Remembered[tuple[list[tuple[Sym, Sym]], Sym] | None] = Remembered()
 
 
 def closed_of(model: Any) -> Closed:
     """The closed arcs of the kind of a driven model with a set-valued law."""
-    found: Closed = _once("arcs", model, lambda model: _closed(trace(model)))
-    return found
+    return _arcs(kind_of(model), lambda: _closed(trace(model)))
 
 
 def _closed(eq: System) -> Closed:
@@ -130,7 +119,7 @@ def _words(eq: System, key: tuple[int, ...]) -> str:
 
 def steady_force(model: Any, known: dict[str, Array]) -> Array | None:
     """What acts on the body beside friction and the drive's inertia [N], row by row; None where that is no constant."""
-    parts = _once("steady force", model, lambda model: _beside(trace(model)))
+    parts = _forces(kind_of(model), lambda: _beside(trace(model)))
     if parts is None:
         return None
     pairs, whole = parts

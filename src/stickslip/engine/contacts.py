@@ -7,7 +7,7 @@ from typing import Any
 from stickslip.engine.assembly import Assembly
 from stickslip.engine.coupled import add_box, add_feet
 from stickslip.engine.flight import add_flight, add_take_off_and_landing, side_in_flight
-from stickslip.engine.pressed import add_pressed, pressed_stops, settled_apart, settles, shut_at
+from stickslip.engine.pressed import Pressed, add_pressed, pressed_stops, settled_apart, settles, shut_at
 from stickslip.engine.refused import groups_of
 from stickslip.engine.symbolic import Symbolic
 from stickslip.engine.symbols import Sym
@@ -30,8 +30,9 @@ def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     own = parts.memories[i]
     modes = tuple(mode for _, mode in own)
     zdot = tuple(map(m.lift, law.rate(slip, z, load, modes)))
-    applied = _applied(m, i) if law.needs_applied else None
-    parts.forces[i] = law.force(slip, z, zdot, load, modes, applied)
+    applied = _applied(parts, i) if law.needs_applied else None
+    least = law.least_creep(parts.velocity_scale, m.equations.difference(i))
+    parts.forces[i] = law.resolved(least, slip, z, zdot, load, modes, applied)
     first = len(m.y) + len(parts.inner)
     _add_switches(parts, i, z, own, first)
     typical = law.scale(m.first_loads[i])
@@ -44,17 +45,47 @@ def _add_dynamic(parts: Assembly, i: int, speed: Sym | None) -> None:
     parts.contacts.append(
         Contact(
             m.equations.contacts[i], slip, m.directions[i], state, guard, inner, tuple(k for k, _ in own), None, speed, law.needs_applied,
-            None if creep is None else m.lift(creep),
+            None if creep is None else creep + least, least,
         )
     )  # fmt: skip
 
 
-def _applied(m: Symbolic, i: int) -> Sym:
-    """The force that would keep the slip of a contact constant, if it brakes one body alone [N]."""
+def _applied(parts: Assembly, i: int) -> Sym:
+    """The force that would keep the slip of a contact constant, if it brakes one body alone [N]; where a stop is closed, both its ends.
+
+    What rubs on the other end does what it would do alone, if it is decided later, so that together they bear what they can.
+    """
+    m = parts.m
+    found = _applied_alone(m, i)
+    for p in [p for p in m.pressed if sum(map(abs, p.row)) == 2.0 and _on(p, m.directions[i])]:
+        others = {k: parts.forces[k] if k in parts.forces else _alone(m, k) for k, row in enumerate(m.directions) if k != i and _on(p, row)}
+        mass = sum((m.lift(each) for each, h in zip(m.equations.masses, p.row, strict=True) if h), m.graph.constant(0.0))
+        found = m.graph.select(p.closed, _kept(m, i, mass, m.accelerations(others, closed=p)), found)
+    return found
+
+
+def _on(p: Pressed, row: tuple[float, ...]) -> bool:
+    """Whether a contact brakes an end of a stop."""
+    return any(g and h for g, h in zip(row, p.row, strict=True))
+
+
+def _alone(m: Symbolic, i: int) -> Sym:
+    """Force of a law without states that asks for the applied force, which is that of its body alone."""
+    return m.lift(m.laws[i].force(m.slips[i], (), (), m.loads[i], (), _applied_alone(m, i)))
+
+
+def _applied_alone(m: Symbolic, i: int) -> Sym:
+    """The force that would keep the slip of a contact constant, if no stop is closed."""
     if m.single:
         return m.lift(m.model.total_mass * m.accelerations({})[0])
     j = next(k for k, g in enumerate(m.directions[i]) if g)
-    return m.lift(m.equations.masses[j]) * (m.accelerations({})[j] + m.graph.derivative(m.slips[i], m.t))
+    return _kept(m, i, m.lift(m.equations.masses[j]), m.accelerations({}, closed=None))
+
+
+def _kept(m: Symbolic, i: int, mass: Sym, a: tuple[Sym, ...]) -> Sym:
+    """The force that keeps the slip of a contact constant where a mass has an acceleration without it."""
+    j = next(k for k, g in enumerate(m.directions[i]) if g)
+    return mass * (a[j] + m.graph.derivative(m.slips[i], m.t))
 
 
 def _add_switches(parts: Assembly, i: int, z: tuple[Sym, ...], own: list[tuple[int, Sym]], first: int) -> None:
@@ -119,8 +150,8 @@ def add_contacts(parts: Assembly, speeds: list[Sym | None]) -> None:
         else:
             parts.memories[i] = [parts.mode(m.graph.constant(0.0)) for _ in range(law.modes)]
     pressed_stops(parts)
-    for i, law in enumerate(m.laws):
-        if law.dynamic:
+    for i in sorted(range(len(m.laws)), key=lambda i: m.laws[i].needs_applied):  # those that ask what is left to bear, last
+        if m.laws[i].dynamic:
             _add_dynamic(parts, i, speeds[i])
     for group in groups_of(m.directions, [i for i, law in enumerate(m.laws) if not law.dynamic]):
         if len({m.directions[i] for i in group}) > 1 or sum(map(abs, m.directions[group[0]])) > 1.0:

@@ -164,12 +164,15 @@ class EventWriter:
         w.line(f"_size{k}", self._size(guard, end))
         if state is None:
             least, at, near = f"_g{k}e", "1.0", f"1e-6 * _size{k}"
-            w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select") else "0.0")
+            w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select", "sin", "cos") else "0.0")
         else:
             self._dip(state, f"_b{k}", f"_g{k}e", str(k))
             least, at, near = f"_ge{k}", f"_te{k}", "-1e4 * _tiny"
             w.line("_noise", "1.0 * _tiny")
         # far on the wrong side, a flag that has just flipped itself was moved by the flip of another
+        if state is None and k < self.eq.signs:  # held where its event was located, its guard is off zero by what that left over
+            held = f"_g{k}s < 0.0 and _g{k}s > -1e-7 * _size{k} and abs({self.guard_rate[k]} * _hh) < 1e-11 * _size{k}"
+            w.line("_noise", f"_noise + _g{k}s if ({held}) else _noise")
         w.line("_late", f"_g{k}s < _noise and (_on{k} < 0.5 or _g{k}s < -1e-6 * _size{k})")
         w.line(f"_out{k}", f"{least} < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")
@@ -197,6 +200,8 @@ class EventWriter:
         if guard.op == "select":
             held, yes, no = guard.args
             return f"({self._size(yes, bind)} if {self.w.value(held, bind)} > 0.0 else {self._size(no, bind)})"
+        if guard.op in ("sin", "cos"):
+            return "1.0"
         return f"abs({self.w.value(guard, bind)})"
 
     def _locate(self) -> None:

@@ -18,6 +18,7 @@ from stickslip.engine import cache, driver, taylor
 from stickslip.engine.checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.rosenbrock import Step, write_step
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
@@ -109,8 +110,8 @@ class Results:
     pieces: Any = None  # (pieces, 4 + contacts + modes + states (degree + 1)) of a recorded case
 
 
-_kernels: dict[Any, Kernel] = {}
-_layouts: dict[Any, tuple[StateLayout, tuple[int, ...]]] = {}
+_kernels: Remembered[Kernel] = Remembered()
+_layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
 
 def kernel_of(
@@ -126,7 +127,6 @@ def kernel_of(
 
     The law of a new kind is called once with plain numbers, so that one that gives no numbers is said before compiling.
     """
-    key = (kind_of(model), tableau and tableau.name, record, observe, made, noted)
 
     def system() -> System:
         found = trace(model, observe, noted)
@@ -136,13 +136,7 @@ def kernel_of(
         check_numbers(model)
         return kernel(system(), tableau, label(model) if made is None else f"{made.__name__} of {label(model)}", record)
 
-    try:
-        known = _kernels.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return compiled()
-    if known is None:
-        known = _kernels[key] = compiled()
-    return known
+    return _kernels((kind_of(model), tableau and tableau.name, record, observe, made, noted), compiled)
 
 
 def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Kernel:
@@ -200,14 +194,7 @@ def needed_positions(model: Any) -> tuple[int, ...]:
 
 
 def _arranged(model: Any) -> tuple[StateLayout, tuple[int, ...]]:
-    key = kind_of(model)
-    try:
-        known = _layouts.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return _arrangement(trace(model))
-    if known is None:
-        known = _layouts[key] = _arrangement(trace(model))
-    return known
+    return _layouts(kind_of(model), lambda: _arrangement(trace(model)))
 
 
 def _arrangement(eq: System) -> tuple[StateLayout, tuple[int, ...]]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 
 from stickslip.engine.events import EventWriter
 from stickslip.engine.symbols import Sym
@@ -15,6 +16,8 @@ from stickslip.engine.system import Contact, System
 from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 from stickslip.status import Status
+
+_FOLLOWED = 0.05  # of the least creep of a slip that is a difference: its error, where it is hardly more than zero
 
 __all__ = ["CONTROL", "Control", "Step", "sides", "write_step"]
 
@@ -68,7 +71,7 @@ class _StepWriter(EventWriter):
         self.dt = "_hh"
         self.extended = set[int]()
         news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
-        creeps = [c.creep_velocity for c in eq.contacts if c.creep_velocity is not None]
+        creeps = [node for c in eq.contacts if c.creep_velocity is not None for node in (c.creep_velocity, c.slip, c.least)]
         roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates, *news, *creeps]
         self.w.count_uses(roots)
 
@@ -267,16 +270,17 @@ class _StepWriter(EventWriter):
         """_ln: binary logarithm of the error in units of the tolerance (near enough for a controller); _ok: accepted."""
         w, k = self.w, self.k
         for i in range(self.active):
+            w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
+            if i < self.eq.coordinates and (creeping := self._creeping(i)):
+                w.line(f"_s{i}", f"fma({self._size_of_creep(i, creeping)}, rtol, {self._smallest(i, creeping)})")
+                continue
             if i < self.eq.coordinates:
-                floor = self._least_velocity(i)
-            elif self.eq.scales[i] is not None:
-                floor = f"{literal(k.inner_floor)} * {w.value(self.eq.scales[i], self.start)}"
+                floor = f"{literal(k.velocity_floor)} * {self.scale_v}"
             else:
-                floor = f"{literal(k.inner_floor)} * _m{i}"
+                floor = f"{literal(k.inner_floor)} * {f'_m{i}' if self.eq.scales[i] is None else w.value(self.eq.scales[i], self.start)}"
             if i in self.eq.positions:  # a position need not be known better than the velocity makes it
                 floor = f"fma({literal(k.velocity_floor)} * {self.scale_v}, _hh, {floor})"
-            w.line(f"_big{i}", f"abs(_y{i}) if abs(_y{i}) > abs(_n{i}) else abs(_n{i})")
-            w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, {self._smallest(i)}))")
+            w.line(f"_s{i}", f"fma({floor}, rtol, fma(_big{i}, rtol, 1e-290))")
         parts = self._parts()
         if len(parts) == 1:
             self._largest()
@@ -284,20 +288,33 @@ class _StepWriter(EventWriter):
             self._mean(parts)
         w.line("_ln", "_ln if _ln < 30.0 else 30.0")
 
-    def _least_velocity(self, i: int) -> str:
-        """Velocity below which errors of a coordinate's velocity are no longer relative to it."""
-        w, usual = self.w, f"{literal(self.k.velocity_floor)} * {self.scale_v}"
-        creeps = [c.creep_velocity for c in self.eq.contacts if c.state == i and c.creep_velocity is not None]
-        if not creeps:
-            return usual
-        usual = w.line(w.fresh(), usual)
-        creep = w.value(creeps[0], self.start)
-        return w.line(w.fresh(), f"{creep} if {creep} < {usual} else {usual}")
+    def _size_of_creep(self, i: int, creeping: list[Contact]) -> str:
+        """What errors of a velocity are relative to that friction lets creep: the slip, or the velocity up to which it creeps."""
+        w = self.w
+        most = w.line(w.fresh(), f"{literal(self.k.velocity_floor)} * {self.scale_v}")
+        sizes = []
+        for contact in creeping:
+            creep = w.value(contact.creep_velocity, self.start)
+            slip = f"_big{i}" if contact.state == i else self._largest_slip(contact)
+            sizes.append(w.line(w.fresh(), f"({creep} if {creep} < {most} else {most}) + {slip}"))
+        return reduce(lambda a, b: w.line(w.fresh(), f"{a} if {a} < {b} else {b}"), sizes)
 
-    def _smallest(self, i: int) -> str:
-        """An error that no step can be free of: of a velocity that friction lets creep, what it changes by in the shortest step."""
-        creeps = any(contact.state == i and contact.creep_velocity is not None for contact in self.eq.contacts)
-        return f"fma({self._shortest}, abs({self.f[i]}), 1e-290)" if creeps else "1e-290"
+    def _creeping(self, i: int) -> list[Contact]:
+        """The contacts that brake a coordinate and creep."""
+        return [c for c in self.eq.contacts if c.creep_velocity is not None and c.direction[i]]
+
+    def _largest_slip(self, contact: Contact) -> str:
+        """The slip of a contact where the step begins, or where it ends if that is more."""
+        w = self.w
+        ends = self._bind(w.line("_rim", "_t + _hh"), [f"_n{i}" for i in range(self.n)])
+        before, after = (w.line(w.fresh(), f"abs({w.value(contact.slip, at)})") for at in (self.start, ends))
+        return w.line(w.fresh(), f"{before} if {before} > {after} else {after}")
+
+    def _smallest(self, i: int, creeping: list[Contact]) -> str:
+        """An error that no step can be free of: what it changes by in the shortest step, and what rounding makes of slips."""
+        least = f"fma({self._shortest}, abs({self.f[i]}), 1e-290)"
+        apart = [self.w.value(c.least, self.start) for c in creeping if c.state != i]
+        return f"fma({literal(_FOLLOWED)}, {apart[0]}, {least})" if apart else least
 
     @property
     def _shortest(self) -> str:

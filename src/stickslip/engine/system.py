@@ -65,6 +65,7 @@ class Contact:
     stribeck_velocity: Sym | None
     balances: bool  # a dynamic law that holds the body by the force that is applied: at rest its guards know time alone
     creep_velocity: Sym | None = None  # up to which friction is proportional to the velocity, where the law says it
+    least: Sym | None = None  # the least velocity that is told from zero there
     flight: Flight | None = None  # of a contact that leaves where its load falls to zero, and lands again
 
 

@@ -288,11 +288,20 @@ def _crossing(system: System, k: int, rows: list[Sym], rates: list[Sym]) -> _Cro
     flow = Along(graph, {y.name: f for y, f in zip(rows, rates, strict=True)} | {system.t.name: graph.constant(1.0)})
     after, zero = Substituted(graph, changed), graph.constant(0.0)
     there = Substituted(graph, {guard.name: zero} if guard.op == "variable" else {})
-    jumps = []
+    jumps, falls, thrown = [], flow.of(guard), _is_thrown(system, guard)
     for row, rate in zip(new_rows, rates, strict=True):
-        then, before = after.of(rate), flow.of(row)  # the same where the guard is zero: such as of what knows abs(v), at v = 0
-        jumps.append(zero if there.of(then) is there.of(before) else then - before)
-    return _Crossing(new_rows, jumps, flow.of(guard))
+        then, before = after.of(rate), flow.of(row)
+        jump = then - before
+        if there.of(then) is there.of(before):  # such as of what knows abs(v), at v = 0; not where a hit has turned v over
+            jump = graph.select(_follows(system, guard, falls), jump, zero) if thrown and not _is_zero(jump) else zero
+        jumps.append(jump)
+    return _Crossing(new_rows, jumps, falls)
+
+
+def _is_thrown(system: System, guard: Sym) -> bool:
+    """Whether a switch may take a guard that is a state beyond zero, so that it fires although it has not fallen there."""
+    i = next((i for i, y in enumerate(system.y) if y is guard), None)
+    return i is not None and any(switch.states[i] is not None for switch in system.switches.values())
 
 
 def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], changes: list[Sym], late: Sym, along: Along) -> Switch:

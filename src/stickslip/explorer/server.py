@@ -19,6 +19,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from stickslip.drives.within import drives_within
 from stickslip.errors import InputError, StickslipError
 from stickslip.explorer.asked import DEFAULT, KEPT, MOST_HARMONICS, State, machine_numbers, state
 from stickslip.explorer.connections import Watched
@@ -32,7 +33,7 @@ from stickslip.explorer.paper_figures import PRESETS
 from stickslip.explorer.parameters import PARAMETERS
 from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
 from stickslip.explorer.uploads import Uploads
-from stickslip.optimising.peaks import LIMITS as LIMITS_OF_DRIVES, drives_within
+from stickslip.optimising.peaks import LIMITS as LIMITS_OF_DRIVES
 from stickslip.optimising.results import quantities
 
 __all__ = ["application", "page", "serve"]

@@ -14,10 +14,15 @@ from typing import Any
 
 from stickslip.contracts import Law
 from stickslip.errors import InputError, OneContactNeeded
+from stickslip.maths import sqrt, where
 
 __all__ = ["TINY", "LawAdapter", "Switches", "adapted", "is_law", "law_of", "mirrored"]
 
 TINY = 1e-300  # a velocity that has a sign and nothing else
+_NO_LESS = 1e-150  # a velocity whose square is a number
+#: Of the velocity scale, the creep that is lost in the rounding of slips and of the instants at which steps end; and that of a slip that is
+#: a difference of velocities, which steps follow less exactly.
+_LEAST_CREEP, _LEAST_DIFFERENCE = 1e-12, 1e-9
 
 States = tuple[Any, ...]
 #: What ends a mode: guards that fall to zero, each with the modes and the inner states (None: unchanged) after it.
@@ -78,10 +83,26 @@ class LawAdapter:
         more = (*self._held(mode), *((applied,) if self.needs_applied else ()))
         return self.law.force(v, self._own(z), self._own(zdot), load, *more)
 
-    def response(self, v: Any, z: States, load: Any, mode: States = (), applied: Any = 0.0) -> tuple[Any, States]:
+    def response(self, v: Any, z: States, load: Any, mode: States = (), applied: Any = 0.0, least: Any = 0.0) -> tuple[Any, States]:
         """Friction force [N], and the rates of the inner states."""
         zdot = self.rate(v, z, load, mode)
-        return self.force(v, z, zdot, load, mode, applied), zdot
+        return self.resolved(least, v, z, zdot, load, mode, applied), zdot
+
+    def resolved(self, least: Any, v: Any, z: States, zdot: States, load: Any, mode: States = (), applied: Any = 0.0) -> Any:
+        """Friction force [N] where velocities below `least` cannot be told from rounding.
+
+        A law that creeps gives forces of all sizes to them. Below w = `least` its force is therefore proportional to the velocity:
+        R = |v|/r R(r sign v) with r^2 = v^2 + w^2, which differs from the law by parts of w^2/v^2.
+        """
+        if self.creep_velocity(z, load) is None:
+            return self.force(v, z, zdot, load, mode, applied)
+        size = sqrt(v * v + (least + _NO_LESS) ** 2)
+        return abs(v) / size * self.force(where(v > 0.0, 1.0, -1.0) * size, z, zdot, load, mode, applied)
+
+    @staticmethod
+    def least_creep(scale: Any, difference: bool = False) -> Any:
+        """The velocity below which friction that creeps is taken to be proportional to it, in motions of such a velocity [m/s]."""
+        return (_LEAST_DIFFERENCE if difference else _LEAST_CREEP) * scale
 
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force of a set-valued law at a velocity that is not zero [N]."""

@@ -16,6 +16,14 @@ from stickslip.quantities import positive, quantity
 __all__ = ["GMS"]
 
 
+def _shares(of: str, symbol: str, default: tuple[float, ...]) -> Any:
+    """The field of what part each element has in something."""
+    told = quantity(
+        f"share of an element in the {of}", "1", symbol, example=default, rule=positive, allowed="several positive numbers that sum to 1"
+    )
+    return field(default=default, metadata=told)
+
+
 @dataclass(frozen=True, eq=False)
 class GMS(Law):
     r"""Anisotropic generalised Maxwell slip, a dynamic law of n elements with deflections z_i that stick or slip.
@@ -76,28 +84,8 @@ class GMS(Law):
         metadata=quantity("attraction to the Stribeck curve", "N/s", "C", example=100.0, rule=positive, range=(5.0, 500.0))
     )
     sigma2: float = field(default=0.0, metadata=SIGMA2)
-    stiffness: tuple[float, ...] = field(
-        default=(0.4, 0.3, 0.2, 0.1),
-        metadata=quantity(
-            "share of an element in the stiffness",
-            "1",
-            r"\kappa",
-            example=(0.4, 0.3, 0.2, 0.1),
-            rule=positive,
-            allowed="several positive numbers that sum to 1",
-        ),
-    )
-    weights: tuple[float, ...] = field(
-        default=(0.1, 0.2, 0.3, 0.4),
-        metadata=quantity(
-            "share of an element in the friction force",
-            "1",
-            r"\alpha",
-            example=(0.1, 0.2, 0.3, 0.4),
-            rule=positive,
-            allowed="several positive numbers that sum to 1",
-        ),
-    )
+    stiffness: tuple[float, ...] = _shares("stiffness", r"\kappa", (0.4, 0.3, 0.2, 0.1))
+    weights: tuple[float, ...] = _shares("friction force", r"\alpha", (0.1, 0.2, 0.3, 0.4))
 
     def _check(self, problems: Problems) -> None:
         check_static(self, problems)

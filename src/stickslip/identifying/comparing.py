@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.analysis.motion import coulomb_twin, motion
 from stickslip.arguments import Law, Measured, Model, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.faces import Drawn, Text
 from stickslip.friction import LAWS
 from stickslip.friction.adapter import law_of
 from stickslip.identifying.problems import _best_phase, _curve
@@ -62,7 +63,7 @@ class Row:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(Drawn):
     """A record and several laws, as rows: `record` first, then the laws in the order in which they were given.
 
     Parameters
@@ -105,16 +106,20 @@ class Comparison:
         names = ("label", "mean_velocity", "type", "pattern", "rms", "r2", "events")
         return [{name: getattr(row, name) for name in names} for row in (self.record, *self.laws)]
 
-    def plot(self, ax: Any = None) -> Any:
-        """Record and laws over one drive period, as Figs 7 to 10 of the paper; returns the axes."""
-        from stickslip.identifying.doors import plot_comparison
+    _drawn_by = "comparison"
 
-        return plot_comparison(self, ax)
+    def _title(self) -> str:
+        return f"Over the cycle {self.best.label} is closest"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        unit = "m/s" if self.kind == "velocity" else "m"
+        head = ("", "mean velocity [m/s]", "type", f"rms [{unit}]", "R²")
+        return [[head, *map(_cells, (self.record, *self.laws))]]
 
     def report(self, path: Any = None) -> Any:
         """The comparison as text; with a path as one HTML file."""
         if path is None:
-            return str(self)
+            return Text(str(self))
         from stickslip.identifying.doors import write_report
 
         return write_report(path, [], comparison=self)
@@ -130,6 +135,12 @@ class Comparison:
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     __repr__ = __str__
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    """A row of the table of a notebook."""
+    rest = ("", "") if np.isnan(row.rms) else (f"{row.rms:.3g}", f"{row.r2:.5f}")
+    return (row.label, f"{row.mean_velocity:.6g}", row.type, *rest)
 
 
 @explains_arguments

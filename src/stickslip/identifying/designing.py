@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems, SolveError, is_whole
+from stickslip.faces import Face
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.sensed import of_records
 from stickslip.identifying.sensors import sensors_of
@@ -27,6 +28,9 @@ TOLD = 0.25
 FAINT = 0.1
 USES = ("velocity", "position")
 _STEP = 1e-4
+
+
+_TOLD = 8  # experiments that are told
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,7 @@ class Experiment:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Design:
+class Design(Face):
     """What experiments can tell about some parameters.
 
     Parameters
@@ -92,7 +96,7 @@ class Design:
 
     def __str__(self) -> str:
         lines = []
-        for e in self.experiments[:8]:
+        for e in self.experiments[:_TOLD]:
             where = " + ".join(map(_named, e.settings))
             errors = ", ".join(f"{n} {self._sure(n, v)}" for n, v in e.errors.items())
             apart = "" if np.isnan(e.separation) else f"; rivals {e.separation:.3g} standard deviations apart"
@@ -102,6 +106,14 @@ class Design:
     def _sure(self, name: str, error: float) -> str:
         value = abs(self.values[name])
         return f"± {100 * error / value:.2g} %" if value and np.isfinite(error) else NOT_DETERMINED if value else "± more than all"
+
+    def _title(self) -> str:
+        return "Experiments, the best first"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("experiment", *(f"error of {name}" for name in self.values))
+        told = (tuple(self._sure(name, e.errors[name]) for name in self.values) for e in self.experiments[:_TOLD])
+        return [[head, *((" + ".join(map(_named, e.settings)), *row) for e, row in zip(self.experiments, told, strict=False))]]
 
     __repr__ = __str__
 

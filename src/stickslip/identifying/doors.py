@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-__all__ = ["plot_comparison", "plot_fit", "write_report"]
+__all__ = ["plot_fit", "plot_residuals", "write_report"]
 
 _SHOWN = 8  # records with pictures of their own
 
@@ -20,11 +20,11 @@ def plot_fit(fit: Any, record: int, ax: Any) -> Any:
     return plot.fitted(fit, record, ax)
 
 
-def plot_comparison(found: Any, ax: Any) -> Any:
-    """Record and laws."""
+def plot_residuals(fit: Any, record: int, ax: Any) -> Any:
+    """What is left."""
     from stickslip import plot
 
-    return plot.comparison(found, ax)
+    return plot.residuals(fit, record, ax)
 
 
 def write_report(path: str | Path, fits: list[Any], comparison: Any = None, ranking: Any = None) -> Path:
@@ -65,11 +65,11 @@ def write_report(path: str | Path, fits: list[Any], comparison: Any = None, rank
 
 def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
+    from stickslip.faces import rounded
     from stickslip.identifying.words import (
         NOT_DETERMINED,
         cost_lines,
         parameter_rows,
-        rounded,
         sensor_lines,
         unit_of_kind,
         unit_of_parameter,

@@ -12,11 +12,18 @@ from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.motions import Motion
 from stickslip.identifying.parameters import Parameters
 
-__all__ = ["DrivenProblem", "driven_force"]
+__all__ = ["DrivenProblem", "Stepped", "driven_force", "law_force"]
 
 _STEP = 1e-5
 _NUDGE = 1e-6
-_FAR = 1e9  # of the load: no contact is held against as much
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """Instants [s], and the mean slip velocity over the interval that ends at each [m/s]."""
+
+    t: Any
+    v: Any
 
 
 def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
@@ -28,14 +35,18 @@ def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, An
     """
     known, reading = adapted(law), reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
-    measured = (motion.force if applied is None else np.full(len(motion.t), applied))[:, None]
+    return law_force(known, motion, load, (motion.force if applied is None else np.full(len(motion.t), applied))[:, None], cases)
+
+
+def law_force(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+    """The same from loads and from what would be borne at rest: columns [N]."""
     if not known.dynamic:
         return _set_valued(known, motion.v[:, None], load, measured, cases)
     found = None if known.modes or known.random else _at_once(known, motion, load, measured, cases)
     return _step_by_step(known, motion, load, measured, cases) if found is None else found
 
 
-def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+def _step_by_step(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
     out = np.empty((len(motion.t), cases))
     z = _wide(known.start(load[0]), cases)
     mode = tuple(np.zeros(cases) for _ in range(known.modes))
@@ -52,7 +63,7 @@ def _step_by_step(known: LawAdapter, motion: Motion, load: Any, measured: Any, c
     return out
 
 
-def _at_once(known: LawAdapter, motion: Motion, load: Any, measured: Any, cases: int) -> Any:
+def _at_once(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
     """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
     v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
     states, count = known.states, len(motion.t)
@@ -136,20 +147,16 @@ def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
     return np.where(moving, sliding, np.clip(F, backward, forward))
 
 
-def _at_an_end(law: Any, motion: Motion, cases: int, reading: dict[str, Any], side: float) -> Any:
-    """Forces at the compared samples, pushed to a side where the contact is held, and coming from the other after each gap."""
-    bridged, own = motion.bridged(side)
-    return driven_force(law, bridged, cases, reading, side * _FAR * float(np.max(motion.load)))[own]
-
-
 @dataclass(eq=False)
 class DrivenProblem:
-    """Fit of a law's force over prescribed motions. All derivatives, and all places of a multistart, are one batch.
+    """Fit of a law's force over prescribed motions, or of what a machine must be given for them.
+
+    All derivatives, and all places of a multistart, are one batch.
 
     Parameters
     ----------
     parameters : Parameters
-    targets : tuple of Motion
+    targets : tuple of Motion or Bench
     level : float
         Standard deviation of the force, the same for all samples [N].
     thin : int
@@ -179,7 +186,7 @@ class DrivenProblem:
     @property
     def sigma(self) -> Any:
         """Standard deviation of each value."""
-        return np.full(len(self.y), self.level)
+        return np.concatenate([self.level / np.sqrt(m.weight * np.ones(m.count)) for m in self.targets])
 
     def with_values(self, y: Any) -> DrivenProblem:
         """The same fit for other measured values."""
@@ -209,7 +216,7 @@ class DrivenProblem:
         good, batches = self.parameters.batches(places)
         own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
         self.solves += int(good.sum()) * len(self.targets)
-        told = not self.holds and not any(m.gaps.any() for m in self.targets)
+        told = not self.holds and not any(m.open for m in self.targets)
         found = [self._forces(good, batches, own, side) for side in ((0.0,) if told else (-1.0, 1.0))]
         return found[0], found[-1]
 
@@ -219,7 +226,7 @@ class DrivenProblem:
         if good.any():
             each, cases = zip(batches, self.targets, readings, strict=True), int(good.sum())
             with np.errstate(all="ignore"):
-                found[:, good] = np.concatenate([_at_an_end(law, m, cases, r, side) for law, m, r in each])
+                found[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
         return found
 
     def slopes(self, place: Any, readings: Any) -> tuple[Any, Any]:

@@ -12,14 +12,17 @@ import numpy as np
 
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
+from stickslip.faces import Face, Text, drawn_on, rounded, sure
 from stickslip.identifying.spread import information_of
-from stickslip.identifying.words import unit_of_kind
+from stickslip.identifying.words import OVER_MOTION, unit_of_kind
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from stickslip.identifying.designing import Design
     from stickslip.information import Information
 
 __all__ = ["Fit", "Quality"]
@@ -81,7 +84,7 @@ class Quality:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit:
+class Fit(Face):
     """The result of `identify`.
 
     Parameters
@@ -262,6 +265,107 @@ class Fit:
         noise = (float("nan"),) * 2 if part == "total" else by(calibrated(self, name), name, level, **options)
         return {"total": whole, "statistical": noise, "systematic": in_parts(self.values[name], whole, noise)}[part]
 
+    @explains_arguments
+    def sample(
+        self, draws: int = 1000, *, walkers: int | None = None, burn: int | None = None, seed: int = 0, progress: Any = None
+    ) -> xr.Dataset:
+        """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
+
+        Beforehand numbers are even between their bounds (their logarithms, of ``"log"``), or as they were typed: ``("normal", mean, sd)``. Noise that is not known
+        has Jeffreys' distribution and is integrated away; correlated residuals count as often as they are independent. The fit itself is
+        where the posterior is highest, if nothing typed is ("uniform", low, high), of which a fit takes mean and standard deviation.
+
+        Parameters
+        ----------
+        draws : int
+            Of each walker, after the first `burn`.
+        walkers : int, optional
+            2 for each number and 2 more, if that is 16 or more.
+        burn : int, optional
+            Half of the draws, 100 or more.
+        seed : int
+        progress : callable or bool, optional
+
+        Returns
+        -------
+        xarray.Dataset
+            A variable (draw, walker) for each parameter, phase, and number of a sensor (``"sensor offset"``); attributes tell acceptance,
+            the longest autocorrelation time, how many draws are independent, and a note where they are too few.
+
+        References
+        ----------
+        D. Foreman-Mackey, D. W. Hogg, D. Lang and J. Goodman, emcee: the MCMC hammer, Publ. Astron. Soc. Pacific 125 (2013) 306-312.
+        """
+        from stickslip.identifying.sampling import posterior
+
+        return posterior(self, draws, walkers, burn, seed, progress)
+
+    @explains_arguments
+    def bands(self, record: int = 0, level: float = 0.95, samples: xr.Dataset | None = None, draws: int = 200, seed: int = 0) -> xr.Dataset:
+        """Bands of what the model gives in a record: of its curve, and of new measurements with the noise of the record.
+
+        Parameters
+        ----------
+        record : int
+        level : float
+            Part of the curves, or measurements, inside.
+        samples : xarray.Dataset, optional
+            From `sample`; without it numbers are spread as the covariance says.
+        draws : int
+            Curves that are computed.
+        seed : int
+
+        Returns
+        -------
+        xarray.Dataset
+            ``measured``, ``fitted``, ``low``, ``high``, ``predicted_low``, ``predicted_high`` over the values of the record.
+        """
+        from stickslip.identifying.sampling import bands
+
+        return bands(self, record, level, samples, draws, seed)
+
+    @explains_arguments
+    def next_experiment(
+        self, experiments: Any, *, noise: float | None = None, samples: int = 2000, using: str | None = None, sensor: Any = None
+    ) -> Design:
+        """Which experiment, done next and fitted together with the records so far, determines what these do not, or most of it.
+
+        Parameters
+        ----------
+        experiments : dict of name -> values, or list of dicts
+            What an experiment sets: arguments of the model (amplitude, frequency, tilt, a known mass), how it is measured (``using``,
+            ``sensor``, ``noise``), and of forces, torques and currents over a motion ``stroke`` (from end to end), ``frequency`` [Hz] and
+            ``load``. All else is as in the first record. A dict stands for all combinations.
+        noise : float, optional
+            Standard deviation of one value; that of the records so far.
+        samples : int
+        using, sensor
+            As for `design`; ``sensor="same"`` is that of the first record, neither zeroed nor calibrated anew. What is named in an
+            experiment counts more.
+
+        Returns
+        -------
+        Design
+            The experiments that determine most first, with the standard errors that are expected of all records together.
+
+        Examples
+        --------
+        A body that never rests says nothing of static friction.
+
+        >>> import stickslip as ss
+        >>> rig = ss.presets.piezo_rig
+        >>> rec = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=3e-3, law="coulomb", f0=0.25), noise=1e-4, seed=1)
+        >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, tilt_deg=1.7, amplitude=3e-3, law="coulomb", starts=4)
+        >>> fit.undetermined
+        ('f0',)
+        >>> plan = fit.next_experiment({"amplitude": [2.5e-3, 6e-4]})
+        >>> plan.best.settings[0], bool(plan.best.errors["f0"] < 0.01)
+        ({'amplitude': 0.0006}, True)
+        """
+        from stickslip.identifying.following import next_experiment
+
+        return next_experiment(self, experiments, noise, samples, using, sensor)
+
     # ---- what was fitted ----
     @explains_arguments
     def model(self, record: int = 0) -> Any:
@@ -308,7 +412,7 @@ class Fit:
     def remedy(self) -> str:
         """What would tell apart the parameters that these data do not."""
         count = len(self.problem.targets)
-        if self.problem.targets[0].kind == "force":
+        if self.problem.targets[0].kind in OVER_MOTION:
             return "add a record with another stroke or speed"
         return "add a second amplitude" if count == 1 else "add a record with another amplitude or frequency (see ss.design)"
 
@@ -343,7 +447,7 @@ class Fit:
         if path is None:
             from stickslip.identifying.words import told
 
-            return told(self)
+            return Text(told(self))
         from stickslip.identifying.doors import write_report
 
         return write_report(path, [self])
@@ -355,8 +459,32 @@ class Fit:
 
         return plot_fit(self, record, ax)
 
-    def __repr__(self) -> str:
-        from stickslip.identifying.words import sure
+    def _title(self) -> str:
+        return f"Fit of {self.law}"
 
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        from stickslip.identifying.words import parameter_rows, unit_of_parameter
+
+        head = ("parameter", "value", "standard error", "95 % interval", "unit")
+        rows = [
+            (name, rounded(value, error), sure(error), f"{rounded(low, error)} to {rounded(high, error)}", unit_of_parameter(self, name))
+            for name, value, error, low, high in parameter_rows(self)
+        ]
+        return [[head, *rows], [("record", "what is left"), *((q.label, q.excess) for q in self.quality)]]
+
+    def _remarks(self) -> list[str]:
+        return self.warnings
+
+    def _figures(self) -> list[Any]:
+        return drawn_on(self._draw_both, (8.0, 2.2))
+
+    def _draw_both(self, figure: Any) -> None:
+        from stickslip.identifying.doors import plot_fit, plot_residuals
+
+        left, right = figure.subplots(1, 2)
+        plot_fit(self, 0, left)
+        plot_residuals(self, 0, right)
+
+    def __repr__(self) -> str:
         parts = ", ".join(f"{n} = {v:.5g} {sure(self.errors[n], '.1g')}" for n, v in self.values.items())
         return f"<Fit of {self.law}: {parts}>"

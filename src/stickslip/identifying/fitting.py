@@ -11,22 +11,26 @@ import numpy as np
 
 from stickslip.arguments import Maker, Measured, Numbers, explains_arguments
 from stickslip.callbacks import told_of_progress
+from stickslip.distributions import ALLOWED, distribution_of
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
-from stickslip.friction.adapter import adapted
+from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.identifying.benches import bench_of, takes_records
 from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit import Fit
+from stickslip.identifying.means import MeansProblem
 from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
-from stickslip.identifying.priors import ALLOWED, prior_of
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import Found, multistart, polished, searched
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
 from stickslip.identifying.targets import target
+from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
 from stickslip.identifying.words import counted, listed
+from stickslip.machine import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
 
@@ -37,6 +41,7 @@ _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which th
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
 _ROUNDS, _SAME = 3, 0.05  # times that the noise is found anew, and by how much it may still differ
+_WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
 
 
@@ -54,6 +59,8 @@ def identify(
     settle: int | str = "auto",
     transient: bool = False,
     sensor: dict[str, Any] | None = None,
+    weights: Any = None,
+    loss: str = "squares",
     starts: int = 64,
     seed: int = 0,
     rtol: float = 1e-8,
@@ -105,6 +112,11 @@ def identify(
         Names: offset and drift [unit of the record, and that per second], gain, delay [s], and of forces preload [N] (besides the normal
         force) and inertia [kg] of the parts between contact and sensor. ``"offset[0]"`` is that of the first record, ``"offset[:]"`` one
         for each.
+    weights : array, or list of them, optional
+        A weight for each sample (of one record, or of each): the square of its residual counts so many times. 0 leaves it out.
+    loss : {"squares", "huber", "bisquare"}
+        What grows with residuals: their squares; or less where they are far beyond the bulk, so that outliers do not move the fit ("huber"
+        beyond 1.3 standard deviations of the bulk in proportion, "bisquare" beyond 4.7 no more). Intervals are those of such estimates.
     starts : int
         Places of the multistart.
     seed : int
@@ -130,19 +142,22 @@ def identify(
     (True, True)
     """
     records = as_list(records)
+    weigh = loss_of(loss)
     _check(records, using, noise, starts, seed)
+    records = weighted(records, weights)
     problem = problem_of(records, make, free, tied, using, noise, frequency, load, rtol, arguments, settle, transient, starts, seed, sensor)
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), partial(nested_seeds, rough, starts, seed))
-    problem, best = _finished(problem, best)
+    problem, best = _held_back(weigh, *_finished(problem, best))
+    notes += outlier_notes(problem)
     solved = problem.solves + rough.solves
-    return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved)
+    return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
 
 
 def as_list(records: Any) -> list[Any]:
     """One record, or several."""
-    return [records] if prior_of(records) or not isinstance(records, (list, tuple)) else list(records)
+    return [records] if distribution_of(records) or not isinstance(records, (list, tuple)) else list(records)
 
 
 def problem_of(
@@ -153,11 +168,15 @@ def problem_of(
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
     first = of.first_models(multistart(len(of.free), starts, seed))
-    if using == "force" or (using == "auto" and not hasattr(first[0], "friction")):
-        model: Any = _driven(records, of, load, noise, first)
+    machines = is_machine(first[0])
+    if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
+        model: Any = _moved(records, of, noise, first)
+    elif using == "force" or (using == "auto" and not machines):
+        model = _driven(records, of, load, noise, first)
     else:
         targets = tuple(target(rec, using, noise, frequency, f"record {i}", settle, transient) for i, rec in enumerate(records))
-        model = SteadyProblem(of, targets, rtol)
+        only_means = all(t.kind == "mean" for t in targets)
+        model = MeansProblem(of, targets, rtol) if only_means else SteadyProblem(of, targets, rtol)
     numbers, held = sensors_of(sensor, model.targets)
     return Sensed(model, numbers, held, given=sensor)
 
@@ -168,7 +187,7 @@ def _check(records: list[Any], using: str, noise: float | None, starts: int, see
         problems.add("no record given; type for example ss.identify([ss.read(path)], ...)")
     curves = any(isinstance(rec, Record) for rec in records)
     for i, rec in enumerate(records):
-        if isinstance(rec, Record) or prior_of(rec):
+        if isinstance(rec, Record) or distribution_of(rec):
             continue
         if not isinstance(rec, (int, float, np.number)) or isinstance(rec, bool):
             problems.add(
@@ -194,15 +213,26 @@ def _driven(records: list[Any], of: Parameters, load: float | None, noise: float
     motions = tuple(
         dataclasses.replace(motion_of(rec, load, f"record {i}"), given_sigma=noise is not None) for i, rec in enumerate(records)
     )
-    spread = float(np.std(np.concatenate([m.y for m in motions])))
-    thin = max(sum(len(m.t) for m in motions) // _SAMPLES, 1)
-    holds = any(not law.dynamic or law.needs_applied for law in map(adapted, first))
-    return DrivenProblem(of, motions, noise or 0.01 * spread or 1.0, thin, holds)
+    return _over_motions(of, motions, noise, [adapted(law) for law in first])
+
+
+def _moved(records: list[Any], of: Parameters, noise: float | None, first: list[Any]) -> DrivenProblem:
+    benches = (bench_of(model, rec, f"record {i}") for i, (model, rec) in enumerate(zip(first, records, strict=True)))
+    known = tuple(dataclasses.replace(bench, given_sigma=noise is not None) for bench in benches)
+    return _over_motions(of, known, noise, [law for model in first for law in machine_of(model).laws])
+
+
+def _over_motions(of: Parameters, targets: tuple[Any, ...], noise: float | None, laws: list[LawAdapter]) -> DrivenProblem:
+    spread = float(np.std(np.concatenate([m.y for m in targets])))
+    thin = max(sum(m.count for m in targets) // _SAMPLES, 1)
+    holds = any(not law.dynamic or law.needs_applied for law in laws)
+    return DrivenProblem(of, targets, noise or 0.01 * spread or 1.0, thin, holds)
 
 
 def _notes(records: list[Any], problem: Any) -> list[str]:
     notes = [f"record {i} is synthetic" for i, rec in enumerate(records) if getattr(rec, "synthetic", False)]
     notes += [f"{t.label}: {t.said}, transient=True fits them too" for t in problem.targets if getattr(t, "said", None)]
+    notes += [f"record {i}: {note}" for i, rec in enumerate(records) for note in getattr(rec, "notes", ()) if "saturated?" in note]
     notes += [f"{t.label}: {t.cut}" for t in problem.targets if getattr(t, "cut", None)]
     notes += [
         f"{m.label}: the sign of the force was turned, so that friction takes energy"
@@ -224,6 +254,19 @@ def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
         problem = problem.trusting(scale)
         best = polished(problem, best.place)
     return problem, best if best.stopped else _canonical(problem, best)
+
+
+def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
+    """The best place where outliers count less, by weights that are found anew until they stay."""
+    counts, plain, before = [t.count for t in problem.targets], problem, np.ones(len(problem.y))
+    for _ in range(_WEIGHINGS):
+        rest = plain.residuals(best.place)[: len(before)]
+        rows = robust_weights(weigh, rest, counts)
+        if best.stopped or abs(rows - before).max() < _STEADY:
+            break
+        problem, before = plain.weighing(rows), rows
+        best = polished(problem, best.place)
+    return problem, best
 
 
 def _canonical(problem: Sensed, best: Found) -> Found:
@@ -290,7 +333,9 @@ def _undetermined(problem: Sensed, found: Found) -> list[int]:
     return [int(k) for k in np.flatnonzero(information_of(problem, found.jacobian).undetermined)]
 
 
-def _fit(problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int) -> Fit:
+def _fit(
+    problem: Sensed, best: Found, starts: int, agree: int, notes: list[str], seed: int, records: tuple[Any, ...], solves: int, weigh: Any
+) -> Fit:
     free = problem.parameters.free
     n, count = len(free), len(problem.y)
     if best.cost >= 0.99 * count * 1e8:
@@ -299,6 +344,8 @@ def _fit(problem: Sensed, best: Found, starts: int, agree: int, notes: list[str]
     dof = len(best.residuals) - n - problem.nuisances
     names_of = [number.name for number in problem.numbers]
     scale = noise_scale(problem, best)
+    if np.ndim(problem.rows):
+        scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
     if dof < 1 and not given:
         notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]

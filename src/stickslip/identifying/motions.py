@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
 __all__ = ["Motion", "motion_of"]
 
+_PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
 _SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the record's
 
@@ -48,6 +50,7 @@ class Motion:
     flipped: bool
     label: str
     cut: str | None = None  # which samples were left out, and why
+    weights: Any = None  # of all samples, where the user gave them
     given_sigma: bool = False  # whether the user gave the noise
 
     @property
@@ -63,12 +66,13 @@ class Motion:
     @cached_property
     def compared(self) -> Any:
         """Which samples are compared: array (n,) of bool."""
-        return np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
+        found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
+        return found if self.weights is None else found & (self.weights > 0)
 
     @property
-    def weight(self) -> float:
-        """Every value is one sample."""
-        return 1.0
+    def weight(self) -> Any:
+        """Weight of each value."""
+        return np.ones(self.count) if self.weights is None else self.weights[self.compared]
 
     @property
     def count(self) -> int:
@@ -99,6 +103,21 @@ class Motion:
         steps = np.diff(self.t)
         return np.concatenate([[False], steps > _GAP * median_filter(steps, _AROUND, mode="nearest")])
 
+    @property
+    def open(self) -> bool:
+        """Whether the motion leaves anything open, so that forces may be less or greater."""
+        return bool(self.gaps.any())
+
+    def given(self, law: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+        """Friction forces at the values, the least (side -1) or the greatest (1) that may be: array (values, cases) [N].
+
+        A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
+        """
+        from stickslip.identifying.driven import driven_force  # which needs this module
+
+        bridged, own = self.bridged(side)
+        return driven_force(law, bridged, cases, reading, side * _PUSH * float(np.max(self.load)))[own]
+
     def bridged(self, side: float) -> tuple[Motion, Any]:
         """The motion with a slow slide to a side (-1 or 1) in each gap, longer than any stroke, and which of its samples are compared.
 
@@ -117,11 +136,11 @@ class Motion:
             "load": np.insert(self.load, places, self.load[places]),
             "force": np.insert(self.force, places, np.nan),
         }
-        return dataclasses.replace(self, **made), np.insert(self.compared, places, False)
+        return dataclasses.replace(self, **made, weights=None), np.insert(self.compared, places, False)
 
     def mean_square(self, rest: Any) -> float:
         """Mean square of what is left of all samples."""
-        return float(np.mean(rest**2))
+        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
 
     def every(self, step: int) -> Motion:
         """The same motion, thinned out."""
@@ -130,7 +149,8 @@ class Motion:
         t = self.t[last]
         v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
         before = int(np.searchsorted(last, self.before))
-        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before)
+        weights = None if self.weights is None else self.weights[last]
+        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
 
 
 def motion_of(rec: Any, load: float | None, label: str) -> Motion:
@@ -151,6 +171,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
     cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
     t, x, F, N = t[good], x[good], F[good], N[good]
+    own = weights_at(rec, t)
     if (count := int(np.isfinite(F).sum())) < 16:
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
@@ -160,8 +181,9 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
         x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
+        own = None if own is None else np.concatenate([own[:lead], own])
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    return Motion(t, v, N, F, lead, flipped, label, cut)
+    return Motion(t, v, N, F, lead, flipped, label, cut, own)
 
 
 def _integrated(t: Any, v: Any) -> Any:

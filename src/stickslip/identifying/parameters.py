@@ -10,10 +10,10 @@ import numpy as np
 
 from stickslip.arguments import parameters_of
 from stickslip.batch import made_model, stacked
+from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.identifying.effects import plainer
-from stickslip.identifying.priors import ALLOWED, Prior, prior_of
 from stickslip.sealing import sealed
 
 __all__ = ["Free", "Parameters"]
@@ -31,7 +31,7 @@ class Free:
         Bounds.
     log : bool
         Whether the search moves its logarithm.
-    prior : Prior, optional
+    prior : Distribution, optional
         What is known of it beforehand.
     """
 
@@ -39,7 +39,7 @@ class Free:
     low: float
     high: float
     log: bool = False
-    prior: Prior | None = None
+    prior: Distribution | None = None
 
     def inner(self, value: Any) -> Any:
         """The value on the scale of the search, 0 to 1 between the bounds."""
@@ -214,7 +214,7 @@ def _free(free: dict[str, Any], count: int, problems: Problems) -> list[Free]:
     found = []
     for name, bounds in free.items():
         parts = tuple(bounds) if isinstance(bounds, (tuple, list)) else ()
-        known = prior_of(bounds)
+        known = distribution_of(bounds)
         parts = known.bounds if known else parts
         log = len(parts) == 3 and parts[2] == "log"
         if len(parts) not in (2, 3) or (len(parts) == 3 and not log) or not _ordered(parts[:2], log):

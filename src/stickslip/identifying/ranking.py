@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.arguments import Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, Problems
+from stickslip.faces import Face
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.spread import effective
 from stickslip.identifying.uncertainty import faults
@@ -55,7 +56,7 @@ class Ranked:
 
 @sealed
 @dataclass(frozen=True, eq=False, repr=False)
-class Ranking:
+class Ranking(Face):
     """Laws in the order in which the data support them, and the verdict.
 
     Parameters
@@ -100,6 +101,15 @@ class Ranking:
                 f"{r.label:<{width}}  {r.parameters:<7}  {r.rms:<9.4g}  {r.aicc:<9.4g}  {r.bic:<9.4g}  {r.weight:<6.3f}  {held}".rstrip()
             )
         return "\n".join([*lines, *(f"{r.label}: {fault}" for r in self.rows for fault in r.faults), self.verdict])
+
+    def _title(self) -> str:
+        return self.verdict
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("", "numbers", "rms [σ]", "ΔAICc", "ΔBIC", "weight", "held out", "")
+        held = ["" if np.isnan(r.held_out) else f"{r.held_out:.4g}" for r in self.rows]
+        told = [(f"{r.rms:.4g}", f"{r.aicc:.4g}", f"{r.bic:.4g}", f"{r.weight:.3f}") for r in self.rows]
+        return [[head, *((r.label, str(r.parameters), *t, h, "; ".join(r.faults)) for r, t, h in zip(self.rows, told, held, strict=True))]]
 
     __repr__ = __str__
 

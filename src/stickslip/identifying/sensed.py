@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.distributions import Distribution
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 
 __all__ = ["Sensed", "of_records"]
@@ -41,6 +42,8 @@ class Sensed:
         By how much rows of what is known are moved, in standard deviations (bootstrap).
     given : None or dict
         What the user typed for the sensor.
+    rows : array or float
+        Weights by which a robust loss holds outliers back.
     """
 
     model: Any
@@ -49,6 +52,7 @@ class Sensed:
     trust: float = 1.0
     shifts: Any = 0.0
     given: Any = None
+    rows: Any = 1.0
     _memory: dict[tuple[Any, ...], Any] = field(default_factory=dict)
 
     # ---- what the model says ----
@@ -96,7 +100,7 @@ class Sensed:
     def sigma(self) -> Any:
         """Standard deviation of each value."""
         trust = np.concatenate([np.full(t.count, self.trust if t.given_sigma else 1.0) for t in self.targets])
-        return self.model.sigma / trust
+        return self.model.sigma / (trust * np.sqrt(self.rows))
 
     # ---- others like it ----
     def _like(self, model: Any, **changes: Any) -> Sensed:
@@ -121,6 +125,10 @@ class Sensed:
     def trusting(self, trust: float) -> Sensed:
         """The same fit where the records' noise is known better."""
         return self._like(self.model, trust=trust)
+
+    def weighing(self, rows: Any) -> Sensed:
+        """The same fit where a robust loss gives the values these weights."""
+        return self._like(self.model, rows=rows)
 
     def holding(self, names: Any, place: Any = None) -> Sensed:
         """The same fit with some numbers of the sensors held: where a place has them, else at those of an ideal sensor."""
@@ -150,6 +158,10 @@ class Sensed:
         columns = np.asarray(places, float).T
         readings = self.readings(columns)
         return self._shown(self.model.ends(columns[: self.first].T, readings), readings)
+
+    def batch(self, places: Any) -> Any:
+        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+        return np.clip(self.y[:, None], *self.ends(places))
 
     def predicted(self, place: Any) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
@@ -213,8 +225,8 @@ class Sensed:
 
     @property
     def _known(self) -> list[_Known]:
-        free = [_Known(k, f.prior.mean, f.prior.sd, f) for k, f in enumerate(self.parameters.free) if f.prior]
-        return free + [_Known(self.first + k, n.prior.mean, n.prior.sd) for k, n in enumerate(self.numbers) if n.prior]
+        free = [_Known(k, f.prior, f) for k, f in enumerate(self.parameters.free) if f.prior]
+        return free + [_Known(self.first + k, n.prior) for k, n in enumerate(self.numbers) if n.prior]
 
     def jacobian(self, place: Any) -> Any:
         """Derivatives of the residuals."""
@@ -313,9 +325,16 @@ class _Known:
     """A number of a place of which something is known beforehand."""
 
     index: int
-    mean: float
-    sd: float
+    prior: Distribution
     free: Any = None
+
+    @property
+    def mean(self) -> float:
+        return self.prior.mean
+
+    @property
+    def sd(self) -> float:
+        return self.prior.sd
 
     def value(self, place: Any) -> float:
         return float(place[self.index] if self.free is None else self.free.outer(place[self.index]))

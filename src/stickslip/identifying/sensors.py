@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import Problems, did_you_mean
-from stickslip.identifying.priors import ALLOWED, Prior, prior_of
 
 __all__ = ["EFFECTS", "SensorNumber", "sensors_of"]
 
@@ -24,7 +24,7 @@ class Effect:
         Kinds of records in which it is fitted.
     neutral : float
         The value of an ideal sensor.
-    prior : Prior, optional
+    prior : Distribution, optional
         What is supposed where nothing is typed; None for nothing.
     default : bool
         Whether it is fitted where nothing is said.
@@ -36,7 +36,7 @@ class Effect:
 
     kinds: tuple[str, ...]
     neutral: float
-    prior: Prior | None
+    prior: Distribution | None
     default: bool
     per: str | None
     unit: str = ""
@@ -44,10 +44,11 @@ class Effect:
 
 #: The effects by name. A constant offset of a position is where it is counted from, which is always fitted; the delay of a steady motion is
 #: part of the drive's phase, which is too.
+_APPLIED = ("applied force", "torque", "current")  # to a machine whose motion was measured
 EFFECTS = {
-    "offset": Effect(("velocity", "force"), 0.0, None, True, ""),
-    "drift": Effect(("velocity", "position", "force"), 0.0, None, True, "/s"),
-    "gain": Effect(("velocity", "position", "force"), 1.0, Prior(1.0, 0.02), True, None),
+    "offset": Effect(("velocity", "force", *_APPLIED), 0.0, None, True, ""),
+    "drift": Effect(("velocity", "position", "force", *_APPLIED), 0.0, None, True, "/s"),
+    "gain": Effect(("velocity", "position", "force", *_APPLIED), 1.0, Distribution("normal", 1.0, 0.02), True, None),
     "delay": Effect(("force",), 0.0, None, True, None, "s"),
     "preload": Effect(("force",), 0.0, None, False, None, "N"),
     "inertia": Effect(("force",), 0.0, None, False, None, "kg"),
@@ -67,13 +68,13 @@ class SensorNumber:
     records : tuple of int
     value : float
         Where it is held, or where the search begins.
-    prior : Prior, optional
+    prior : Distribution, optional
     """
 
     name: str
     records: tuple[int, ...]
     value: float
-    prior: Prior | None = None
+    prior: Distribution | None = None
 
     @property
     def what(self) -> str:
@@ -163,11 +164,11 @@ def _number(name: str, records: tuple[int, ...], said: Any, targets: Any, proble
         prior = about.prior
         if effect == "delay":
             most = _DELAY * max(targets[i].step for i in records)
-            prior = prior_of(("uniform", -most, most))
+            prior = distribution_of(("uniform", -most, most))
         return SensorNumber(name, records, about.neutral, prior)
     if _is_value(said):
         return SensorNumber(name, records, float(said))
-    prior = prior_of(said)
+    prior = distribution_of(said)
     if prior is None:
         typed = f"{about.neutral:g}" if about.neutral else "0.0"
         problems.add(f"sensor: {name} = {said!r}; allowed is a number that holds it, {ALLOWED}, or None; type for example {name}={typed}")

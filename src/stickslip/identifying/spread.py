@@ -42,7 +42,7 @@ def determined_spread(problem: Any, jacobian: Any, residuals: Any, scale: float)
     for target in problem.targets:
         end = begin + target.count
         rest = residuals[begin:end]
-        if np.ndim(target.weight) == 0 or np.ptp(target.weight) == 0:  # averaged values have lost their order
+        if getattr(target, "within", 0.0) == 0.0:  # averaged values have lost their order
             found = found + _coloured(inverse[:, begin:end], rest, scale)
         begin = end
     return found

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.dynamics.mapping import coordinates, strobe_states
 from stickslip.errors import SolveError
 from stickslip.machine import machine_of
 from stickslip.sealing import sealed
@@ -42,7 +43,7 @@ class SteadyCurve:
 
     def _states(self, phase: Any) -> tuple[Any, Any, Any]:
         t = np.clip(self._times(phase), self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run._states_at(t, self.run._index(t))
+        return _own_states(self.run, t)
 
     def v(self, phase: Any) -> Any:
         """Velocity at phases counted in drive periods [m/s]."""
@@ -66,8 +67,15 @@ class SteadyCurve:
     @property
     def end(self) -> dict[str, Any]:
         """The strobe point, from which a neighbouring robot is started."""
+        if not machine_of(self.run.model).is_single:
+            return coordinates(self.run.model).start(strobe_states(self.run)[-1])
         z = self.run.strobe_z
         return {"v": float(self.run.strobe_v[-1])} | ({} if z is None else {"z": z[-1].tolist() if z.ndim > 1 else float(z[-1])})
+
+
+def _own_states(run: Any, t: Any) -> tuple[Any, ...]:
+    """x, v and z at times, those of the machine's principal body."""
+    return tuple(run._own(name, column) for name, column in zip(("x", "v", "z"), run._states_at(t, run._index(t)), strict=True))
 
 
 def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 1e-8) -> SteadyCurve:
@@ -96,6 +104,8 @@ def steady_curve(robot: Any, start: dict[str, Any] | None = None, rtol: float = 
 
 def _nearer(run: Any, v: Any) -> dict[str, Any]:
     """A start nearer to the limit of the strobe points."""
+    if not machine_of(run.model).is_single:
+        return SteadyCurve(run, 1, False).end
     end = SteadyCurve(run, 1, False).end
     last, before = v[-1] - v[-2], v[-2] - v[-3]
     ratio = last / before if before else 0.0
@@ -118,7 +128,7 @@ class TransientCurve:
 
     def _states(self, phase: Any) -> tuple[Any, Any, Any]:
         t = np.clip(np.asarray(phase) * self.run.period_time, self.run.pieces.t[0], self.run.pieces.t[-1])
-        return self.run._states_at(t, self.run._index(t))
+        return _own_states(self.run, t)
 
     def v(self, phase: Any) -> Any:
         """Velocity [m/s]."""

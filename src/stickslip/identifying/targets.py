@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.distributions import distribution_of
 from stickslip.errors import InputError
 from stickslip.identifying.averages import MOST, averaged
-from stickslip.identifying.priors import prior_of
+from stickslip.identifying.weighting import weights_at
 from stickslip.records import Record
 from stickslip.records.given import given_frequency
 from stickslip.records.measures import LONGEST, _repeats, mean_velocity
@@ -96,6 +97,9 @@ def target(
         found = mean_velocity(rec, frequency)
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
     t, y = _finite(rec[kind])
+    own = weights_at(rec, t)
+    if own is not None:
+        t, y, own = t[own > 0], y[own > 0], own[own > 0]
     f = rec.drive_frequency().value if frequency is None else given_frequency(frequency)
     level = noise(y) if sigma is None else float(sigma)
     if not level > 0:
@@ -103,8 +107,22 @@ def target(
     phase = (t - t[0]) * f
     slips = frequency is None and phase[-1] > 2
     repeats = None if transient else _repeats(phase, y if kind == "velocity" else np.gradient(y, t))
-    whole = Target(kind, phase, y, level, f, sigma is not None, label, np.ones(len(t)), slips, transient, said, None, repeats or 1)
-    return _fewer(whole, repeats) if len(t) > MOST and kind == "velocity" and not transient else whole
+    whole = Target(
+        kind,
+        phase,
+        y,
+        level,
+        f,
+        sigma is not None,
+        label,
+        np.ones(len(t)) if own is None else own,
+        slips,
+        transient,
+        said,
+        None,
+        repeats or 1,
+    )
+    return _fewer(whole, repeats) if len(t) > MOST and own is None and kind == "velocity" and not transient else whole
 
 
 def _fewer(target: Target, repeats: int | None) -> Target:
@@ -120,7 +138,7 @@ def _fewer(target: Target, repeats: int | None) -> Target:
 
 def mean_target(value: Any, sigma: float | None, label: str) -> Target:
     """A mean velocity [m/s] as a target, with its error or bare."""
-    known = prior_of(value)
+    known = distribution_of(value)
     if known:
         return dataclasses.replace(mean_target(known.mean, known.sd, label), given_sigma=True)
     try:

@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.faces import NOT_DETERMINED, rounded, sure
 from stickslip.naming import described
 
 __all__ = [
     "NOT_DETERMINED",
+    "OVER_MOTION",
     "counted",
     "listed",
     "parameter_rows",
-    "rounded",
     "sure",
     "told",
     "undetermined",
@@ -21,51 +22,33 @@ __all__ = [
     "unit_of_parameter",
 ]
 
-NOT_DETERMINED = "not determined"
-
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
     """For each free parameter: name, value, standard error, and the ends of its interval."""
     return [(name, value, fit.errors[name], *fit.interval(name, level, "covariance")) for name, value in fit.values.items()]
 
 
-def rounded(value: float, error: float) -> str:
-    """A value with as many digits as its standard error leaves: two of the error; two of its own where it is smaller than that.
-
-    Examples
-    --------
-    >>> rounded(0.1797921, 0.00112), rounded(7961.23, 7.2), rounded(0.05, float("inf")), rounded(1.5, 7.7e3)
-    ('0.1798', '7961.2', '0.05', '1.5')
-    """
-    if not (np.isfinite(value) and np.isfinite(error) and error > 0):
-        return f"{value:.6g}"
-    if abs(value) < error / 100:
-        return f"{value:.2g}"
-    places = 1 - int(np.floor(np.log10(error)))
-    text = f"{value:.{places}f}" if 0 <= places <= 6 else f"{value:.{max(int(np.floor(np.log10(max(abs(value), error)))) + places, 0)}e}"
-    return f"{round(value, places):.0f}" if places < 0 and abs(value) < 1e6 else text
+#: Kinds of values that are forces, or what stands for them, over a motion that was measured.
+OVER_MOTION = ("force", "applied force", "torque", "current")
 
 
 def unit_of_kind(kind: str) -> str:
     """The SI unit of what is compared."""
-    return {"velocity": "m/s", "position": "m", "mean": "m/s", "force": "N"}.get(kind, "")
+    return {
+        "velocity": "m/s",
+        "position": "m",
+        "mean": "m/s",
+        "force": "N",
+        "applied force": "N",
+        "torque": "N m",
+        "current": "A",
+    }.get(kind, "")
 
 
 def unit_of_parameter(fit: Any, name: str) -> str:
     """The unit of a free parameter as its field or maker describes it; empty where it is a bare number, or nobody says."""
     unit = str(described(name.partition("[")[0], fit.problem.parameters.make).get("unit", ""))
     return "" if unit == "1" else unit
-
-
-def sure(error: float, digits: str = ".2g") -> str:
-    """A standard error as it stands behind its value.
-
-    Examples
-    --------
-    >>> sure(0.00112), sure(float("inf"))
-    ('± 0.0011', 'not determined')
-    """
-    return f"± {error:{digits}}" if np.isfinite(error) else NOT_DETERMINED
 
 
 def undetermined(fit: Any) -> list[str]:

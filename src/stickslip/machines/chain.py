@@ -10,10 +10,11 @@ from typing import Any, ClassVar
 from stickslip.drives.adapter import drive_of
 from stickslip.drives.shifted import begun_at
 from stickslip.errors import Problems
-from stickslip.fields import everywhere, replace_leaf
+from stickslip.fields import describe, everywhere, replace_leaf
 from stickslip.forces import offered_force
 from stickslip.machine import machine_of
 from stickslip.machines.bodies import Bodies
+from stickslip.machines.checks import periods_differ
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import LINKS, Body, Contact, Gait, Spring
 from stickslip.maths import maximum, pi
@@ -84,7 +85,7 @@ class Chain(Machine):
             problems.add(f"link = {self.link!r}; {listed}allowed is a link; type link=ss.Spring(stiffness=1200.0, damping=0.4)")
         for i, phase in enumerate(self.phases or ()):
             if not everywhere(abs(phase) <= 2 * pi):
-                problems.add(f"phases[{i}] = {phase!r}; allowed is from -2 pi to 2 pi [rad]")
+                problems.add(f"phases[{i}] = {describe(phase)}; allowed is from -2 pi to 2 pi [rad]; type math.radians(90) for 90 degrees")
         if problems.found:
             return
         _check_periods(self._driven, problems)
@@ -196,7 +197,7 @@ def _check_periods(driven: dict[str, Any], problems: Problems) -> None:
     for i, (name, drive) in enumerate(driven.items()):
         first, other = next(iter(driven.items()))
         if i and not everywhere(abs(drive.period - other.period) <= 1e-12 * other.period):
-            problems.add(f"{name} has the period {drive.period!r} s and {first} {other.period!r} s; allowed is one common period")
+            problems.add(periods_differ(name, drive.period, first, other.period))
 
 
 def _body(module: Any, place: Any) -> Body:

@@ -14,7 +14,7 @@ from stickslip.friction.adapter import adapted
 from stickslip.machines.parts import Body, Contact, Stop
 from stickslip.quantities import positive
 
-__all__ = ["check_parts"]
+__all__ = ["check_parts", "periods_differ"]
 
 _SLIPS, _LOADS = (-1.0, -1e-3, 1e-3, 1.0), (0.0, 1e-3, 1.0, 3.0, 100.0)  # at which laws are asked how they grow with the load
 _CLOSED = 1e-6  # of how far a prescribed distance goes: how well it has to come back after the period
@@ -58,6 +58,12 @@ def check_parts(machine: Any, problems: Problems) -> None:
         _check_groups(machine, problems)
         _check_stops(machine.mechanics, problems)
         _check_controllers(machine, problems)
+
+
+def periods_differ(name: str, period: Any, first: str, other: Any) -> str:
+    """What is said of two drives of one machine whose periods differ."""
+    told = f"{name} has the period {describe(period)} s and {first} {describe(other)} s; allowed is one common period"
+    return f'{told}; a name with a star changes the numbers of all, type .replace({{"*.omega": 205.0}})'
 
 
 def _check_body(name: Any, body: Any, problems: Problems) -> None:

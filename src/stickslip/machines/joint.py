@@ -27,11 +27,12 @@ from stickslip.machines.periodic_inputs import (
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.machines.pid import PID, Loop
 from stickslip.maths import maximum, pi, sin, sqrt, where
-from stickslip.quantities import at_least, positive, quantity
+from stickslip.quantities import at_least, holding, positive, quantity
 
 __all__ = ["Joint"]
 
 STIFFNESS = 1e4  # of a gear that does not say its own: a small strain-wave gear [N m/rad]
+_APPLIED = holding({"force on the inner mass": "torque", "the force": "the torque"}, {"N": "N m"})
 _TORQUE = "a torque [N m], a force function of time with at(t) and period, or a record (times, torques) of one period"
 
 
@@ -78,6 +79,8 @@ class Joint(Machine):
         k, at the joint [N m/rad]. Without it the gear is rigid where it has no backlash, and else 1e4 N m/rad, a small strain-wave gear.
     gear_damping : float, optional
         [N m s/rad].
+    motor_constant : float, optional
+        K, torque of the motor for each ampere [N m/A]: what a record of its current is multiplied with.
     angle : float, optional
         Where a run begins that says nothing else [rad].
     cycles : tuple of int, optional
@@ -105,7 +108,7 @@ class Joint(Machine):
 
     inertia: float = field(metadata=quantity("moment of inertia of the joint", "kg m^2", "J", example=0.01, rule=positive))
     friction: Any
-    torque: float | Any = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5))
+    torque: float | Any = field(default=None, metadata=quantity("torque", "N m", r"\tau", example=0.5) | _APPLIED)
     gravity_torque: float = field(default=0.0, metadata=quantity("torque of gravity", "N m", "G", example=0.2))
     gear_ratio: float = field(
         default=1.0,
@@ -128,6 +131,9 @@ class Joint(Machine):
         default=None, metadata=quantity("stiffness of the gear", "N m/rad", "k", example=200.0, rule=positive)
     )
     gear_damping: float = field(default=0.0, metadata=quantity("damping of the gear", "N m s/rad", "c", example=0.1, rule=at_least(0.0)))
+    motor_constant: float | None = field(
+        default=None, metadata=quantity("motor constant", "N m/A", "K", example=0.05, rule=positive, allowed="a positive torque per ampere")
+    )
     angle: float = field(default=0.0, metadata=quantity("angle at the start", "rad", r"\varphi_{0}", example=0.0))
     cycles: tuple[int, ...] | None = field(default=None, repr=False, metadata={"found": True})
 
@@ -261,6 +267,12 @@ class Joint(Machine):
         if self.torque is None:
             return {}
         return {self._driven: self.gear_ratio * torque_at(self.torque, in_period(t, self.torque, self._count(self.torque)))}
+
+    @property
+    def input(self) -> tuple[Any, dict[str, Any]]:
+        """The joint under no torque, and the torque at the joint for each unit of a record: of the motor's torque, and of its current."""
+        per = {} if self.motor_constant is None else {"current": self.gear_ratio * self.motor_constant}
+        return self.replace(torque=0.0, control=None), {**per, "torque": self.gear_ratio}
 
     def controllers(self) -> Mapping[str, Any]:
         """The PID controller."""

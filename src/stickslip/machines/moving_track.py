@@ -12,10 +12,11 @@ from stickslip.errors import Problems
 from stickslip.fields import everywhere
 from stickslip.forces import check_law
 from stickslip.friction.adapter import adapted, mirrored as mirrored_law
+from stickslip.machines.checks import periods_differ
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact
 from stickslip.maths import cos, maximum, sin
-from stickslip.quantities import GRAVITY, MASS, TILT, Rule, positive, quantity
+from stickslip.quantities import GRAVITY, MASS, TILT, Rule, holding, positive, quantity
 
 __all__ = ["MovingTrack"]
 
@@ -65,8 +66,8 @@ class MovingTrack(Machine):
     """
 
     mass: float = field(metadata=MASS)
-    along: Any
-    across: Any = None
+    along: Any = field(metadata=holding({"the inner mass": "the motion along the track"}))
+    across: Any = field(default=None, metadata=holding({"the inner mass": "the motion across the track"}))
     tilt: float = field(default=0.0, metadata=TILT | {"range": (-0.3, 0.3)})
     friction: Any = None
     load: float | None = field(default=None, metadata=quantity("normal force", "N", "P", example=20.0, rule=positive))
@@ -102,7 +103,7 @@ class MovingTrack(Machine):
     def _check_across(self, problems: Problems) -> None:
         first, other = self.along.period, self.across.period
         if not everywhere(abs(first - other) <= 1e-12 * other):
-            problems.add(f"along has the period {first!r} s and across {other!r} s; allowed is one common period")
+            problems.add(periods_differ("along", first, "across", other))
         if len(drive_of(self.across).jumps):
             problems.add(
                 "across jumps in velocity, which takes an infinite load; allowed is a motion without jumps such as ss.Harmonic, or "

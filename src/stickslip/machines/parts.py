@@ -11,7 +11,7 @@ from stickslip.drives.shifted import Shifted, within_one
 from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.maths import maximum, minimum, pi, where
-from stickslip.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, positive, quantity
+from stickslip.quantities import DAMPING, LENGTH, MASS, STIFFNESS, Rule, at_least, between, holding, positive, quantity
 
 __all__ = ["LINKS", "Body", "Contact", "Gait", "Rigid", "Spring", "Stop"]
 
@@ -201,7 +201,7 @@ class Gait(Frozen):
     (0.002, 0.002)
     """
 
-    drive: Any
+    drive: Any = field(metadata=holding({"the inner mass": "the distance"}))
     lag: float = field(
         metadata=quantity(
             "lag of the wave", "rad", r"\delta", example=2.0944, rule=Rule(lambda x: abs(x) <= 2 * math.pi, "from -2 pi to 2 pi")
@@ -250,9 +250,10 @@ class Stop(Frozen):
 
     def _check(self, problems: Problems) -> None:
         if (self.restitution is None) == (self.stiffness is None):
-            problems.add(f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two")
+            told = f"restitution = {self.restitution!r} and stiffness = {self.stiffness!r}; allowed is one of the two"
+            problems.add(f"{told}; type restitution=0.5 for hits that are over at once, or stiffness=1e4 [N/m] for an elastic stop")
         if self.side not in (1, -1):
-            problems.add(f"side = {self.side!r}; allowed is 1 or -1")
+            problems.add(f"side = {self.side!r}; allowed is 1 or -1; type side=-1 for a stop on the other side")
 
     def gap_left(self, distance: Any) -> Any:
         """What is left of the gap [m]; negative while an elastic stop is pressed."""

@@ -13,10 +13,11 @@ from stickslip.fields import Frozen, is_record
 from stickslip.machines.periodic_inputs import check_input, given_input, in_period
 from stickslip.machines.periodic_record import PeriodicRecord
 from stickslip.maths import where
-from stickslip.quantities import at_least, positive, quantity
+from stickslip.quantities import at_least, holding, positive, quantity
 
 __all__ = ["PID", "Loop"]
 
+_ANGLE = holding({"the inner mass": "the target"}, {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2"})
 _TARGET = "an angle [rad], a motion such as ss.Harmonic(amplitude=0.3, frequency=0.5), or a record (times, angles) of one period"
 
 
@@ -69,7 +70,7 @@ class PID(Frozen):
     kp: float = field(metadata=quantity("proportional gain", "N m/rad", "k_{p}", example=2.0, rule=at_least(0.0)))
     ki: float = field(metadata=quantity("integral gain", "N m/(rad s)", "k_{i}", example=1.0, rule=at_least(0.0)))
     kd: float = field(metadata=quantity("derivative gain", "N m s/rad", "k_{d}", example=0.1, rule=at_least(0.0)))
-    target: float | Any = field(metadata=quantity("target", "rad", r"\varphi_{s}", example=0.5))
+    target: float | Any = field(metadata=quantity("target", "rad", r"\varphi_{s}", example=0.5) | _ANGLE)
     sample: float | None = field(
         default=None,
         metadata=quantity(
@@ -78,7 +79,7 @@ class PID(Frozen):
             "h",
             example=1e-3,
             rule=positive,
-            allowed="a positive time between samples [s], or None for a controller that acts continuously",
+            allowed="a positive time between samples [s]",
         ),
     )
     feedforward: float = field(default=0.0, metadata=quantity("feed-forward torque", "N m", r"\tau_{f}", example=0.02))

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.drives.within import drives_within
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.sensitivity import along
 from stickslip.dynamics.tangents import not_followed
 from stickslip.errors import StickslipError
 from stickslip.optimising.limits import KEPT, Limit
-from stickslip.optimising.peaks import drives_within
 from stickslip.optimising.resting import nearness
 from stickslip.optimising.results import results_of
 from stickslip.optimising.uncertain import sampled

@@ -11,7 +11,8 @@ import numpy as np
 from stickslip.batch import numbers_by_name, shape_of, some_of
 from stickslip.dynamics.closing import Closed
 from stickslip.dynamics.mapping import Coordinates
-from stickslip.dynamics.tangents import means_named, number_slopes
+from stickslip.dynamics.slopes import number_slopes
+from stickslip.dynamics.tangents import means_named
 from stickslip.engine.closed import steady_force
 from stickslip.machine import machine_of
 from stickslip.observables import Observable
@@ -95,7 +96,7 @@ def _cost(power: Value, model: Any, seeds: dict[str, Array], count: int) -> Valu
     weight = np.atleast_1d(np.asarray(model.total_mass * model.gravity, float))
     cases = int(np.prod(shape_of(model), dtype=int))
     each, along = some_of(model, np.repeat(np.arange(cases), count)), {name: np.tile(parts, cases) for name, parts in seeds.items()}
-    (slopes,) = number_slopes(each, along, lambda machine: [machine.model.total_mass * machine.model.gravity], cases * count)
+    (slopes,) = number_slopes(each, along, _weight_of, cases * count)
     heavier = slopes.reshape(cases, count)
 
     def cost(motion: Closed) -> tuple[Array, Array]:
@@ -106,6 +107,10 @@ def _cost(power: Value, model: Any, seeds: dict[str, Array], count: int) -> Valu
             return value, dP / (weight * abs(V))[:, None] - value[:, None] * relative
 
     return cost
+
+
+def _weight_of(machine: Any) -> list[Any]:
+    return [machine.model.total_mass * machine.model.gravity]
 
 
 def _observed(of: Observable, model: Any, seeds: dict[str, Array], count: int) -> Exact | None:

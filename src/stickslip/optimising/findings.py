@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.drives.within import drives_within
 from stickslip.dynamics.mapping import spread_over
 from stickslip.dynamics.sensitivity import directions_of
 from stickslip.errors import StickslipError
@@ -15,7 +16,7 @@ from stickslip.optimising.coexisting import continued, from_other_starts
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.limits import KEPT, Limit
 from stickslip.optimising.optimum import Optimum, Search
-from stickslip.optimising.peaks import LIMITS, drives_within, peaks_of
+from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import results_of
 from stickslip.optimising.small_friction import small_friction_limit
 from stickslip.optimising.unknowns import Unknowns

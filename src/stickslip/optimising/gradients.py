@@ -15,9 +15,9 @@ from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.sensitivity import directions_of, notes_of, seeds_of
 from stickslip.dynamics.tangents import has_corners_of, not_followed
 from stickslip.errors import InputError, SolveError, did_you_mean
-from stickslip.fields import leaves
 from stickslip.machine import machine_of
 from stickslip.observables import Observable
+from stickslip.optimising.beside import moves_of, sides_of, sizes_of, words_of
 from stickslip.optimising.exact import OWN, STATE, Exact, exactly
 from stickslip.optimising.extremes import Looked, extreme_of
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
@@ -31,7 +31,6 @@ AGREE = 1e-4  # of the free velocity: two motions whose mean velocities are near
 _KINK, _NOISE = 0.01, 1e-10  # slopes to both sides that differ by more, of themselves and of the free velocity, are two slopes
 RTOL_OF_SLOPES = 1e-9  # of runs under dynamic laws: derivatives are known to some thousand times that
 MULTIPLIER = "multiplier"  # the name of the largest of a motion
-_PLAIN = 0.01  # what the size of a number that is zero is taken for
 
 
 class Gradient(dict[str, float]):
@@ -121,8 +120,8 @@ def gradient(
         return _by_differences(_orbit_of_runs(model), of, moved)
     at, seeds = coordinates(model), seeds_of(moved)
     exact = exactly(of, model, at, seeds, len(moved))
-    motion, orbit = steady_motion(model, moved, at, exact, rtol)
-    beside = _one_sided(motion, orbit, moved, at)
+    motion, orbit, stepped = steady_motion(model, moved, at, exact, rtol)
+    beside = _one_sided(motion, orbit, moved, at, stepped)
     value, slopes = (each[0] for each in exact.of(motion)) if exact else _extremes(of, orbit, at, seeds, motion)
     if exact is None and np.isnan(slopes).any():
         return _by_differences(orbit, of, moved, beside)
@@ -141,8 +140,8 @@ def _extremes(of: Any, orbit: PeriodicOrbit, at: Coordinates, seeds: dict[str, A
 
 def steady_motion(
     model: Any, moved: dict[str, tuple[str, ...]], at: Coordinates, exact: Exact | None = None, rtol: float = RTOL_OF_SLOPES
-) -> tuple[Closed, PeriodicOrbit]:
-    """The periodic motion that a machine settles on from rest, with its derivatives along what is moved."""
+) -> tuple[Closed, PeriodicOrbit, bool]:
+    """The periodic motion that a machine settles on from rest, with its derivatives along what is moved; whether it is made of steps."""
     found = settled(model, at, periods=PERIODS)
     period, V, state = _repeating(int(found.period[0])), float(found.mean_velocity[0]), found.state[0]
     means, observe = (0, ()) if exact is None else (exact.means, exact.observe)
@@ -152,7 +151,7 @@ def steady_motion(
         orbit = periodic_orbit(model, period, guess=state)
         motion = along.at_state(orbit.state[None], period)
     _check_same(model, V, float(motion.mean_velocity[0]))
-    return motion, PeriodicOrbit(model, period, motion.nearer[0], float(motion.missed[0]), rtol)
+    return motion, PeriodicOrbit(model, period, motion.nearer[0], float(motion.missed[0]), rtol), found.stepped
 
 
 def check_of(what: str, of: Any, model: Any) -> None:
@@ -208,28 +207,20 @@ def _check_same(model: Any, settled: float, V: float) -> None:
         raise SolveError(f"gradient: from rest V is {settled:.9g} m/s, and the periodic motion found there has {V:.9g} m/s")
 
 
-def _sizes(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
-    """What is small beside the numbers that are moved together."""
-    own = dict(leaves(model))
-    return np.array([max(abs(float(own[name])) for name in names) or _PLAIN for names in moved.values()])
-
-
 def _beside(
-    orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float], observe: dict[str, Any] | None = None
+    orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Array, observe: dict[str, Any] | None = None
 ) -> tuple[dict[str, Array], Array]:
     """Columns of shape (directions, shares): each direction moved by each share of its size, from the strobe state of the motion."""
-    sizes, k, m = _sizes(orbit.model, moved), len(moved), len(shares)
+    sizes, (k, m) = sizes_of(orbit.model, moved), shares.shape
     start = coordinates(orbit.model).start(orbit.state)
-    found = results_of(moved_by(orbit.model, _moves(moved, sizes, shares)), k * m, start=start, rtol=1e-10, observe=observe)
+    found = results_of(moved_by(orbit.model, moves_of(moved, sizes, shares)), k * m, start=start, rtol=1e-10, observe=observe)
     return {name: values.reshape(k, m) for name, values in found.items()}, sizes
 
 
-def _multipliers(
-    orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Sequence[float], _: Any
-) -> tuple[dict[str, Array], Array]:
+def _multipliers(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], shares: Array, _: Any) -> tuple[dict[str, Array], Array]:
     """The largest multiplier of the motions beside one, by their monodromy matrices, which are exact."""
-    sizes, k, m = _sizes(orbit.model, moved), len(moved), len(shares)
-    near, at = moved_by(orbit.model, _moves(moved, sizes, shares)), coordinates(orbit.model)
+    sizes, (k, m) = sizes_of(orbit.model, moved), shares.shape
+    near, at = moved_by(orbit.model, moves_of(moved, sizes, shares)), coordinates(orbit.model)
     along = Closing(near, at, {}, 0, RTOL, k * m)
     found = along.near(np.tile(orbit.state, (k * m, 1)), orbit.period)
     good = along.is_good(found) & np.isfinite(found.monodromy).all(axis=(1, 2))
@@ -238,27 +229,19 @@ def _multipliers(
     return {MULTIPLIER: values.reshape(k, m), "period": np.full((k, m), orbit.period)}, sizes
 
 
-def _moves(moved: dict[str, tuple[str, ...]], sizes: Array, shares: Any) -> dict[str, Array]:
-    """How far each number is moved in each case: by every share of its size, one set of numbers after the other."""
-    k, m, found = len(moved), len(shares), dict[str, Array]()
-    for i, names in enumerate(moved.values()):
-        for name in names:
-            found.setdefault(name, np.zeros((k, m)))[i] = sizes[i] * np.asarray(shares)
-    return {name: values.ravel() for name, values in found.items()}
-
-
 def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, ...]], beside: Sequence[str] = ()) -> Gradient:
     """Central differences of two steps, extrapolated (Richardson): of ever shorter pairs of steps the two that agree best."""
-    shares = [side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0)]
+    shares = np.array([0.0, *(side * step / part for step in _STEPS for part in (1, 2) for side in (1.0, -1.0))])
     observe = {OWN: of} if isinstance(of, Observable) else None
-    found, sizes = (_multipliers if of == MULTIPLIER else _beside)(orbit, moved, [0.0, *shares], observe)
+    sides = sides_of(orbit.model, moved, _BESIDE)[:, None]  # beyond the end of a range stands the number itself
+    found, sizes = (_multipliers if of == MULTIPLIER else _beside)(orbit, moved, np.where(sides * shares < 0.0, 0.0, shares), observe)
     own = found.get(OWN if observe else of)
     if own is None:
         raise InputError("gradient", [f"of = {of!r} is not known of this {type(orbit.model).__name__}; type of='mean_velocity'"])
-    value, columns, words = float(own[0, 0]), own[:, 1:].reshape(len(moved), -1, 4), _words(found)
+    value, columns, words = float(own[0, 0]), own[:, 1:].reshape(len(moved), -1, 4), words_of(found)
     steps = np.array(_STEPS) * sizes[:, None]
     long, short = (columns[..., 2 * k] - columns[..., 2 * k + 1] for k in (0, 1))
-    slopes = (4.0 * short / steps - 0.5 * long / steps) / 3.0
+    slopes = np.where(sides == 0, (4.0 * short - 0.5 * long) / 3.0, 4.0 * short - long) / steps
     for i, row in enumerate(words):
         for j in range(len(_STEPS)):
             if any(word != row[0] for word in row[1 + 4 * j : 5 + 4 * j]):
@@ -274,28 +257,18 @@ def _by_differences(orbit: PeriodicOrbit, of: Any, moved: dict[str, tuple[str, .
     return Gradient(dict(zip(moved, map(float, best), strict=True)), named(of), value, notes)
 
 
-def _words(found: dict[str, Array]) -> list[list[str]]:
-    """The sequences of modes of all contacts, for each direction and share."""
-    columns = [values for name, values in found.items() if name.partition(".")[0] in ("pattern", "period")]
-    shape = columns[0].shape
-    return [["/".join(str(values[i, j]) for values in columns) for j in range(shape[1])] for i in range(shape[0])]
-
-
-def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates) -> list[str]:
+def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates, stepped: bool) -> list[str]:
     """A sentence for every number next to which the sequence of modes, or the slope of the mean velocity, changes.
 
     One motion period to either side of each number, from where the derivatives say that the motion is there, is all that this takes.
     """
-    model, k, sizes = orbit.model, len(moved), _sizes(orbit.model, moved)
+    model, k, sizes = orbit.model, len(moved), sizes_of(orbit.model, moved)
     if not has_corners_of(model) or not np.isfinite(motion.changes).all():
         return []
-    shares = np.array([-_BESIDE, 0.0, _BESIDE])
-    near = moved_by(model, _moves(moved, sizes, shares))
-    starts = np.repeat(np.repeat(motion.nearer, k, axis=0), 3, axis=0)
-    starts[:, : motion.changes.shape[2]] += (shares[:, None] * (sizes[:, None] * motion.changes[0])[:, None]).reshape(3 * k, -1)
-    ends = strobe_map(near, starts, orbit.period, orbit.rtol, at)
-    V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
-    words = np.array(["/".join(each) for each in zip(*ends.patterns, strict=True)]).reshape(k, 3)
+    try:
+        words, V = _around(motion, orbit, moved, at, stepped, np.zeros(k))
+    except InputError:  # a number at the end of its range
+        words, V = _around(motion, orbit, moved, at, stepped, sides_of(model, moved, _BESIDE))
     noise, told = _NOISE * float(machine_of(model).free_velocity), []
     for name, (below, here, above), (less, own, more), size in zip(moved, words, V, sizes, strict=True):
         left, right = own - less, more - own
@@ -308,3 +281,16 @@ def _one_sided(motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str,
             f"V changes by {left / (_BESIDE * size):.6g} per unit below and by {right / (_BESIDE * size):.6g} above"
         )
     return told
+
+
+def _around(
+    motion: Closed, orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]], at: Coordinates, stepped: bool, sides: Array
+) -> tuple[Array, Array]:
+    """Modes and mean velocities below, at and above each number; or, of one that may be moved to one side only, at and twice beside it."""
+    k, sizes, shares = len(moved), sizes_of(orbit.model, moved), _BESIDE * (np.array([-1.0, 0.0, 1.0]) + sides[:, None])
+    near = moved_by(orbit.model, moves_of(moved, sizes, shares))
+    starts = np.repeat(np.repeat(motion.nearer, k, axis=0), 3, axis=0)
+    starts[:, : motion.changes.shape[2]] += (shares[:, :, None] * (sizes[:, None] * motion.changes[0])[:, None]).reshape(3 * k, -1)
+    ends = strobe_map(near, starts, orbit.period, orbit.rtol, at, stepped)
+    V = (ends.displacement / (orbit.period * spread(near.period, labels_of(near)))).reshape(k, 3)
+    return np.array(["/".join(each) for each in zip(*ends.patterns, strict=True)]).reshape(k, 3), V

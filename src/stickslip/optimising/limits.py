@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.drives.within import drives_within
 from stickslip.errors import Problems, did_you_mean
-from stickslip.optimising.peaks import LIMITS, drives_within, peaks_of
+from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import quantities
 from stickslip.optimising.waveforms import Scales
 

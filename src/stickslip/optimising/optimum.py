@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Face
 from stickslip.optimising.gradients import Gradient
 from stickslip.sealing import sealed
 
@@ -48,7 +49,7 @@ class Search:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class Optimum(Face):
     """The best machine that a search found. It is not proved that there is none better.
 
     Parameters
@@ -113,6 +114,19 @@ class Optimum:
         if name not in self.values:
             raise InputError("optimise", [f"{name!r} is not known of the best machine; {did_you_mean(name, self.values)}"])
         return self.values[name]
+
+    def _title(self) -> str:
+        return f"Optimum: {self.of} = {self[self.of]:.7g}"
+
+    def _facts(self) -> dict[str, Any]:
+        share = {} if self.of_limit is None else {f"of the limit ({self.limit})": f"{100 * self.of_limit:.4g} %"}
+        robust = {} if self.robust is None else {"over the sample": f"{self.robust:.7g}"}
+        return {**share, **robust, "active limits": ", ".join(self.active) or "none", "candidates tried": self.tried}
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        known = [name for name, value in self.values.items() if isinstance(value, float) and isinstance(self.given.get(name), float)]
+        found: list[tuple[str, ...]] = [("result", "given", "best"), *((name, f"{self.given[name]:.6g}", f"{self.values[name]:.6g}") for name in known)]
+        return [[("number", "best"), *((name, f"{value:.6g}") for name, value in self.varied.items())], found]
 
     def __repr__(self) -> str:
         share = f"{100 * self.of_limit:.4g} % of the limit ({self.limit})" if self.of_limit is not None else self.limit

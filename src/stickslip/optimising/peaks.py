@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import fields
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from stickslip.drives.adapter import drive_of, lacking
-from stickslip.fields import is_record, leaves
+from stickslip.drives.adapter import drive_of
+from stickslip.fields import leaves
 
-__all__ = ["LIMITS", "drives_within", "peaks_of"]
+__all__ = ["LIMITS", "peaks_of"]
 
 Array = Any
 _GRID = 256  # points of a period, beside its breaks
@@ -19,23 +18,6 @@ _ROUNDS, _FINER = 16, 2.0  # in which the neighbourhood of the best point is sea
 _BEFORE = 1e-12  # of the period: how far before a break its left side is looked at
 #: What may be limited of a drive: its name, and the unit.
 LIMITS = {"stroke": "m", "relative_velocity": "m/s", "relative_acceleration": "m/s^2"}
-
-
-def drives_within(record: Any) -> Iterator[Any]:
-    """The drives of a machine, whatever part has them.
-
-    Examples
-    --------
-    >>> import stickslip as ss
-    >>> [type(drive).__name__ for drive in drives_within(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4))]
-    ['Harmonic']
-    """
-    parts = record if isinstance(record, tuple) else [getattr(record, field.name) for field in fields(record)] if is_record(record) else ()
-    for part in parts:
-        if is_record(part) and not lacking(part):
-            yield part
-        elif is_record(part) or isinstance(part, tuple):
-            yield from drives_within(part)
 
 
 def peaks_of(drive: Any, name: str) -> Array:

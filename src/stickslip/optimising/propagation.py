@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.dynamics.mapping import spread_over
 from stickslip.errors import InputError, Problems
+from stickslip.faces import Drawn, Face, rounded, sure
 from stickslip.fields import leaves
 from stickslip.optimising.results import check_quantity, results_of
 from stickslip.optimising.uncertain import Spread, checked_spread, sampled, sobol
@@ -24,7 +25,7 @@ _LEVEL, _RESAMPLED = 0.95, 400  # of the intervals of indices
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Indices:
+class Indices(Face):
     """Sobol indices: which part of the variance of a result comes from which number.
 
     Parameters
@@ -42,6 +43,12 @@ class Indices:
     first_interval: dict[str, tuple[float, float]]
     total_interval: dict[str, tuple[float, float]]
 
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        ends = ((self.first_interval[n], self.total_interval[n]) for n in self.first)
+        spans = (tuple(f"{low:.2f} to {high:.2f}" for low, high in pair) for pair in ends)
+        rows = ((n, f"{self.first[n]:.2f}", a, f"{self.total[n]:.2f}", b) for n, (a, b) in zip(self.first, spans, strict=True))
+        return [[("number", "first index", "", "total index", ""), *rows]]
+
     def __repr__(self) -> str:
         told = ", ".join(f"{name} {value:.3g} (total {self.total[name]:.3g})" for name, value in self.first.items())
         return f"<Indices: {told}>"
@@ -49,7 +56,7 @@ class Indices:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Propagated:
+class Propagated(Drawn):
     """What uncertain numbers make of a result; `stickslip.plot.tornado` draws which of them matter.
 
     Parameters
@@ -102,6 +109,19 @@ class Propagated:
     def quantile(self, q: float) -> float:
         """The value below which a part q of the sample lies."""
         return float(np.nanquantile(self.values, q))
+
+    _drawn_by = "tornado"
+
+    def _facts(self) -> dict[str, Any]:
+        low, high = (self.quantile(q) for q in (0.05, 0.95))
+        cases = f"{len(self.values)}" + (f", {self.failed} of them have none" if self.failed else "")
+        error = self.std / max(len(self.values) - self.failed, 1) ** 0.5
+        told = {
+            "nominal": f"{self.nominal:.6g}",
+            "mean": f"{rounded(self.mean, error)} {sure(error)}",
+            "standard deviation": f"{self.std:.3g}",
+        }
+        return {"of": self.of, **told, "nine in ten": f"{low:.4g} to {high:.4g}", "cases": cases}
 
     def __repr__(self) -> str:
         low, middle, high = (self.quantile(q) for q in (0.05, 0.5, 0.95))

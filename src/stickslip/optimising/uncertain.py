@@ -7,15 +7,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from stickslip.dynamics.named import numbers_meant
+from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import leaves, replace_leaf
+from stickslip.named import numbers_meant
 
 __all__ = ["Independent", "Spread", "Uncertain", "checked_spread", "sample_of", "sampled", "sobol"]
 
 Array = Any
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
-_EDGE = 1e-12  # how near a sample comes to the ends of a distribution that has none
 
 
 class Spread(Protocol):
@@ -41,20 +41,15 @@ class Spread(Protocol):
 
 @dataclass(frozen=True)
 class Uncertain:
-    """Numbers with one distribution, taken together: "uniform" from a to b, or "normal" with mean a and standard deviation b."""
+    """Numbers of a machine with one distribution, taken together."""
 
     name: str
     leaves: tuple[str, ...]
-    kind: str
-    a: float
-    b: float
+    distribution: Distribution
 
     def at(self, u: Array) -> Array:
         """The numbers below which a part u of the distribution lies."""
-        from scipy.special import ndtri
-
-        u = np.clip(u, _EDGE, 1.0 - _EDGE)
-        return self.a + (self.b - self.a) * u if self.kind == "uniform" else self.a + self.b * ndtri(u)
+        return self.distribution.at(u)
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,7 @@ class Independent:
 
     Examples
     --------
-    >>> spread = Independent((Uncertain("tilt", ("track.tilt",), "uniform", 0.0, 0.1),))
+    >>> spread = Independent((Uncertain("tilt", ("track.tilt",), Distribution("uniform", 0.0, 0.1)),))
     >>> spread.numbers(np.array([[0.25, 0.5]]))["track.tilt"].tolist()
     [0.025, 0.05]
     """
@@ -106,25 +101,11 @@ def checked_spread(model: Any, argument: str, given: Any, problems: Problems) ->
         meant = numbers_meant(str(name), known)
         if not meant:
             problems.add(f"{argument}: {name!r} is no number of {type(model).__name__}; {did_you_mean(str(name), known)}")
-        elif (each := _distribution(str(name), meant, said)) is None:
-            allowed = '("uniform", least, largest), ("normal", mean, standard deviation), or (mean, "1%")'
-            problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {allowed}; type for example {_TYPED}")
+        elif (each := distribution_of(said)) is None:
+            problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {ALLOWED}; type for example {_TYPED}")
         else:
-            found.append(each)
+            found.append(Uncertain(str(name), meant, each))
     return Independent(tuple(found)) if found else None
-
-
-def _distribution(name: str, meant: tuple[str, ...], said: Any) -> Uncertain | None:
-    """What was typed; (mean, "1%") is a normal distribution whose standard deviation is that part of its mean."""
-    try:
-        if len(said) == 2 and isinstance(said[1], str) and said[1].endswith("%"):
-            said = ("normal", said[0], abs(float(said[0])) * float(said[1][:-1]) / 100.0)
-        kind, a, b = said
-        a, b = float(a), float(b)
-    except (TypeError, ValueError):
-        return None
-    good = np.isfinite([a, b]).all() and ((kind == "uniform" and a < b) or (kind == "normal" and b > 0.0))
-    return Uncertain(name, meant, kind, a, b) if good else None
 
 
 def sobol(dimensions: int, count: int, seed: int) -> Array:
@@ -139,7 +120,7 @@ def sample_of(spread: Spread, count: int, seed: int) -> dict[str, Array]:
 
     Examples
     --------
-    >>> found = sample_of(Independent((Uncertain("tilt", ("track.tilt",), "uniform", 0.0, 1.0),)), 4, seed=1)
+    >>> found = sample_of(Independent((Uncertain("tilt", ("track.tilt",), Distribution("uniform", 0.0, 1.0)),)), 4, seed=1)
     >>> sorted((4 * found["track.tilt"]).astype(int).tolist())  # one in each quarter
     [0, 1, 2, 3]
     """

@@ -2,7 +2,7 @@
 
 from stickslip.plot.benches import bench
 from stickslip.plot.chaos import chaos_map
-from stickslip.plot.contacts import contacts
+from stickslip.plot.contacts import contacts, pattern
 from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
 from stickslip.plot.flows import states
@@ -15,6 +15,6 @@ from stickslip.plot.uncertain import tornado
 
 __all__ = [
     "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted",
-    "forces", "line_cut", "motion_map", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
+    "forces", "line_cut", "motion_map", "pattern", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
     "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

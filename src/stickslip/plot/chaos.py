@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
-from stickslip.maths import exp
+from stickslip.plot.spacing import edges, logarithmic
 from stickslip.plot.style import COLOURS, INK, axes, labelled, publication, scaled
 
 __all__ = ["MOTIONS", "chaos_map"]
@@ -62,8 +62,8 @@ def chaos_map(found: Grid, ax: Ax = None, quantity: str = "motion", curves: Any 
         (right, side), (up, mark) = (scaled(found[n].values, found[n].attrs["units"]) for n in (across, upward))
         handles = (_motions if quantity == "motion" else _exponents)(found, ax, found[across].values * right, found[upward].values * up)
         handles += _over(curves, ax, (across, right), (upward, up))
-        _logarithmic(ax, "x", found[across].values)
-        _logarithmic(ax, "y", found[upward].values)
+        logarithmic(ax, "x", found[across].values)
+        logarithmic(ax, "y", found[upward].values)
         ax.set_xlabel(labelled(found[across], side))
         ax.set_ylabel(labelled(found[upward], mark))
         if handles:
@@ -80,7 +80,7 @@ def _motions(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
 
     kinds = _kinds(found)
     norm = BoundaryNorm(np.arange(-0.5, len(MOTIONS)), len(MOTIONS))
-    ax.pcolormesh(_edges(x), _edges(y), kinds, cmap=ListedColormap(list(MOTIONS.values())), norm=norm, rasterized=True)
+    ax.pcolormesh(edges(x), edges(y), kinds, cmap=ListedColormap(list(MOTIONS.values())), norm=norm, rasterized=True)
     shown = [item for i, item in enumerate(MOTIONS.items()) if (kinds == i).any()]
     return [Patch(facecolor=colour, edgecolor=INK, linewidth=0.3, label=name) for name, colour in shown]
 
@@ -97,7 +97,7 @@ def _exponents(found: Any, ax: Any, x: Any, y: Any) -> list[Any]:
 
     values = np.ma.masked_invalid(np.where(np.isneginf(found.exponent.values), _LOWEST, found.exponent.values))
     norm = TwoSlopeNorm(0.0, _LOWEST, max(0.5, float(np.max(values.filled(0.0), initial=0.0))))
-    mesh = ax.pcolormesh(_edges(x), _edges(y), values, cmap="PuOr_r", norm=norm, rasterized=True)
+    mesh = ax.pcolormesh(edges(x), edges(y), values, cmap="PuOr_r", norm=norm, rasterized=True)
     bar = ax.figure.colorbar(mesh, ax=ax, extend="min", pad=0.02, aspect=28)
     bar.set_label("largest exponent per drive period")
     bar.outline.set_linewidth(0.4)
@@ -124,38 +124,7 @@ def _line(found: Any, ax: Any) -> Any:
     ax.axhline(0.0, color=INK, linewidth=0.5)
     ax.fill_between(x, y - 3 * error, y + 3 * error, color=COLOURS[0], alpha=0.2, linewidth=0)
     ax.plot(x, y, ".-", color=COLOURS[0], linewidth=0.7, markersize=2.5)
-    _logarithmic(ax, "x", x)
+    logarithmic(ax, "x", x)
     ax.set_xlabel(labelled(found[name], side))
     ax.set_ylabel("largest exponent per drive period")
     return ax
-
-
-def _geometric(values: Any) -> bool:
-    """Whether numbers grow by a constant factor and not by a constant step."""
-    if len(values) < 3 or not (values > 0).all():
-        return False
-    ratios = np.diff(np.log(values))
-    return bool(np.ptp(ratios) < 1e-6 * abs(ratios).max() and np.ptp(np.diff(values)) > 1e-3 * abs(np.diff(values)).max())
-
-
-def _edges(values: Any) -> Any:
-    """The edges of cells around numbers, half way between neighbours (by their logarithms where they grow by a factor)."""
-    if _geometric(values):
-        return exp(_edges(np.log(values)))  # which stays finite at the end of what a float holds
-    if len(values) == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middle = 0.5 * (values[1:] + values[:-1])
-    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
-
-
-def _logarithmic(ax: Any, letter: str, values: Any) -> None:
-    """A logarithmic axis with plain numbers, where the numbers grow by a constant factor."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-
-    if not _geometric(values):
-        return
-    getattr(ax, f"set_{letter}scale")("log")
-    axis = getattr(ax, f"{letter}axis")
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))

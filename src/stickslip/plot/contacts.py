@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from stickslip.analysis.contact_modes import contact_modes, landings, stop_rows
-from stickslip.arguments import Ax, Run, explains_arguments
+from stickslip.arguments import Ax, Kind, Run, explains_arguments
 from stickslip.plot.runs import only_run, span, time_axis
 from stickslip.plot.style import COLOURS, INK, SHADE, WIDTH, legend_above, prefix, publication
 
-__all__ = ["MODES", "contacts"]
+__all__ = ["MODES", "contacts", "pattern"]
+
+Moving = Annotated[Any, Kind(lambda v: hasattr(v, "direction"), "what ss.motion returns; type ss.motion(run)")]
 
 AIR = "#d6e6f5"  # pale: nothing rubs there
 #: Words, colours and patterns of the bars, in the order of the legend: +1, 0, -1, a stop that is pressed, and flight.
@@ -64,6 +66,43 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
         ax.tick_params(axis="y", length=0)
         time_axis(ax, run, (start, end), time, seconds)
         legend_above(ax, handles=[*shown, *marks], ncols=len(shown) + len(marks), columnspacing=1.2, handlelength=1.6)
+        return ax
+
+
+@explains_arguments
+def pattern(motion: Moving, ax: Ax = None) -> Any:
+    """The motion period of each contact: where it slides forwards, sticks, and slides backwards, in the order of its pattern.
+
+    Parameters
+    ----------
+    motion : Motion or Motions
+        From `stickslip.motion`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb"), periods=20)
+    >>> ss.plot.pattern(ss.motion(run)).get_xlabel()
+    'drive periods'
+    """
+    motions = motion.contacts if hasattr(motion, "contacts") else {"": motion}
+    rows = list(motions)
+    bars = {name: [(a, a + length, sign) for a, length, sign in one.intervals] for name, one in motions.items()}
+    with publication():
+        ax = _axes(ax, len(rows))
+        shown = _bars(ax, rows, bars, 0.0, 1.0)
+        ax.set_yticks(range(len(rows)), rows)
+        ax.set_ylim(len(rows) - 0.5, -0.5)
+        ax.tick_params(axis="y", length=0)
+        ax.set_xlabel("drive periods")
+        ax.margins(x=0)
+        legend_above(ax, handles=shown, ncols=len(shown), columnspacing=1.2, handlelength=1.6)
         return ax
 
 

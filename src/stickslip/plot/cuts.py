@@ -11,6 +11,7 @@ from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
 from stickslip.fields import masked_in
 from stickslip.plot.maps import DARK, TYPE_COLOURS, plain_label, scaled
+from stickslip.plot.spacing import logarithmic
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
 from stickslip.sweeps.columns import is_of_cases
 
@@ -63,6 +64,7 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
                 ax.plot(axis.values, way["mean_velocity"].values * factor, color=COLOURS[i % 7], label=name or None, zorder=3 + i, **dash)
         _strips(ax, curves, axis.values)
         ax.set_xlim(axis.values.min(), axis.values.max())
+        logarithmic(ax, "x", np.sort(axis.values))
         ax.set_xlabel(axis.label)
         ax.set_ylabel("mean velocity $V$" if unitless else f"mean velocity $V$ ({unit}m/s)")
         if len(curves) > 1 or "way" in part.dims:

@@ -11,6 +11,7 @@ from stickslip.arguments import Ax, Basin, Exponents, Grid, Ways, explains_argum
 from stickslip.errors import InputError, is_whole
 from stickslip.flow import is_flow
 from stickslip.machine import machine_of
+from stickslip.plot.spacing import logarithmic
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 
 __all__ = ["basins", "bifurcation", "continuation", "convergence", "spectrum"]
@@ -242,6 +243,7 @@ def bifurcation(diagram: Grid, observable: str = "v", ax: Ax = None) -> Any:
             size = 1.6 if i == 0 else 0.8
             ax.plot(x, part.values.ravel() * up, ".", markersize=size, markeredgewidth=0, color=COLOURS[i], rasterized=True, zorder=2 + i)
             ax.plot([], [], ".", markersize=5, color=COLOURS[i], label=str(direction))
+        logarithmic(ax, "x", np.sort(across.values) * right)
         ax.set_xlabel(named(across.attrs.get("long_name", across.name), across.attrs.get("units", "1"), side))
         ax.set_ylabel(named(_WORDS.get(observable, y.attrs.get("long_name", observable)), unit, mark))
         legend_above(ax, ncols=2, handletextpad=0.2)
@@ -364,8 +366,11 @@ def convergence(exponents: Exponents, ax: Ax = None, count: int = 1) -> Any:
         ax.set_xlim(0, exponents.record[-1, 0])
         ax.set_xlabel(f"{exponents.unit}s averaged over")
         ax.set_ylabel(f"exponent per {exponents.unit}")
-        if ax.get_legend_handles_labels()[0]:  # none where every exponent is -infinity
+        if ax.get_legend_handles_labels()[0]:
             legend_above(ax, ncols=3)
+        else:
+            ax.set_yticks([])
+            ax.text(0.5, 0.6, "−∞: disturbances are forgotten at once", transform=ax.transAxes, ha="center")
         return ax
 
 

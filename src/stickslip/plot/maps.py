@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.analysis.closed_form import coulomb_type
 from stickslip.analysis.coulomb_borders import coulomb_borders, plane_of
 from stickslip.arguments import Ax, Grid, explains_arguments
 from stickslip.errors import InputError
+from stickslip.plot.spacing import edges, logarithmic, places
 from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
 from stickslip.steadiness import STEADINESS, UNSETTLED
 from stickslip.sweeps.columns import column_of, is_of_cases
@@ -28,12 +30,13 @@ _SMALLEST = 0.045  # of the map's shorter side: a region must be this deep to be
 _FINE = 240  # points of each side of a map at which its regions are looked at
 _SPECK = (4, 0.001)  # cells, share of the map: a smaller region has no border drawn around it
 _ROUNDED = (0.8, 0.008)  # cells, share of a map's side: over the larger the corners of cells are rounded off in a border
+_OWN = 0.99  # of the cells have the types of Coulomb friction where its borders are the map's own; the rest may lie on a border
 _HATCH = "//////"  # over cells whose mean velocity has not settled
 _ROW = 11.5  # height of a row of a legend [points]
 
 
 @explains_arguments
-def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: bool = True, ax: Ax = None) -> Any:
+def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: bool | str = True, ax: Ax = None) -> Any:
     """The motion type over a plane, each region with its name, and the exact borders of Coulomb friction drawn over it.
 
     Parameters
@@ -42,9 +45,9 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
         From `sweep` or `map`, with two axes of numbers.
     x, y : str, optional
         Which axis goes where; by default the first across and the second up.
-    borders : bool
-        Whether to draw the exact borders, where they are known (`coulomb_borders`). Under a dynamic law they are those of its twin with
-        Coulomb friction.
+    borders : bool or "twin"
+        Whether to draw the exact borders of Coulomb friction (`coulomb_borders`) over a map whose motion types they part. Under another
+        law they are those of its twin with Coulomb friction, and are drawn where "twin" asks for them.
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
 
@@ -72,11 +75,12 @@ def motion_map(grid: Grid, x: str | None = None, y: str | None = None, borders: 
         ax = _square(ax)
         colours = ListedColormap([TYPE_COLOURS[name] for name in present])
         norm = BoundaryNorm(np.arange(len(present) + 1) - 0.5, len(present))
-        ax.pcolormesh(across.values, up.values, codes, cmap=colours, norm=norm, shading="nearest", rasterized=True)
+        ax.pcolormesh(edges(across.values), edges(up.values), codes, cmap=colours, norm=norm, rasterized=True)
         places = _places(codes, across, up)
         legend = [name for i, name in enumerate(present) if not _name_region(ax, *places, i, name)]
-        drawn = borders and _draw_borders(ax, grid, first, second, across, up)
-        _legend(ax, legend, "Coulomb, exact" if drawn else None, _hatch_unsettled(ax, grid, first, second, across, up))
+        named = "Coulomb twin" if borders == "twin" else "Coulomb, exact"
+        drawn = (borders == "twin" or (borders and _parts_them(grid))) and _draw_borders(ax, grid, first, second, across, up)
+        _legend(ax, legend, named if drawn else None, _hatch_unsettled(ax, grid, first, second, across, up))
         return _framed(ax, grid, across, up)
 
 
@@ -134,7 +138,7 @@ def velocity_map(
     limits = {"vmin": -max(top, -bottom), "vmax": max(top, -bottom), "cmap": "PuOr_r"} if both else {"vmin": 0.0, "cmap": "cividis"}
     with publication():
         ax = _square(ax)
-        shown = ax.pcolormesh(across.values, up.values, V, shading="nearest", rasterized=True, **limits)
+        shown = ax.pcolormesh(edges(across.values), edges(up.values), V, rasterized=True, **limits)
         bar = ax.figure.colorbar(shown, ax=ax, fraction=0.05, pad=0.03)
         named = "mean velocity $V$" if quantity == "mean_velocity" else quantity.replace("_", " ")
         bar.set_label("mean velocity $V/(A\\mu\\omega)$" if unitless and "$" in named else f"{named} ({unit or '1'})")
@@ -188,6 +192,8 @@ def _framed(ax: Any, grid: Any, across: _Axis, up: _Axis) -> Any:
     for axis, limit in ((across, ax.set_xlim), (up, ax.set_ylim)):
         if np.ptp(axis.values) > 0:
             limit(axis.values.min(), axis.values.max())
+    logarithmic(ax, "x", np.sort(across.values))
+    logarithmic(ax, "y", np.sort(up.values))
     ax.set_xlabel(across.label)
     ax.set_ylabel(up.label)
     ax.spines[["top", "right"]].set_visible(True)
@@ -219,9 +225,8 @@ def _stays(number: Any, name: str) -> str:
 
 def _places(codes: Any, across: _Axis, up: _Axis) -> tuple[Any, Any, Any]:
     """The map as it is seen within its frame: places on both axes, and the code of the nearest cell at each."""
-    x, y = (np.linspace(axis.values.min(), axis.values.max(), _FINE) for axis in (across, up))
-    nearest = [abs(fine[:, None] - axis.values).argmin(axis=1) for fine, axis in ((x, across), (y, up))]
-    return x, y, codes[np.ix_(nearest[1], nearest[0])]
+    (x, columns), (y, rows) = (places(axis.values, _FINE) for axis in (across, up))
+    return x, y, codes[np.ix_(rows, columns)]
 
 
 def _name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> bool:
@@ -234,6 +239,17 @@ def _name_region(ax: Any, x: Any, y: Any, codes: Any, code: int, name: str) -> b
         return False
     ax.text(x[j], y[i], name, ha="center", va="center", fontsize=8, color="white" if name in DARK else INK, zorder=6)
     return True
+
+
+def _parts_them(grid: Any) -> bool:
+    """Whether the motion types of Coulomb friction are those of the map, but for cells on a border."""
+    if not {"alpha_plus", "alpha_minus"} <= set(grid.variables):
+        return False
+    plus, minus, types = (
+        np.asarray(grid[n].broadcast_like(grid["mean_velocity"]).values) for n in ("alpha_plus", "alpha_minus", "motion_type")
+    )
+    known = np.isfinite(plus) & np.isfinite(minus) & (types != "unsolved")
+    return bool(np.mean(coulomb_type(plus[known], minus[known]) == types[known]) > _OWN) if known.any() else False
 
 
 def _draw_borders(ax: Any, grid: Any, first: str, second: str, across: _Axis, up: _Axis) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.arguments import Ax, Compared, Fitted, Measured, explains_arguments
 from stickslip.errors import InputError, is_whole
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, prefix, publication
-from stickslip.records.units import SI, quantity_of
+from stickslip.units import SI, quantity_of
 
 __all__ = ["comparison", "fitted", "record_spectrum", "residuals"]
 
@@ -27,7 +27,14 @@ def _measured(ax: Any, x: Any, y: Any, factor: float, label: str) -> None:
 
 
 def _words(kind: str, unit: str) -> str:
-    what = {"velocity": ("velocity", "m/s"), "position": ("position", "m"), "force": ("friction force", "N")}[kind]
+    what = {
+        "velocity": ("velocity", "m/s"),
+        "position": ("position", "m"),
+        "force": ("friction force", "N"),
+        "torque": ("torque", "N m"),
+        "current": ("current", "A"),
+        "applied force": ("applied force", "N"),
+    }[kind]
     return f"{what[0]} ({unit}{what[1]})"
 
 
@@ -103,7 +110,7 @@ def fitted(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
         middle = float(np.mean(y)) if target.kind == "position" else 0.0
         factor, unit = prefix(y - middle)
         _measured(ax, x, y - middle, factor, "record")
-        order = np.argsort(x, kind="stable") if target.kind != "force" else np.arange(len(x))
+        order = np.argsort(x, kind="stable") if not fit.problem.batched else np.arange(len(x))
         ax.plot(x[order], (curve[order] - middle) * factor, color=COLOURS[0], linewidth=0.9, label=fit.law)
         ax.set(xlabel=label, ylabel=_words(target.kind, unit))
         legend_above(ax, ncols=2)
@@ -128,6 +135,8 @@ def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
         moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.compared]
         factor, unit = prefix(moved - moved.mean())
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
+    if fit.problem.batched:
+        return target.t[target.at], "time (s)"
     return np.mod(fit.problem._phase(fit.place, record), 1.0), "drive periods"
 
 
@@ -163,7 +172,7 @@ def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     >>> record = ss.virtual_rig(robot, noise=1e-4, seed=1)
     >>> fit = ss.identify(record, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb")
     >>> ss.plot.residuals(fit).get_ylabel()
-    'model less record, velocity (µm/s)'
+    'residual velocity (µm/s)'
     """
     with publication():
         ax = axes(ax)
@@ -173,7 +182,7 @@ def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
         ax.axhline(0.0, color=INK, linewidth=0.6)
         ax.plot(*_dots(x, rest * factor), ".", color=COLOURS[1], markersize=1.8, alpha=0.5, linewidth=0, rasterized=True)
         words = _words("velocity" if target.kind == "mean" else target.kind, unit)
-        ax.set(xlabel=label, ylabel=f"model less record, {words}")
+        ax.set(xlabel=label, ylabel=f"residual {words}")
     return ax
 
 
@@ -202,5 +211,6 @@ def record_spectrum(record: Measured, channel: str = "velocity", ax: Ax = None) 
         ax = axes(ax)
         measured, (lines, amplitude) = record[channel], record.spectrum(channel)
         ax.semilogy(lines[1:], np.maximum(amplitude[1:], 1e-300), color=COLOURS[0], linewidth=0.8)
-        ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude of {measured.name} ({SI.get(quantity_of(measured.unit) or '', 'SI')})")
+        ax.set(xlabel="frequency (Hz)", ylabel=f"amplitude ({SI.get(quantity_of(measured.unit) or '', 'SI')})")
+        ax.set_title(measured.name, loc="left", fontsize=7)
     return ax

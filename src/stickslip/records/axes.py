@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.records.raw import Column, Raw
-from stickslip.records.units import quantity_of
+from stickslip.units import quantity_of
 
 __all__ = ["by_own_times", "counted", "table_axes"]
 

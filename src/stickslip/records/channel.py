@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.units import unit_of
 from stickslip.sealing import sealed
+from stickslip.units import unit_of
 
 __all__ = ["MEASURED", "ROLES", "Channel", "Gap"]
 
 #: What a channel can be for. "velocity" and "position" are those of the body; the paper calls its velocity convected.
 ROLES = (
-    "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage",
+    "velocity", "absolute velocity", "position", "force", "load", "drive", "acceleration", "pressure", "voltage", "current", "weight",
 )  # fmt: skip
 #: What the unit of a channel in a role may measure, where that is not what the role is called.
 MEASURED = {
     "velocity": ("velocity", "angular velocity"), "absolute velocity": ("velocity", "angular velocity"), "position": ("position", "angle"),
-    "acceleration": ("acceleration", "angular acceleration"), "force": ("force", "torque"), "load": ("force",),
+    "acceleration": ("acceleration", "angular acceleration"), "force": ("force", "torque"), "load": ("force",), "weight": ("ratio",),
     "drive": ("velocity", "position", "acceleration", "voltage", "angle", "angular velocity", "angular acceleration"),
 }  # fmt: skip
 #: An interval longer than this many usual ones is a gap.

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, nanoseconds
-from stickslip.records.units import heading
+from stickslip.units import heading
 from stickslip.unpacking import Allowance
 
 __all__ = ["is_frame", "parse_json", "raw_of_frame"]

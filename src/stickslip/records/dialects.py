@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.units import heading, unit_of
+from stickslip.units import heading, unit_of
 
 __all__ = ["MOST_BAD", "Dialect", "heading_cells", "sniffed"]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.records.tones import NotPeriodic
-from stickslip.records.units import unit_of
+from stickslip.units import unit_of
 
 __all__ = ["Line", "Overview", "clipped", "dead_zone", "noise", "overview"]
 

@@ -23,7 +23,7 @@ from stickslip.records.record import Record
 from stickslip.records.roles import OURS, remark_range, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.scaling import scaled
-from stickslip.records.units import heading, quantity_of, unit_of
+from stickslip.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance
 
 __all__ = ["read", "read_bytes", "remarks"]

@@ -15,8 +15,8 @@ import numpy as np
 from stickslip.arguments import Measured, Numbers, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.records.channel import MEASURED, ROLES, Channel
-from stickslip.records.units import quantity_of
 from stickslip.sealing import sealed
+from stickslip.units import quantity_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,7 +68,7 @@ class Record:
         """A record from arrays: times [s], and columns named with their units, such as ``{"v [m/s]": v}``."""
         from stickslip.records.raw import Column
         from stickslip.records.roles import roles_of
-        from stickslip.records.units import heading
+        from stickslip.units import heading
 
         channels = {}
         named = roles_of([Column(*heading(text), np.asarray(values)) for text, values in columns.items()], roles or {})
@@ -190,7 +190,7 @@ class Record:
     @explains_arguments
     def derived(self, heading: str, values: Numbers, like: str, role: str | None = None) -> Record:
         """With one channel more, computed from others: ``rec.derived("mu [1]", F / N, like="Friction", role="force")``."""
-        from stickslip.records.units import heading as split
+        from stickslip.units import heading as split
 
         name, unit = split(heading)
         made = dataclasses.replace(self[like], name=name, unit=unit, values=np.asarray(values), role=role)

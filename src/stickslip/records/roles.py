@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.records.channel import MEASURED, Channel
 from stickslip.records.overview import clipped, dead_zone
 from stickslip.records.raw import Column
-from stickslip.records.units import quantity_of, unit_of
+from stickslip.units import quantity_of, unit_of
 
 __all__ = ["OURS", "remark_range", "remarks", "roles_of"]
 
@@ -20,11 +20,12 @@ _ROLE_WORDS = (
     (r"normal.*|load|.*normal force.*", "load"),
     (r"drive.*|relative velocity|xi_rate", "drive"),
     (r"friction.*|force|kraft|torque|drehmoment", "force"),
+    (r"weights?", "weight"),
     (r"v|velocity|vel|geschwindigkeit", "velocity"),
     (r"x|position|pos|displacement|weg|angle|winkel", "position"),
 )
 #: The role of a channel whose unit alone says what it is.
-_BY_UNIT = {name: name for name in ("velocity", "position", "force", "acceleration", "pressure", "voltage")} | {
+_BY_UNIT = {name: name for name in ("velocity", "position", "force", "acceleration", "pressure", "voltage", "current")} | {
     "angular velocity": "velocity", "angle": "position", "angular acceleration": "acceleration", "torque": "force",
 }  # fmt: skip
 #: The columns of a run that we wrote, and what they are for; a table that has all of these is one.

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import Problems, did_you_mean
 from stickslip.records.raw import Raw
-from stickslip.records.units import SI, Unit, unit_of
+from stickslip.units import SI, Unit, unit_of
 
 __all__ = ["scaled"]
 

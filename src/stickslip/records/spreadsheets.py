@@ -13,7 +13,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.extras import broken, library
 from stickslip.records.raw import Column, Raw
-from stickslip.records.units import heading
+from stickslip.units import heading
 from stickslip.unpacking import Allowance
 
 __all__ = ["parse_xlsx"]

@@ -14,7 +14,7 @@ from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
-from stickslip.records.units import heading, unit_of
+from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
 
 __all__ = ["decoded", "is_json", "parse"]

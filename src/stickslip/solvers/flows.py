@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.engine import lanes
 from stickslip.engine.flow_system import BEGIN, MOST, SIZE, FlowSystem, flow_system
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbolic import SPAN
 from stickslip.engine.tangent import tangent
 from stickslip.errors import SolveError
@@ -24,8 +25,8 @@ _BUDGET = 200_000  # steps
 _FIRST = 7  # where a step's polynomials begin, behind its times, its mode, and how many switches were before it
 _KEPT = 64  # flows whose equations are kept
 _SHARP = 1e13  # a disturbance that moves a switch by so much more than itself: what is only touched has no derivative
-_systems: dict[Any, FlowSystem | str] = {}
-_kernels: dict[Any, tuple[lanes.Kernel, tuple[str, ...]]] = {}
+_systems: Remembered[FlowSystem | str] = Remembered(_KEPT)
+_kernels: Remembered[tuple[lanes.Kernel, tuple[str, ...]]] = Remembered(_KEPT)
 
 
 class Unfollowed(SolveError):
@@ -68,35 +69,27 @@ def _key(flow: Any, n: int) -> Any:
 
 def _system(flow: Any, n: int) -> FlowSystem | str:
     """The equations of a flow, or why there are none."""
-    key = _key(flow, n)
-    found = _systems.get(key)
-    if found is None:
+
+    def traced() -> FlowSystem | str:
         try:
-            found = flow_system(flow, n)
+            return flow_system(flow, n)
         except Exception as error:  # whatever a user's function raises when it is given symbols: on plain numbers it may be right
-            found = str(error) or type(error).__name__
-        _keep(_systems, key, found)
-    return found
+            return str(error) or type(error).__name__
+
+    return _systems(_key(flow, n), traced)
 
 
 def _kernel(flow: Any, n: int, record: bool) -> tuple[FlowSystem, lanes.Kernel, tuple[str, ...]]:
     """The equations, the kernel and the names of its columns; of one run with the change of its state along a direction."""
-    found, key = _system(flow, n), (_key(flow, n), record)
+    found = _system(flow, n)
     if isinstance(found, str):
         raise SolveError(found)
-    known = _kernels.get(key)
-    if known is None:
+
+    def compiled() -> tuple[lanes.Kernel, tuple[str, ...]]:
         system = tangent(found.system, ()) if record else found.system
-        known = lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
-        _keep(_kernels, key, known)
-    return found, *known
+        return lanes.ordered(lanes.kernel(system, None, "SwitchingFlow", record), 1), system.names
 
-
-def _keep(known: dict[Any, Any], key: Any, value: Any) -> None:
-    """Note what was made, in the place of the oldest where there are many; other threads may do so too."""
-    for oldest in list(known)[: len(known) - _KEPT + 1]:
-        known.pop(oldest, None)
-    known[key] = value
+    return found, *_kernels((_key(flow, n), record), compiled)
 
 
 def _row(flow: Any, found: FlowSystem, names: tuple[str, ...], y: Array, span: Any, begin: float, most: float | None) -> Array:

@@ -19,7 +19,7 @@ from stickslip.friction.adapter import law_of
 from stickslip.machine import is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.starts import start_of_parts
-from stickslip.variables import VARIABLES
+from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]
 
@@ -204,7 +204,7 @@ def _start_states(model: Any, labels: Labels, start: Any, problems: Problems) ->
             continue
         several = len(columns[name])
         try:
-            value = number(value)
+            value = number(value, unit_of(name, model) if name in ("x", "v") else None)
             values = np.asarray(value, dtype=float)
             if name == "memory" and np.any(values != np.round(values)):
                 problems.add(f"start[{name!r}] = {value!r}; allowed are whole numbers; type memory={(0,) * memories}")

@@ -10,6 +10,7 @@ from stickslip.batch import Labels, flat, spread
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import number
 from stickslip.machine import machine_of
+from stickslip.variables import unit_of
 
 __all__ = ["start_of_parts"]
 
@@ -34,7 +35,9 @@ def start_of_parts(model: Any, labels: Labels, start: Any, problems: Problems) -
             problems.add(f"start has no {name!r}; {did_you_mean(str(name), _EXAMPLE)}")
     still = (0.0,) * mechanics.coordinates
     first = {"x": mechanics.positions(0.0, mechanics.start), "v": mechanics.velocities(0.0, still)}
-    x, v = (_filled(what, given.get(what), bodies, _columns(first[what], cases), labels, problems) for what in ("x", "v"))
+    x, v = (
+        _filled(what, given.get(what), bodies, _columns(first[what], cases), labels, problems, unit_of(what, model)) for what in ("x", "v")
+    )
     q, u = (_columns(mechanics.coordinates_of(tuple(of.T)), cases) for of in (x, v))
     _check_distances(mechanics, x, q, v, u, problems)
     _check_stops(mechanics, q, problems)
@@ -57,7 +60,9 @@ def _columns(rows: Any, cases: int) -> Array:
     return np.array([np.broadcast_to(np.asarray(row, float), (cases,)) for row in rows]).reshape(len(rows), cases).T.copy()
 
 
-def _filled(what: str, value: Any, parts: dict[str, int], table: Array, labels: Labels, problems: Problems) -> Array:
+def _filled(
+    what: str, value: Any, parts: dict[str, int], table: Array, labels: Labels, problems: Problems, unit: str | None = None
+) -> Array:
     """The table with what was given: by name, or one number for each column along the last axis."""
     if value is None:
         return table
@@ -67,19 +72,20 @@ def _filled(what: str, value: Any, parts: dict[str, int], table: Array, labels: 
                 problems.add(f"start[{what!r}] has no {name!r}; {did_you_mean(str(name), parts)}")
                 continue
             first = sum(count for other, count in parts.items() if list(parts).index(other) < list(parts).index(name))
-            _put(f"{what}[{name!r}]", own, table[:, first : first + parts[name]], labels, problems)
+            _put(f"{what}[{name!r}]", own, table[:, first : first + parts[name]], labels, problems, unit)
         return table
-    _put(what, value, table, labels, problems)
+    _put(what, value, table, labels, problems, unit)
     return table
 
 
-def _put(what: str, value: Any, into: Array, labels: Labels, problems: Problems) -> None:
+def _put(what: str, value: Any, into: Array, labels: Labels, problems: Problems, unit: str | None) -> None:
     """Numbers into some columns; a single column takes what broadcasts with the batch."""
     count = into.shape[1]
     try:
-        array = np.asarray(number(value), float)
+        given = number(value, unit)
+        array = np.asarray(given, float)
         if count == 1 and np.shape(array)[-1:] != (1,):
-            into[:, 0] = spread(number(value), labels)
+            into[:, 0] = spread(given, labels)
         else:
             into[:] = np.broadcast_to(array, (*labels.shape, count)).reshape(-1, count)
         if not np.all(np.isfinite(into)):

@@ -13,6 +13,9 @@ from stickslip.designs import Design
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, masked_in
 from stickslip.flow import is_flow
+from stickslip.named import numbers_meant
+from stickslip.naming import axis_of
+from stickslip.typed_numbers import in_unit
 
 __all__ = ["START", "Column", "Space", "check_names", "space_of"]
 
@@ -87,9 +90,22 @@ def space_of(make: Any, designs: Sequence[Any], axes: dict[str, Any], options: S
     for design in designs:
         _add_design(space, design)
     for name, value in axes.items():
-        _add_axis(space, name, value, problems)
+        _add_axis(space, name, _plain(make, name, value, problems), problems)
     problems.check()
+    _count(space, make)
     return space
+
+
+def _count(space: Space, make: Any) -> None:
+    """Arguments that a maker declares as ``int`` say how many: each of their values makes machines of another kind, as words do."""
+    counts = {p.name for p in parameters_of(make) if p.annotation in (int, "int")} if callable(make) else set()
+    for name in counts & set(space.columns):
+        column = space.columns[name]
+        if column.values.dtype.kind == "f" and np.all(column.values == np.round(column.values)):
+            counted = Column(column.dims, column.values.astype(int))
+            space.columns[name] = counted
+            if name in space.coords:
+                space.coords[name] = counted
 
 
 def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -> list[Design]:
@@ -114,6 +130,16 @@ def _add_design(space: Space, design: Design) -> None:
     for name, values in design.columns.items():
         space.columns[name] = space.coords[name] = Column((dim,), _as_array(values))
     space.attributes.update(design.attributes)
+
+
+def _plain(make: Any, name: str, value: Any, problems: Problems) -> Any:
+    """The value, or values, in the unit in which the maker takes them; words stay what they are."""
+    axis = axis_of(name, make)
+    try:
+        return value if axis is None else in_unit(value, axis[1])
+    except ValueError as error:
+        problems.add(f"{name}: {error}; allowed are numbers" + (f" [{axis[1]}]" if axis else ""))
+        return value
 
 
 def _add_axis(space: Space, name: str, value: Any, problems: Problems) -> None:
@@ -182,7 +208,7 @@ def check_names(make: Any, given: Sequence[str], options: Sequence[str], problem
         return
     for name in given:
         starts = () if is_flow(make) else START
-        if name not in known and name not in starts:
+        if name not in known and name not in starts and (callable(make) or not numbers_meant(name, known)):
             problems.add(f"{name!r} is not known; {did_you_mean(name, [*known, *options, *starts])}")
 
 

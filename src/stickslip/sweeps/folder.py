@@ -22,10 +22,12 @@ from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
-__all__ = ["MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]
+__all__ = ["COMMAND", "MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]
 
 Array = Any
 MANIFEST = "manifest.json"
+#: What was typed in the shell to begin the study.
+COMMAND = "command.json"
 
 
 class StorageError(StickslipError, OSError):
@@ -150,7 +152,7 @@ class Study:
 
     def _make(self) -> None:
         if self.folder.exists() and (
-            not self.folder.is_dir() or any(p.name not in (TILES, AXES) for p in self.folder.iterdir() if p.suffix != ".part")
+            not self.folder.is_dir() or any(p.name not in (TILES, AXES, COMMAND) for p in self.folder.iterdir() if p.suffix != ".part")
         ):
             raise InputError("sweep", [f"{str(self.folder)!r} is there and is no study folder; give a new or an empty folder"])
         try:

@@ -100,7 +100,7 @@ def _check_refining(given: dict[str, Any], coarse: Any) -> None:
 def _check_plane(plan: Plan) -> None:
     """A plane has two axes of numbers: told before anything is computed."""
     labels = labels_of(plan)
-    if len(plan.dims) != 2 or not all(d in labels and labels[d].values.dtype.kind == "f" for d in plan.dims):
+    if len(plan.dims) != 2 or not all(d in labels and labels[d].values.dtype.kind in "if" for d in plan.dims):
         named = ", ".join(plan.dims) or "none"
         raise InputError("map", [f"the axes are {named}; allowed are exactly two, of numbers; type sweep for others"])
 

@@ -1,4 +1,4 @@
-"""A study, or any labelled dataset, as one file: netCDF4, MATLAB, CSV or Parquet, written tile by tile where the format allows it."""
+"""A study, a run, or any labelled dataset, as one file: netCDF4, MATLAB, CSV, Excel or Parquet, by tiles where the format allows it."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from stickslip.status import STATUS
 from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.columns import COLUMNS, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
+from stickslip.workbooks import write_workbook
 
 __all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]
 
@@ -26,15 +27,16 @@ _MAT = 2**31 - 1  # bytes of one variable in a MATLAB file of version 5
 
 @explains_arguments
 def export(study: Any, path: str | Path) -> Path:
-    """Write the results of a sweep to one file; the ending of its name says in which format.
+    """Write the results of a sweep, a batch or a run to one file; the ending of its name says in which format.
 
     Parameters
     ----------
-    study : path or Dataset
-        A study folder, or what `sweep` returned, also with columns of your own; or any other dataset, such as a bifurcation diagram.
+    study : path, Dataset, Trajectory or Summary
+        A study folder, or what `sweep` returned, also with columns of your own; any other dataset, such as a bifurcation diagram; or what
+        `solve` returned.
     path : path
-        ``.nc`` (netCDF4, read by MATLAB's ncread and by xarray), ``.mat`` (MATLAB version 5), ``.csv`` or ``.parquet`` (one row for
-        each case, words as text).
+        ``.nc`` (netCDF4, read by MATLAB's ncread and by xarray), ``.mat`` (MATLAB version 5), ``.csv``, ``.xlsx`` (Excel) or ``.parquet``
+        (one row for each case, words as text). Runs have no ``.parquet``.
 
     Returns
     -------
@@ -49,11 +51,13 @@ def export(study: Any, path: str | Path) -> Path:
     0.0003,1.7,7.8
     """
     target = as_path(path, "export", "grid.nc")
+    if hasattr(study, "to_xarray") and hasattr(study, "save"):  # a run, which knows its own files
+        return Path(study.save(target))
     write = FORMATS.get(target.suffix.lower())
     if write is None:
         raise InputError("export", [f"{str(path)!r} ends in {target.suffix!r}; allowed are {', '.join(FORMATS)}; type for example grid.nc"])
     data = _opened(study)
-    if target.suffix.lower() in (".csv", ".parquet"):
+    if target.suffix.lower() in (".csv", ".xlsx", ".parquet"):
         data = one_row_a_case(data)
     with moved_into_place(target, unwritable("export")) as beside:
         write(data, beside)
@@ -65,9 +69,11 @@ def _opened(study: Any) -> Any:
     what = f"{study!r} is given" if study is None or isinstance(study, (int, float)) else f"a {type(study).__name__} is given"
     if isinstance(study, (str, os.PathLike)):
         study = open_study(Path(study))
-    elif not hasattr(study, "data_vars"):
+    elif hasattr(study, "to_xarray") and hasattr(study, "labels"):  # a batch
+        study = study.to_xarray()
+    if not hasattr(study, "data_vars"):
         raise InputError(
-            "export", [f"{what}; allowed is a study folder, or what sweep returned; type for example export('study', 'grid.nc')"]
+            "export", [f"{what}; allowed is a study folder, or what sweep or solve returned; type for example export('study', 'grid.nc')"]
         )
     if not study.data_vars:
         raise InputError("export", ["the dataset has no columns; allowed is what sweep returned, or a part of it that has some"])
@@ -252,15 +258,24 @@ def _texts(name: str, values: Array) -> list[str | None]:
     return list(_sentences(values)) if name == "status" else [None if v is None else str(v) for v in values.tolist()]
 
 
+def _lines(data: Any) -> Iterator[tuple[Any, ...]]:
+    """The rows one by one, codes of the status as sentences."""
+    for part in _rows(data):
+        yield from zip(*(_sentences(values) if name == "status" else values.tolist() for name, values in part.items()), strict=True)
+
+
 def _csv(data: Any, path: Path) -> None:
     import csv
 
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([_headed(data, name) for name in _columns(data)])
-        for part in _rows(data):
-            columns = [_sentences(values) if name == "status" else values.tolist() for name, values in part.items()]
-            writer.writerows(zip(*columns, strict=True))
+        writer.writerows(_lines(data))
+
+
+def _excel(data: Any, path: Path) -> None:
+    count = int(np.prod([data.sizes[d] for d in _dims(data)], dtype=np.int64))
+    write_workbook(path, [_headed(data, name) for name in _columns(data)], _lines(data), count, data.attrs, "export")
 
 
 def _parquet(data: Any, path: Path) -> None:
@@ -284,4 +299,4 @@ def _parquet(data: Any, path: Path) -> None:
 
 
 #: Ending of a file's name -> what writes it.
-FORMATS: dict[str, Callable[[Any, Path], None]] = {".nc": _netcdf, ".mat": _matlab, ".csv": _csv, ".parquet": _parquet}
+FORMATS: dict[str, Callable[[Any, Path], None]] = {".nc": _netcdf, ".mat": _matlab, ".csv": _csv, ".xlsx": _excel, ".parquet": _parquet}

@@ -10,6 +10,7 @@ NOISE = -4e-15  # of the sum of its terms: a guard this close to zero is not bel
 BELOW = 1.0  # an exponent nearer to the floor than this is no longer waited for
 MISFIT = 2e-14  # of the free velocity: what a misfit may add to the velocity in a step
 ROUNDING = 3e-14  # of the terms of the polynomial's slope: a misfit below it is rounding
+MISFIT_OF_CHANGES = 1e-11  # of a change: what a misfit may add to it in a step
 SHORTEST = 1e-22  # of a period
 SOON = 1.5e-14  # of a period: 64 roundings of the time
 TOGETHER = 1e-12  # of a step: zeros this close are at one instant, where their order is asked for
@@ -174,6 +175,19 @@ def fitting(S, at, row, slopes, part, h, allowed, W):
     return POINTS
 
 
+@njit(int64(f1, int64, int64, int64, float64, float64, f1), **OPTIONS)
+def fitting_change(S, at, row, slopes, part, h, W):
+    """The same of a passive state, which has no scale but its own size; one that is no number asks for nothing."""
+    size, power = abs(S[at]), 1.0
+    for m in range(1, ORDER + 1):
+        power *= part
+        size += m * abs(S[at + m * L]) * power
+    for j in range(POINTS if size == size else 0):
+        if not abs(W[slopes + j] - h * W[row + j]) * part <= MISFIT_OF_CHANGES * size:
+            return j
+    return POINTS
+
+
 @njit(int64(int64, float64, f1, f1, i1), **OPTIONS)
 def agrees(lane, part, S, W, D):
     """How many of `POINTS` points up to `part` of a step pass, one after another, at which the polynomials do what the equations say."""
@@ -191,6 +205,8 @@ def agrees(lane, part, S, W, D):
         if scale >= 0:
             allowed = MISFIT * S[D[F_C] + scale * L + lane]
             good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, W))
+        elif i >= states - D[PASSIVE]:
+            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, W))
     return good
 
 

@@ -76,6 +76,7 @@ class Equations:
         self._count()
         self.cyclic = self.single and not knows_position(model)
         self.scale_of_time, self.scale_of_velocity = float(machine.time_scale or 1.0), float(machine.velocity_scale)
+        self.least = [law.least_creep(self.scale_of_velocity, mechanics.difference(i)) for i, law in enumerate(self.laws)]
         self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]
         self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
         self.forces, self.pressing = Watching(self._moved), Watching(mechanics.loads)
@@ -132,7 +133,7 @@ class Equations:
         for i, (law, load) in enumerate(zip(self.laws, self.loads(t, y), strict=True)):
             creep, c = law.creep_velocity(self.z(y, i), load), self.alone[i]
             if creep is not None and c is not None:
-                speeds[c] = min(speeds[c], float(creep))
+                speeds[c] = min(speeds[c], float(creep) + self.least[i])
             typical = law.scale(load)
             inner += [speed * T] * law.states if typical is None else [float(v) if v > 0 else speed * T for v in typical]
         inner += map(float, self.mechanics.controllers.scales)
@@ -213,17 +214,33 @@ class Equations:
     def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: Mode) -> tuple[Floats, Floats]:
         """Friction forces, 0 of what rests, and the rates of all inner states."""
         R, inner = [0.0] * self.k, list[float]()
-        applied = self._applied(t, q, u, y, mode)
+        without = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))[: self.n] if self.applied else []
+        applied = self._applied(t, without)
         for i, law in enumerate(self.laws):
             side = mode.sides[i]
             if not law.dynamic:
                 R[i] = self.sliding(i, side, w[i], loads[i]) if side and i not in mode.aloft else 0.0
                 inner += self._flight(t, q, y, mode, i) if law.flies else ()
             else:
-                force, rate = law.response(held(w[i], side), self.z(y, i), loads[i], mode.memory[i], applied.get(i, 0.0))
+                force, rate = law.response(held(w[i], side), self.z(y, i), loads[i], mode.memory[i], applied.get(i, 0.0), self.least[i])
                 R[i] = float(force)
                 inner += map(float, rate)
+        for i in self.applied:  # bodies that a closed stop moves as one bear together what is applied to all of them
+            as_one = self._as_one(self.alone[i], mode)
+            if len(as_one) > 1:
+                others = sum(R[k] for k in range(self.k) if k != i and self.alone[k] in as_one)
+                left = sum(self.masses[c] * (without[c] + float(self.mechanics.offset_rates(t)[i])) for c in as_one) - others
+                R[i] = float(self.laws[i].response(held(w[i], mode.sides[i]), self.z(y, i), loads[i], mode.memory[i], left)[0])
         return R, inner
+
+    def _as_one(self, first: int | None, mode: Mode) -> set[int | None]:
+        """The coordinates that closed stops move with one."""
+        found: set[int | None] = {first}
+        closed = [row for row, side in zip(self.rows[self.k :], mode.sides[self.k :], strict=True) if side == 0]
+        for row in [row for row in closed for _ in closed]:
+            ends = {c for c, h in enumerate(row) if h}
+            found |= ends if found & ends else set()
+        return found
 
     def _flight(self, t: float, q: Floats, y: Any, mode: Mode, i: int) -> tuple[float, float]:
         """Rates of a contact's gap and of that rate."""
@@ -232,12 +249,10 @@ class Equations:
         load = self.pressing(mode.kinks[1], t, q)[i]
         return self.z(y, i)[1], -load / self.masses[self.alone[i] or 0]
 
-    def _applied(self, t: float, q: Floats, u: Floats, y: Any, mode: Mode) -> dict[int, float]:
-        """What would keep the slip constant, for laws that ask [N]."""
-        if not self.applied:
-            return {}
-        a, rates = self.forces(mode.kinks[0], t, q, u, [0.0] * self.k, self.controlled(y))[: self.n], self.mechanics.offset_rates(t)
-        return {i: self.effective[i] * (_dot(self.rows[i], a) + float(rates[i])) for i in self.applied}
+    def _applied(self, t: float, without: Floats) -> dict[int, float]:
+        """What would keep the slip constant, for laws that ask, from the accelerations without friction [N]."""
+        rates = self.mechanics.offset_rates(t) if self.applied else ()
+        return {i: self.effective[i] * (_dot(self.rows[i], without) + float(rates[i])) for i in self.applied}
 
     def right(self, mode: Mode) -> Callable[[float, Any], Floats]:
         """The right side of y' in a mode."""

@@ -1,11 +1,11 @@
-"""Units as files write them: what they are in SI, and what kind of quantity they measure. Nothing is guessed."""
+"""Units as people and files write them: what they are in SI, and what kind of quantity they measure. Nothing is guessed."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
 
-from stickslip.records.unit_words import WORDS
+from stickslip.unit_words import WORDS
 
 __all__ = ["SI", "Unit", "heading", "quantity_of", "unit_of"]
 

@@ -1,0 +1,107 @@
+"""``stickslip resume``: what began a study is kept in its folder, and goes on."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from stickslip.cli.arguments import parser
+from stickslip.errors import InputError, as_path, is_one_of
+
+__all__ = ["act", "remembered"]
+
+_BEGINS = ("sweep", "map")
+#: What each run of a study may have its own of, and what its folder must not decide: whether code runs.
+_OWN = ("--resume", "--json", "--allow-code"), ("--out", "--shard", "--dask")
+_MORE = """\
+FOLDER is the study folder that `stickslip sweep ... --out FOLDER` or `stickslip map ... --out FOLDER` began. What was typed then
+is kept there and goes on. NAME=VALUE and --options behind it are added: workers=2, --figure types.png (of a map), --shard 2/7.
+A study of Python code of yours (file.py:function, or a study file with `make`) needs --allow-code again: look at
+FOLDER/command.json first, if somebody sent it."""
+
+
+def act(command: str, words: list[str]) -> int:
+    """Do the command."""
+    made = parser(command, "Go on with a study that was interrupted.", robot=False, more=_MORE, code=True)
+    made.add_argument("folder", metavar="FOLDER", help="the study folder")
+    made.add_argument("more", metavar="NAME=VALUE | --option", nargs="*", help="arguments and options to add")
+    asked, _ = made.parse_known_args(words)
+    folder = as_path(asked.folder, "resume", "study").resolve()
+    begun, added = _begun(folder), [*words]
+    added.remove(asked.folder)
+    _check_code(begun, added, folder)
+    from stickslip.cli import act_of
+
+    typed = [*(word for word in begun["words"] if word not in _OWN[0]), *added, "--out", str(folder), "--resume"]
+    with contextlib.chdir(begun["folder"]) if Path(begun["folder"]).is_dir() else contextlib.nullcontext():
+        return act_of(begun["command"])(begun["command"], typed)
+
+
+def _begun(folder: Path) -> dict[str, Any]:
+    """What began the study in a folder."""
+    from stickslip.sweeps.folder import COMMAND, read_manifest
+
+    try:
+        found = json.loads((folder / COMMAND).read_text(encoding="utf-8"))
+        if is_one_of(found["command"], _BEGINS) and all(isinstance(word, str) for word in [*found["words"], found["folder"]]):
+            return dict(found)
+        why = "is damaged"
+    except FileNotFoundError:
+        read_manifest(folder)  # says what is wrong with a folder that is none of ours
+        why = "is not there, so the study was begun in Python or by an earlier stickslip"
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        why = f"cannot be read ({error})"
+    raise InputError("resume", [f"{str(folder / COMMAND)!r} {why}; type what began the study again, with resume=True (--resume)"])
+
+
+def _check_code(begun: dict[str, Any], added: list[str], folder: Path) -> None:
+    """A folder that somebody sent runs no code of theirs unasked."""
+    from stickslip.sweeps.folder import COMMAND
+
+    named = next((word for word in begun["words"] if ":" in word and "=" not in word and not word.endswith(".toml")), None)
+    if named is not None and "--allow-code" not in added:
+        told = f"{named!r} in {str(folder / COMMAND)!r} names Python code, which could do anything you can"
+        raise InputError("resume", [f"{told}; look at it, and if you trust it type --allow-code"])
+
+
+@contextlib.contextmanager
+def remembered(command: str, words: list[str], asked: Any, file: Path | None) -> Iterator[None]:
+    """Keep what was typed in the study folder that a command begins; where nothing comes of it, no folder stays."""
+    if not asked.out or file is not None:
+        yield
+        return
+    from stickslip.sweeps.folder import COMMAND, MANIFEST
+
+    folder = as_path(asked.out, command, "study")
+    new = not folder.exists()
+    with contextlib.suppress(OSError):  # the study itself says what is wrong with the folder
+        if new or not any(folder.iterdir()) or (folder / MANIFEST).exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            _write(folder / COMMAND, command, words)
+    try:
+        yield
+    finally:
+        if not (folder / MANIFEST).exists():
+            with contextlib.suppress(OSError):
+                (folder / COMMAND).unlink()
+                if new:
+                    folder.rmdir()
+
+
+def _write(path: Path, command: str, words: list[str]) -> None:
+    """What was typed, but for what each run has of its own; the first stays."""
+    if path.exists():
+        return
+    flags, valued = _OWN
+    kept, skip = [], False
+    for word in words:
+        if skip or word in flags or word.partition("=")[0] in valued:
+            skip = not skip and word in valued
+            continue
+        kept.append(word)
+    text = json.dumps({"command": command, "words": kept, "folder": os.getcwd()}, indent=1, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")

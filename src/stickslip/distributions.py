@@ -1,0 +1,88 @@
+"""Numbers that are not known exactly: the distributions that can be typed for one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+__all__ = ["ALLOWED", "Distribution", "distribution_of"]
+
+Array = Any
+#: What may be typed for an uncertain number.
+ALLOWED = '("normal", mean, standard deviation), ("uniform", low, high) or (value, "1%")'
+_WIDE = 8.0  # standard deviations within which a number with a normal distribution is looked for
+_EDGE = 1e-12  # how near a sample comes to the ends of a distribution that has none
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """One number's distribution: "uniform" from a to b, or "normal" with mean a and standard deviation b."""
+
+    kind: str
+    a: float
+    b: float
+
+    @property
+    def uniform(self) -> bool:
+        """Whether it has two ends."""
+        return self.kind == "uniform"
+
+    @property
+    def mean(self) -> float:
+        """Its mean."""
+        return 0.5 * (self.a + self.b) if self.uniform else self.a
+
+    @property
+    def sd(self) -> float:
+        """Its standard deviation; that of a uniform distribution is the GUM's type B evaluation."""
+        return (self.b - self.a) / math.sqrt(12) if self.uniform else self.b
+
+    @property
+    def low(self) -> float:
+        """It is not below this."""
+        return self.a if self.uniform else -math.inf
+
+    @property
+    def high(self) -> float:
+        """Nor above this."""
+        return self.b if self.uniform else math.inf
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Where a search looks: within eight standard deviations, and of a normal distribution on the side of zero where its mean is."""
+        if self.uniform:
+            return self.a, self.b
+        low, high = self.a - _WIDE * self.b, self.a + _WIDE * self.b
+        return (max(low, 1e-3 * self.a) if self.a > 0 else low), (min(high, 1e-3 * self.a) if self.a < 0 else high)
+
+    def at(self, u: Array) -> Array:
+        """The numbers below which a part u of the distribution lies."""
+        from scipy.special import ndtri
+
+        u = np.clip(u, _EDGE, 1.0 - _EDGE)
+        return self.a + (self.b - self.a) * u if self.uniform else self.a + self.b * ndtri(u)
+
+
+def distribution_of(given: Any) -> Distribution | None:
+    """The distribution that was typed; None if it is none. (value, "1%") is normal with that part of the value as standard deviation.
+
+    Examples
+    --------
+    >>> distribution_of(("normal", 1, 0.02)), distribution_of((5e-4, "2%")).sd
+    (Distribution(kind='normal', a=1.0, b=0.02), 1e-05)
+    >>> distribution_of(["uniform", 0, 6]).mean, distribution_of((0.1, 0.5)) is None
+    (3.0, True)
+    """
+    if not isinstance(given, (tuple, list)):
+        return None
+    try:
+        if len(given) == 2 and isinstance(given[1], str) and given[1].strip().endswith("%"):
+            given = ("normal", given[0], abs(float(given[0])) * float(given[1].strip()[:-1]) / 100.0)
+        kind, a, b = given[0], *map(float, given[1:])
+    except (TypeError, ValueError):
+        return None
+    good = math.isfinite(a) and math.isfinite(b) and ((kind == "uniform" and a < b) or (kind == "normal" and b > 0.0))
+    return Distribution(kind, a, b) if good else None

@@ -1,0 +1,51 @@
+"""What was found out before, by what it depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+__all__ = ["Remembered"]
+
+T = TypeVar("T")
+
+
+class Remembered(Generic[T]):
+    """Answers by what they depend on: what was asked before costs nothing. Threads may share it.
+
+    Parameters
+    ----------
+    most : int, optional
+        How many are kept; the oldest gives way to the next.
+
+    Examples
+    --------
+    >>> squares = Remembered()
+    >>> squares(3, lambda: 9), squares(3, lambda: 1 / 0), squares([3], lambda: 9)
+    (9, 9, 9)
+    >>> few = Remembered(most=10)
+    >>> sum(few(k, lambda: k) for k in range(12)), len(few)
+    (66, 10)
+    """
+
+    def __init__(self, most: int | None = None):
+        self._known: dict[Any, T] = {}
+        self._most = most
+
+    def __len__(self) -> int:
+        """How many are kept."""
+        return len(self._known)
+
+    def __call__(self, key: Any, find: Callable[[], T]) -> T:
+        """The answer for a key, found now if it is new; that of a key that cannot be compared, such as a list, is found each time."""
+        try:
+            if key in self._known:
+                return self._known[key]
+        except TypeError:
+            return find()
+        found = find()
+        if self._most is not None:
+            for oldest in list(self._known)[: max(len(self._known) - self._most + 1, 0)]:
+                self._known.pop(oldest, None)  # other threads may take it away as well
+        self._known[key] = found
+        return found

@@ -1,0 +1,150 @@
+"""What results show in a notebook: what they are, their numbers rounded to what is known, remarks, and their figure."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import html
+import importlib
+import io
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
+
+from stickslip.errors import StickslipError
+
+__all__ = ["NOT_DETERMINED", "Drawn", "Face", "Text", "drawn_on", "html_table", "rounded", "sure"]
+
+NOT_DETERMINED = "not determined"
+_INCHES, _SHOWN = (4.4, 2.2), 96  # of figures, and how many points of the screen an inch is
+
+
+def rounded(value: float, error: float) -> str:
+    """A value with as many digits as its standard error leaves: two of the error; two of its own where it is smaller than that.
+
+    Examples
+    --------
+    >>> rounded(0.1797921, 0.00112), rounded(7961.23, 7.2), rounded(0.05, float("inf")), rounded(1.5, 7.7e3)
+    ('0.1798', '7961.2', '0.05', '1.5')
+    """
+    if not (math.isfinite(value) and math.isfinite(error) and error > 0):
+        return f"{value:.6g}"
+    if abs(value) < error / 100:
+        return f"{value:.2g}"
+    places = 1 - math.floor(math.log10(error))
+    text = f"{value:.{places}f}" if 0 <= places <= 6 else f"{value:.{max(math.floor(math.log10(max(abs(value), error))) + places, 0)}e}"
+    return f"{round(value, places):.0f}" if places < 0 and abs(value) < 1e6 else text
+
+
+def sure(error: float, digits: str = ".2g") -> str:
+    """A standard error as it stands behind its value.
+
+    Examples
+    --------
+    >>> sure(0.00112), sure(float("inf"))
+    ('± 0.0011', 'not determined')
+    """
+    return f"± {error:{digits}}" if math.isfinite(error) else NOT_DETERMINED
+
+
+class Text(str):
+    r"""Text of several lines that shows itself as it is at the end of a cell, and not with its line breaks written out.
+
+    Examples
+    --------
+    >>> Text("two\nlines")
+    two
+    lines
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self)}</pre>"
+
+
+class Face:
+    """A result that shows itself in a notebook: its title, its `_facts`, its tables, its notes, and a figure where it has one."""
+
+    def _title(self) -> str:
+        return type(self).__name__
+
+    def _facts(self) -> Mapping[str, Any]:
+        """What is told in two columns."""
+        return {}
+
+    def _tables(self) -> Sequence[Sequence[Sequence[str]]]:
+        """Tables, each as rows of text with the heading first."""
+        return ()
+
+    def _remarks(self) -> Sequence[str]:
+        return tuple(getattr(self, "notes", ()) or ())
+
+    def _figures(self) -> list[Any]:
+        """Figures of matplotlib, not those of pyplot, which a notebook would show a second time."""
+        return []
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr>{_cell(name, 'th')}{_cell(value)}</tr>" for name, value in self._facts().items())
+        facts = f"<table>{rows}</table>" if rows else ""
+        tables = "".join(map(html_table, self._tables()))
+        below = "".join(f"<p><small>{html.escape(remark)}</small></p>" for remark in self._remarks())
+        return f"<div><p><b>{html.escape(self._title())}</b></p>{facts}{tables}{''.join(map(_image, self._figures()))}{below}</div>"
+
+
+class Drawn(Face):
+    """A result that a function of `stickslip.plot` draws: `plot` is that function."""
+
+    #: Name of the function.
+    _drawn_by: ClassVar[str]
+    #: Width and height of the figure in a notebook.
+    _inches: ClassVar[tuple[float, float]] = _INCHES
+
+    def _drawn(self) -> Any:
+        """What the function takes."""
+        return self
+
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """Draw it, with the arguments of the function of `stickslip.plot` that draws such results; returns the axes."""
+        return _drawing(self._drawn_by)(self._drawn(), *args, **options)
+
+    def _figures(self) -> list[Any]:
+        return drawn_on(lambda figure: self.plot(ax=figure.subplots()), self._inches)
+
+
+def drawn_on(draw: Callable[[Any], Any], inches: tuple[float, float] = _INCHES) -> list[Any]:
+    """A figure of matplotlib that `draw` drew on; none where there is too little to draw, such as basins over one coordinate."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=inches, layout="constrained")
+    with contextlib.suppress(StickslipError), _drawing("publication")():
+        draw(figure)
+        return [figure]
+    return []
+
+
+def _drawing(name: str) -> Any:
+    """A function of `stickslip.plot`, which stands above what it draws and is asked when somebody wants to see something."""
+    return getattr(importlib.import_module("stickslip.plot"), name)
+
+
+def _image(figure: Any) -> str:
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=2 * _SHOWN, facecolor="white")  # sharp on screens of two pixels a point
+    width = round(figure.get_figwidth() * _SHOWN)
+    return f'<img alt="figure" width="{width}" src="data:image/png;base64,{base64.b64encode(out.getvalue()).decode()}">'
+
+
+def html_table(rows: Sequence[Sequence[str]]) -> str:
+    """Rows of text as an HTML table, the first its heading."""
+    head = "".join(_cell(cell, "th") for cell in rows[0])
+    body = "".join(f"<tr>{''.join(map(_cell, row))}</tr>" for row in rows[1:])
+    return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def _cell(value: Any, kind: str = "td") -> str:
+    text = html.escape(f"{value:.6g}" if isinstance(value, float) else str(value))
+    return f'<{kind} style="text-align:left">{text}</{kind}>'

@@ -1,0 +1,255 @@
+"""A machine whose motion was measured: what torque, current or force does that motion take? Many parameter sets at once."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.friction.adapter import LawAdapter
+from stickslip.identifying.clocks import Clock, clock_of
+from stickslip.identifying.driven import Stepped, law_force
+from stickslip.machine import machine_of
+from stickslip.units import quantity_of
+from stickslip.sealing import sealed
+
+__all__ = ["APPLIED", "Bench", "bench_of", "takes_records"]
+
+#: What may be applied to a machine: kind of the values -> role of the channel, and the quantity that its unit measures.
+APPLIED = {"current": ("current", "current"), "torque": ("force", "torque"), "applied force": ("force", "force")}
+_SMALL = 0.02  # part of the acceleration that the noise of the motion may be: an inertia is too small by the square of that
+_TOLD = 0.05  # ... and above which it is said
+_FAINT = 1e-3  # ... and below which neighbouring values may share positions
+_REST = 4.0  # standard errors of the velocity within which a body is at rest
+_LONGEST = 64  # samples from the middle to the end of a window, at most
+
+_PUSH = 1e9  # of what is applied: no contact is held against as much
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Bench:
+    r"""The motion of a machine with what was applied to it, averaged over windows.
+
+    A window is a triangle of W samples on either side: the mean acceleration over it is exactly
+    :math:`(x_{j+W} - 2x_j + x_{j-W})/(Wh)^2`, so that averages over the same windows of what was applied obey the equation of motion
+    without the bias of a smoothed derivative. W is the smallest for which the noise of the position is a hundredth of the acceleration.
+
+    Parameters
+    ----------
+    kind : {"torque", "current", "applied force"}
+    t, v : array (n,)
+        Instants of the samples, evenly spaced [s], and velocity there.
+    x : array (n,)
+    at : array (m,)
+        Samples in the middle of the windows that are compared.
+    acceleration : array (m,)
+        Means over the windows.
+    y : array (m,)
+        Means of what was applied.
+    weight : array (m,)
+    still : array (m,)
+        Windows in which the body rests.
+    half : int
+        W.
+    label : str
+    """
+
+    kind: str
+    t: Any
+    x: Any
+    v: Any
+    at: Any
+    acceleration: Any
+    y: Any
+    weight: Any
+    still: Any
+    half: int
+    label: str
+    cut: str | None = None
+    given_sigma: bool = False
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return len(self.y)
+
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return self.t[self.at] - 0.5 * (self.t[0] + self.t[-1])
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(self.t[1] - self.t[0])
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left."""
+        return float(np.average(rest**2, weights=self.weight))
+
+    def every(self, step: int) -> Bench:
+        """Every so many-th window."""
+        names = ("at", "acceleration", "y", "weight", "still")
+        return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
+
+    @property
+    def open(self) -> bool:
+        """Whether the motion leaves anything open: no window reaches over a gap."""
+        return False
+
+    def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+        """What must be applied for this motion, at rest the least (side -1) or the greatest (1) that may be: array (m, cases)."""
+        bare, per = machine_of(model).input
+        m, factor = machine_of(bare).mechanics, per[self.kind]
+        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+        free = m.accelerations(t, (x,), (v,), tuple(0.0 for _ in m.contacts))[0]
+        inertial = np.broadcast_to(m.masses[0] * (self.acceleration[:, None] - self._mean(free, cases)), (self.count, cases))
+        if not m.contacts:
+            return inertial / factor
+        push = side * np.sign(factor) * _PUSH * float(np.max(abs(self.y * factor)) + np.max(abs(inertial)))
+        return (inertial + self._friction(m, np.full(inertial.shape, push), cases)) / factor
+
+    @property
+    def _inside(self) -> Any:
+        """Samples in each window: array (m, 2 W - 1)."""
+        return self.at[:, None] + np.arange(1 - self.half, self.half)
+
+    def _mean(self, values: Any, cases: int) -> Any:
+        """Means over the windows of values at all their samples: array (m, cases)."""
+        whole = np.broadcast_to(values, (*self._inside.shape, cases))
+        return np.einsum("mwc,w->mc", whole, _triangle(self.half))
+
+    def _friction(self, m: Any, borne: Any, cases: int) -> Any:
+        """Friction forces over the windows where the contact bears so much at rest: array (m, cases)."""
+        law: LawAdapter = m.laws[0]
+        if law.dynamic:
+            return self._remembered(m, law, borne, cases)
+        t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
+        load, slip = m.loads(t, (x,))[0], m.slips(t, (v,))[0]
+        backward, forward = (self._mean(limit, cases) for limit in law.breakaway(load))
+        sliding = self._mean(law.sliding(np.where(slip != 0, slip, 1.0), load), cases)
+        return np.where(self.still[:, None], np.clip(borne, backward, forward), sliding)
+
+    def _remembered(self, m: Any, law: LawAdapter, borne: Any, cases: int) -> Any:
+        """The same of a law with inner states, which follow all samples."""
+        t, x, v = (values[:, None] for values in (self.t, self.x, self.v))
+        load = m.loads(t, (x,))[0] + np.zeros((len(self.t), 1))
+        every = np.stack([np.interp(self.t, self.t[self.at], column) for column in borne.T], axis=1)
+        slip = (m.slips(t, (v,))[0] + np.zeros((len(self.t), 1)))[:, 0]
+        found = law_force(law, Stepped(self.t, slip), load, every, cases)
+        return self._mean(found[self._inside], cases)
+
+
+def _triangle(half: int) -> Any:
+    weights = half - abs(np.arange(1 - half, half))
+    return weights / half**2
+
+
+def _averaged(values: Any, at: Any, half: int) -> Any:
+    """Means over windows around some samples; of columns too."""
+    return sum(w * values[at + k] for k, w in zip(range(1 - half, half), _triangle(half), strict=True))
+
+
+def takes_records(model: Any, records: list[Any]) -> bool:
+    """Whether all records have what is applied to a machine, and its motion, and no drive of it shakes an inner mass."""
+    if machine_of(model).drive is not None or machine_of(model).input is None:
+        return False
+    return all(hasattr(rec, "channels") and _role(model, rec) and ("position" in rec or "velocity" in rec) for rec in records)
+
+
+def _role(model: Any, rec: Any) -> str | None:
+    """What of a record is applied to a machine: the kind; None where there is nothing."""
+    found = machine_of(model).input
+    for kind in () if found is None else found[1]:
+        role, quantity = APPLIED[kind]
+        if role in rec and quantity_of(rec[role].unit) in (quantity, None):
+            return kind
+    return None
+
+
+def bench_of(model: Any, rec: Any, label: str) -> Bench:
+    """The windows of a record for a machine of one body; `InputError` for one of several, or where something is missing."""
+    kind = _role(model, rec)
+    if kind is None:
+        raise InputError("identify", [f'{label} has no {_wanted(model)}; type roles={{"...": "force"}} or units={{...}} when reading'])
+    _check_machine(model, label)
+    clock = clock_of(rec, APPLIED[kind][0], label)
+    half, noisy = _half(clock)
+    return _made(kind, clock, half, noisy, label)
+
+
+def _wanted(model: Any) -> str:
+    found = machine_of(model).input
+    return " or ".join(found[1] if found else APPLIED)
+
+
+def _check_machine(model: Any, label: str) -> None:
+    bare, _ = machine_of(model).input  # type: ignore[misc]  # there is one
+    m = machine_of(bare).mechanics
+    if m.coordinates == 1 and len(m.contacts) <= 1 and not m.stops:
+        return
+    parts = f"{m.coordinates} bodies and {len(m.contacts)} contacts"
+    raise InputError(
+        "identify",
+        [f"{label}: what is applied tells one body with one contact; the machine has {parts}; "
+         'take away what makes it several (gear_stiffness, backlash), or fit its steady motion with using="velocity"'],
+    )  # fmt: skip
+
+
+def _half(clock: Clock) -> tuple[int, float]:
+    """Samples from the middle to the end of a window, and the noise of the mean acceleration over its size."""
+    best, x, h = (1, np.inf), clock.x, clock.step
+    for half in sorted({*range(1, 9), *np.unique((8 * 2 ** (np.arange(1, 13) / 4)).astype(int)).tolist()}):
+        if half > min(_LONGEST, len(x) // 20):
+            break
+        a = (x[2 * half :] - 2 * x[half:-half] + x[: -2 * half]) / (half * h) ** 2
+        sigma = clock.noise_of_acceleration(half)
+        size = float(np.sqrt(max(np.mean(a**2) - sigma**2, 1e-300)))
+        best = min(best, (half, sigma / size), key=lambda pair: pair[1])
+        if best[1] <= _SMALL:
+            break
+    return best
+
+
+def _velocities(clock: Clock, most: int) -> Any:
+    """Velocities over as few samples as their noise allows; zero where the body rests."""
+    x, h = clock.x, clock.step
+    for lag in range(1, most + 1):
+        rate = np.zeros(len(x))
+        rate[lag:-lag] = (x[2 * lag :] - x[: -2 * lag]) / (2 * lag * h)
+        rate[:lag], rate[-lag:] = rate[lag], rate[-lag - 1]
+        sigma = clock.noise_of_velocity(lag)
+        if sigma <= _SMALL * float(np.std(rate)):
+            break
+    return np.where(abs(rate) <= max(_REST * sigma, 1e-9 * float(abs(rate).max())), 0.0, rate)
+
+
+def _made(kind: str, clock: Clock, half: int, noisy: float, label: str) -> Bench:
+    t, x, h = clock.t, clock.x, clock.step
+    rate = _velocities(clock, half)
+    apart = 2 * half + 1 if half > 1 or noisy > _FAINT else 1
+    at = np.arange(half, len(t) - half, apart)
+    turns = np.concatenate([[0], np.cumsum(np.diff(np.sign(rate)) != 0)])
+    whole, even = clock.joined(at, half), turns[at + half] == turns[at - half]
+    at = at[whole & even]
+    if len(at) < 16:
+        raise InputError("identify", [f"{label} has {len(at)} values between reversals with motion and {kind}; allowed are 16 or more"])
+    weight = 1.0 / _averaged(1.0 / np.where(clock.weight > 0, clock.weight, np.inf), at, half)
+    still = rate[at] == 0
+    a = (x[at + half] - 2 * x[at] + x[at - half]) / (half * h) ** 2
+    cut = "; ".join([*clock.notes, *_said(half, noisy, int((whole & ~even).sum()))]) or None
+    return Bench(kind, t, x, rate, at, np.where(still, 0.0, a), _averaged(clock.y, at, half), weight, still, half, label, cut)
+
+
+def _said(half: int, noisy: float, turned: int) -> list[str]:
+    """Sentences on windows."""
+    found = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
+    if noisy > _TOLD:
+        found.append(
+            f"the noise of the position is {noisy:.2g} of the acceleration, so that an inertia comes out too small by about {100 * noisy**2:.2g} %"
+        )
+    return found + ([f"{turned} values about reversals are left out"] if turned else [])

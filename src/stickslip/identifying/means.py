@@ -1,0 +1,118 @@
+"""Fit of mean velocities alone: many speeds against what was set, as one problem, each place a batch of settled runs."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from stickslip.batch import stacked
+from stickslip.errors import InputError, SolveError
+from stickslip.identifying.parameters import Parameters
+from stickslip.identifying.targets import Target
+from stickslip.solvers import solve
+
+__all__ = ["MeansProblem"]
+
+_PERIODS = 400  # in which a motion should settle; most do in far fewer
+_STEP = 2e-5  # of the distance between the bounds: differences for derivatives
+
+
+@dataclass(eq=False)
+class MeansProblem:
+    """Fit of mean velocities, the cases of all places side by side.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    targets : tuple of Target
+        All of kind "mean".
+    rtol : float
+        Of the solver.
+    """
+
+    resolution: ClassVar[float] = 1e-6  # singular values of the derivatives, which are of second order, below this are zero
+    batched: ClassVar[bool] = True
+    nuisances: ClassVar[int] = 0
+    timing: ClassVar[int] = 0
+
+    parameters: Parameters
+    targets: tuple[Target, ...]
+    rtol: float = 1e-8
+    solves: int = 0
+
+    @property
+    def y(self) -> Any:
+        """All measured values."""
+        return np.concatenate([t.y for t in self.targets])
+
+    @property
+    def sigma(self) -> Any:
+        """Standard deviation of each value."""
+        return np.array([t.sigma for t in self.targets])
+
+    def with_values(self, y: Any) -> MeansProblem:
+        """The same fit for other measured values."""
+        return dataclasses.replace(self, targets=tuple(dataclasses.replace(t, y=y[[i]]) for i, t in enumerate(self.targets)))
+
+    def only(self, fixed: dict[str, float]) -> MeansProblem:
+        """The same fit with some parameters held."""
+        return dataclasses.replace(self, parameters=self.parameters.only(fixed))
+
+    def leaving_out(self, effects: Any) -> MeansProblem:
+        """The same fit of a law without some effects."""
+        return dataclasses.replace(self, parameters=self.parameters.leaving_out(effects))
+
+    def rough(self) -> MeansProblem:
+        """The same fit for the search: a looser tolerance."""
+        return dataclasses.replace(self, rtol=max(self.rtol, 1e-6))
+
+    def batch(self, places: Any, readings: Any = None) -> Any:
+        """Mean velocities for many places (cases, numbers): array (records, cases); NaN where a place makes no model."""
+        made = [self.parameters.models(place) for place in np.asarray(places, float)]
+        good = np.array([models is not None for models in made], bool)
+        found = np.full((len(self.targets), len(made)), np.nan)
+        if good.any():
+            found[:, good] = self._of_all([models for models in made if models is not None])
+        return found
+
+    def _of_all(self, made: list[list[Any]]) -> Any:
+        """Mean velocities of the models of all records at some places, as one batch where they are of one kind: array (records, cases)."""
+        try:
+            whole = stacked("identify", [model for models in made for model in models])
+        except InputError:
+            return np.stack([self._velocities(stacked("identify", list(each)), len(made)) for each in zip(*made, strict=True)])
+        return self._velocities(whole, len(made) * len(self.targets)).reshape(len(made), -1).T
+
+    def _velocities(self, batch: Any, cases: int) -> Any:
+        self.solves += cases
+        try:
+            run = solve(batch, periods=_PERIODS, settle="auto", rtol=self.rtol, keep="summary")
+        except (InputError, SolveError):
+            return np.full(cases, np.nan)
+        return np.broadcast_to(np.asarray(run.mean_velocity, float), (cases,))
+
+    def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
+        """The least and the greatest values for many places, which are the same."""
+        found = self.batch(places)
+        return found, found
+
+    def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
+        """Derivatives of the least and the greatest values, which are the same, by central differences, at bounds by one-sided ones."""
+        place = np.asarray(place, float)
+        low, high = (np.clip(place + side * _STEP, 0.0, 1.0) for side in (-1.0, 1.0))
+        moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
+        down, up = np.split(self.batch(moved), 2, axis=1)
+        found = np.nan_to_num((up - down) / (high - low))
+        return found, found
+
+    def aligned(self, place: Any) -> Any:
+        """Nothing is aligned: a mean velocity has no phase."""
+        return np.asarray(place, float)
+
+    def bounds(self) -> tuple[Any, Any]:
+        """Bounds of a place."""
+        n = len(self.parameters.free)
+        return np.zeros(n), np.ones(n)

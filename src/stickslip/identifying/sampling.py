@@ -1,0 +1,195 @@
+"""What data say of the numbers of a fit as a whole distribution: samples of the posterior, and bands of what the model predicts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.callbacks import told_of_progress
+from stickslip.errors import InputError, Problems
+from stickslip.identifying.spread import determined_spread, effective
+from stickslip.identifying.words import unit_of_kind, unit_of_parameter
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stickslip.identifying.fit import Fit
+
+__all__ = ["bands", "posterior"]
+
+_LEAST = 50  # autocorrelation times that a chain should have (the advice of emcee)
+_OPEN = 0.05  # parts of the bounds over which walkers begin along what the data do not determine
+_SPREAD = 0.5  # standard errors within which walkers begin
+
+
+def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed: int, progress: Any) -> xr.Dataset:
+    """Samples of the posterior by the affine-invariant ensemble of emcee."""
+    import xarray as xr
+
+    emcee = _emcee()
+    low, high = (np.array(side) for side in fit.problem.bounds())
+    size = len(fit.place)
+    count = max(2 * size + 2, 16) if walkers is None else walkers
+    ahead = max(draws // 2, 100) if burn is None else burn
+    _check(draws, count, ahead, size)
+    target = _Posterior(fit, low, high)
+    rng = np.random.default_rng(seed)
+    sampler = emcee.EnsembleSampler(count, size, target, vectorize=True)
+    sampler._random.seed(int(rng.integers(2**31)))  # the stretch moves draw from it: one seed, one chain
+    report, done = told_of_progress(progress, "sample"), 0
+    for _ in sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws):
+        done += 1
+        if report:
+            report(done, ahead + draws)
+    chain = sampler.get_chain(discard=ahead)  # (draws, walkers, numbers)
+    times = emcee.autocorr.integrated_time(chain, quiet=True, tol=0)
+    data = {name: _column(chain[..., k], *told) for k, (name, told) in enumerate(_named(fit).items())}
+    longest = float(np.nanmax(times))
+    attrs = {
+        "law": fit.law, "sampler": f"emcee {emcee.__version__}", "seed": seed, "burn": ahead,
+        "acceptance": float(np.mean(sampler.acceptance_fraction)), "autocorrelation_time": longest,
+        "independent_draws": int(draws * count / longest),
+        "note": "" if draws >= _LEAST * longest else f"{draws} draws are {draws / longest:.0f} autocorrelation times; type draws={int(_LEAST * longest)} or more",
+    }  # fmt: skip
+    return xr.Dataset(data, coords={"draw": np.arange(draws), "walker": np.arange(count)}, attrs=attrs)
+
+
+def _emcee() -> Any:
+    try:
+        import emcee
+    except ImportError:
+        raise InputError(
+            "sample", ['samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"']
+        ) from None
+    return emcee
+
+
+def _check(draws: int, walkers: int, burn: int, size: int) -> None:
+    problems = Problems("sample")
+    problems.whole("draws", draws, 10, example=1000)
+    problems.whole("burn", burn, 0, example=500)
+    problems.whole("walkers", walkers, 2 * size, example=max(2 * size + 2, 16))
+    problems.check()
+
+
+def _walkers(fit: Fit, count: int, low: Any, high: Any, rng: Any) -> Any:
+    """Where walkers begin: about the best place as the covariance has it, over all of what the data do not determine."""
+    determined = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale)
+    values, vectors = np.linalg.eigh(determined)
+    places = fit.place + _SPREAD * rng.normal(size=(count, len(fit.place))) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    for members, directions in fit.information.groups:
+        for direction in directions:
+            along = np.zeros(len(fit.place))
+            along[members] = direction / max(float(abs(direction).max()), 1e-300)
+            places += _OPEN * rng.uniform(-1, 1, (count, 1)) * along
+    room = np.where(np.isfinite(high - low), high - low, 1.0)
+    return np.clip(places, low + 1e-6 * room, high - 1e-6 * room) + 1e-9 * room * rng.uniform(-1, 1, places.shape)
+
+
+class _Posterior:
+    """Logarithm of the posterior at many places."""
+
+    def __init__(self, fit: Fit, low: Any, high: Any):
+        self.fit, self.low, self.high = fit, low, high
+        rest = fit._split(fit.residuals)
+        self.worth = np.concatenate([np.full(len(r), effective(r) / len(r)) for r in rest])
+        self.given = all(t.given_sigma for t in fit.problem.targets)
+        self.independent = float(self.worth.sum())
+
+    def __call__(self, places: Any) -> Any:
+        places = np.atleast_2d(places)
+        found = np.full(len(places), -np.inf)
+        inside = ((places >= self.low) & (places <= self.high)).all(axis=1)
+        if inside.any():
+            found[inside] = self._inside(places[inside])
+        return found
+
+    def _inside(self, places: Any) -> Any:
+        problem, values = self.fit.problem, self.fit.problem.batch(places)
+        rests = (values - problem.y[:, None]) / problem.sigma[:, None]
+        cost = np.sum(self.worth[:, None] * rests**2, axis=0)
+        told = -0.5 * cost if self.given else -0.5 * self.independent * np.log(cost)
+        known = np.array([self._known(place) for place in places])
+        return np.where(np.isfinite(told), told + known, -np.inf)
+
+    def _known(self, place: Any) -> float:
+        """What is known beforehand; a distribution that is flat between bounds adds nothing there."""
+        found = 0.0
+        for row in self.fit.problem._known:
+            if not np.isfinite(row.prior.low):
+                found -= 0.5 * ((row.value(place) - row.mean) / row.sd) ** 2
+        return found
+
+
+def _column(values: Any, outer: Any, attrs: dict[str, str]) -> Any:
+    return ("draw", "walker"), outer(values), attrs
+
+
+def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
+    """What the numbers of a place are called, how they become values, and their units."""
+    found: dict[str, tuple[Any, dict[str, str]]] = {}
+    for free in fit.problem.parameters.free:
+        found[free.name] = free.outer, {"units": unit_of_parameter(fit, free.name)}
+    for record, what in getattr(fit.problem.model, "_timing", ()):
+        found[f"{what}[{record}]"] = _same, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
+    for number in fit.problem.numbers:
+        unit = number.unit(unit_of_kind(fit.problem.targets[number.records[0]].kind))
+        found[f"sensor {number.name}"] = _same, {"units": unit}
+    return found
+
+
+def _same(values: Any) -> Any:
+    return values
+
+
+def bands(fit: Fit, record: int, level: float, samples: xr.Dataset | None, draws: int, seed: int) -> xr.Dataset:
+    """What the fitted model gives at the samples of a record, with the band of its curve and that of new measurements."""
+    import xarray as xr
+
+    problems = Problems("bands")
+    count = len(fit.problem.targets)
+    problems.whole("record", record, 0, example=0)
+    problems.whole("draws", draws, 10, example=200)
+    if isinstance(record, int) and record >= count:
+        problems.add(f"record = {record}; allowed is a whole number from 0 to {count - 1}; type record=0")
+    if not 0 < level < 1:
+        problems.add(f"level = {level!r}; allowed is a number between 0 and 1; type level=0.95")
+    problems.check()
+    rng = np.random.default_rng(seed)
+    places = _drawn(fit, draws, rng) if samples is None else _of_samples(fit, samples, draws, rng)
+    edges = np.cumsum([0, *(t.count for t in fit.problem.targets)])
+    own = slice(edges[record], edges[record + 1])
+    curves = fit.problem.batch(places)[own]
+    curves = curves[:, np.isfinite(curves).all(axis=0)]
+    sigma = fit.scale * fit.problem.sigma[own][:, None]
+    ends = (0.5 - 0.5 * level, 0.5 + 0.5 * level)
+    low, high = np.quantile(curves, ends, axis=1)
+    new_low, new_high = np.quantile(curves + sigma * rng.normal(size=curves.shape), ends, axis=1)
+    y = fit.predicted[record] - (fit.residuals * fit.problem.sigma)[own]
+    unit = {"units": unit_of_kind(fit.problem.targets[record].kind)}
+    data = {"measured": y, "fitted": fit.predicted[record], "low": low, "high": high, "predicted_low": new_low, "predicted_high": new_high}
+    time = fit.problem.targets[record].time if fit.problem.targets[record].kind != "mean" else np.zeros(len(y))
+    coords = {"time": ("value", time, {"units": "s", "long_name": "time from the middle of the record"})}
+    return xr.Dataset(
+        {name: ("value", values, unit) for name, values in data.items()}, coords=coords, attrs={"level": level, "draws": curves.shape[1]}
+    )
+
+
+def _drawn(fit: Fit, draws: int, rng: Any) -> Any:
+    """Places as the covariance spreads them; along what the data do not determine nothing measured changes."""
+    values, vectors = np.linalg.eigh(determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.clip(fit.place + rng.normal(size=(draws, len(fit.place))) @ root.T, *fit.problem.bounds())
+
+
+def _of_samples(fit: Fit, samples: xr.Dataset, draws: int, rng: Any) -> Any:
+    names = list(_named(fit))
+    if missing := [name for name in names if name not in samples]:
+        raise InputError("bands", [f"samples have no {', '.join(missing)}; type samples=fit.sample() of this fit"])
+    flat = np.stack([np.asarray(samples[name]).ravel() for name in names], axis=1)
+    chosen = flat[rng.integers(0, len(flat), draws)]
+    free = fit.problem.parameters.free
+    for k, f in enumerate(free):
+        chosen[:, k] = f.inner(chosen[:, k])
+    return chosen

@@ -1,0 +1,78 @@
+"""Results show themselves in notebooks: a title, numbers rounded to what is known, and their figure, which is no figure of pyplot."""
+
+import base64
+import html
+import re
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.faces import Text, rounded
+
+ROBOT = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+
+
+@pytest.fixture(scope="module")
+def results():
+    run, chain = ss.solve(ROBOT, periods=20), ss.solve(ss.presets.two_modules(), periods=20)
+    record = ss.virtual_rig(ROBOT, noise=1e-4, seed=1)
+    fit = ss.identify(record, ss.presets.piezo_rig, free={"mu0": (0.05, 0.5)}, tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    told = ss.verdict(ROBOT, periods=40, settle=40)
+    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=6e-4, stop=6.2e-4, tilt_deg=1.7, law="coulomb")
+    spread = {"friction.mu_plus": (0.15, "3%")}
+    return {
+        "run": run, "chain": chain, "motion": ss.motion(run), "motions": ss.motion(chain), "energy": ss.energy(run), "fit": fit,
+        "orbit": told.orbit, "verdict": told, "exponents": told.exponents, "branch": branch, "sensitivity": ss.sensitivity(told.orbit),
+        "bench": ss.bench(ss.Coulomb, experiments=["steady"]), "benches": ss.bench([ss.Coulomb, ss.Viscous], experiments=["steady"]),
+        "comparison": ss.compare(record, ROBOT, laws=["coulomb"]), "propagated": ss.propagate(ROBOT, uncertain=spread, samples=16),
+        "optimum": ss.optimise(ROBOT, over={"drive.amplitude": (5e-4, 6e-4)}, maximise="mean_velocity"),
+        "ranking": ss.rank([fit, fit]),
+    }  # fmt: skip
+
+
+def test_every_result_has_a_face_and_most_a_picture(results):
+    before = plt.get_fignums()
+    without = {"energy", "sensitivity", "optimum", "ranking"}
+    for name, result in results.items():
+        shown = result._repr_html_()
+        pictures = re.findall(r'src="data:image/png;base64,([^"]+)"', shown)
+        assert bool(pictures) == (name not in without), name
+        assert all(base64.b64decode(picture).startswith(b"\x89PNG") for picture in pictures)
+        assert "<b>" in shown and "nan" not in re.sub(r'src="[^"]+"', "", shown), name
+    assert plt.get_fignums() == before  # a notebook would show those a second time
+
+
+def test_a_face_says_what_the_result_holds(results):
+    text = html.unescape(re.sub(r"<[^>]+>", " ", results["motion"]._repr_html_()))
+    assert "+0−0" in text and "1 drive period" in text
+    fit, error = results["fit"], results["fit"].errors["mu0"]
+    assert rounded(fit.values["mu0"], error) in fit._repr_html_()
+    assert f"{results['orbit'].mean_velocity:.9g} m/s" in results["orbit"]._repr_html_()
+    assert results["verdict"].kind in results["verdict"]._repr_html_()
+
+
+def test_results_with_a_figure_draw_it(results):
+    for name in ("run", "chain", "motion", "motions", "orbit", "exponents", "branch", "verdict", "comparison", "propagated", "fit"):
+        axes = plt.subplots()[1]
+        assert results[name].plot(ax=axes) is axes and axes.has_data() | bool(axes.texts), name
+    plt.close("all")
+
+
+def test_the_bars_of_a_motion_are_its_intervals(results):
+    axes = ss.plot.pattern(results["motion"])
+    widths = sum(path.get_extents().width for bars in axes.collections for path in bars.get_paths())
+    assert widths == pytest.approx(results["motion"].period, rel=1e-12)  # the motion period, without holes and overlaps
+    plt.close("all")
+
+
+def test_a_report_prints_as_lines(results):
+    report = results["fit"].report()
+    assert isinstance(report, Text) and repr(report) == str(report) and "\n" in report
+    assert report._repr_html_() == f"<pre>{html.escape(report)}</pre>"
+
+
+@pytest.mark.parametrize(("value", "error", "text"), [(0.1797921, 0.00112, "0.1798"), (-np.inf, 0.0, "-inf"), (7961.23, 720.0, "7960")])
+def test_numbers_have_the_digits_that_their_error_leaves(value, error, text):
+    assert rounded(value, error) == text
