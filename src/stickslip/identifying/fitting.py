@@ -310,13 +310,14 @@ def _spared(problem: Sensed, best: Found) -> list[str]:
     """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
     effects = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
     while effects:
-        ways = {tuple(e for e in effects if e != out) if out else tuple(effects): out for out in (None, *effects)}
-        costs: dict[tuple[str, ...], float] = {}
-        for way in ways:
-            costs[way] = _holding(problem, best, [n.name for n in problem.numbers if n.what in way and n.name in names]).cost
-            if costs[way] <= _MAKES_UP * best.cost:
-                return [n.name for n in problem.numbers if n.what in way and n.name in names]
-        effects = list(min(costs, key=lambda way: (len(way) == len(effects), costs[way])))
+        found: list[tuple[float, list[str]]] = []
+        for out in (None, *effects):
+            way = [e for e in effects if e != out]
+            spared = [n.name for n in problem.numbers if n.what in way and n.name in names]
+            found.append((_holding(problem, best, spared).cost, way))
+            if found[-1][0] <= _MAKES_UP * best.cost:
+                return spared
+        effects = min(found[1:])[1]
     return []
 
 
