@@ -10,7 +10,8 @@ from registries import examples
 from stickslip.errors import InputError
 from stickslip.faces import rounded
 from stickslip.friction.adapter import adapted
-from stickslip.identifying.driven import Motion, driven_force, motion_of
+from stickslip.identifying.driven import driven_force
+from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.targets import target
 
 TRUTH = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
@@ -114,7 +115,7 @@ def test_an_interval_says_which_options_its_method_has(fit):
     with pytest.raises(InputError) as error:
         fit.interval("mu", level=2.0, workers=2)
     assert len(error.value.problems) == 3 and "did you mean 'mu0'?" in error.value.problems[0]
-    assert "'workers' is no option of covariance, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
+    assert "'workers' is no option of auto, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
     with pytest.raises(InputError, match="'repeat' is no option of bootstrap, which has repeats, seed, workers"):
         fit.interval("mu0", method="bootstrap", repeat=50)
 

@@ -10,10 +10,12 @@ import pytest
 import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.friction.adapter import adapted
-from stickslip.identifying.driven import Motion, _at_once, _step_by_step, driven_force
+from stickslip.identifying.driven import _at_once, _step_by_step, driven_force
 from stickslip.identifying.effects import EFFECTS
 from stickslip.identifying.fitting import problem_of
+from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.problems import SteadyProblem
+from stickslip.identifying.search import polished
 from stickslip.identifying.spread import determined_spread
 from stickslip.identifying.uncertainty import costs
 from stickslip.information import Information
@@ -174,7 +176,7 @@ def test_derivatives_by_all_numbers_of_a_sensor_are_those_of_differences(law):
     problem = problem_of([record], type(law), {"mu_plus": (0.1, 0.3)}, None, "auto", None, None, None, 1e-8,
                          {k: v for k, v in known.items() if k != "mu_plus"}, sensor=sensor)  # fmt: skip
     place = np.array([0.37, 0.05, -0.02, 1.01, 2e-3, 0.3, 20.0])
-    found, held = problem.jacobian(place), problem.model.held(problem._modelled(place), problem.readings(place[:, None]))
+    found, held = problem.jacobian(place), np.isclose(problem.predicted(place), problem.y, rtol=0, atol=0)
     steps = np.array([1e-6, 1e-6, 1e-6, 1e-6, 1e-7, 1e-5, 1e-4])
     for k, h in enumerate(steps):
         up, down = place + h * np.eye(7)[k], place - h * np.eye(7)[k]
@@ -185,9 +187,61 @@ def test_derivatives_by_all_numbers_of_a_sensor_are_those_of_differences(law):
         assert np.quantile(away, part) < close * np.sqrt(np.mean(wanted**2)) + 1e-6
 
 
+def forces_of(record, place, **numbers):
+    """What a sensor shows of a law at a place: the fit's problem, and its values."""
+    problem = problem_of([record], ss.Coulomb, {"mu_plus": (0.1, 0.2)}, None, "auto", None, None, 10.0, 1e-8, {"mu_minus": 0.2},
+                         sensor=numbers)  # fmt: skip
+    return problem, problem.predicted(np.array([0.5, *place]))
+
+
 def test_a_contact_at_rest_bears_what_the_sensor_did_not_add():
-    held = Motion(np.arange(4.0), np.zeros(4), np.full(4, 10.0), np.array([1.0, 1.5, 1.9, 3.0]), 0, False, "")
-    assert driven_force(ss.Coulomb(0.15, 0.2), held, 1, {"offset": np.array([0.5])})[:, 0].tolist() == [0.5, 1.0, 1.4, 1.5]
+    """Friction of 1.5 N forwards under a zero of 0.5 N: at rest 2 N are shown at most, and whatever is below is met."""
+    t, F = np.arange(20.0), np.tile([1.0, 1.5, 1.9, 3.0], 5)
+    record = ss.Record.of(t, {"x [m]": 0 * t, "F [N]": F})
+    _, shown = forces_of(record, (), offset=0.5)
+    assert shown.tolist() == np.tile([1.0, 1.5, 1.9, 2.0], 5).tolist()
+
+
+def test_a_delayed_sensor_shows_any_force_between_those_of_a_slide_and_of_a_rest():
+    """A slide of 1.5 N, then a rest: half a sample late its first sample shows 0.75 N and half of what is borne, -2 to 1.5 N."""
+    t = np.arange(24.0)
+    x, F = np.minimum(t, 10.0), np.where(t <= 10, 1.5, 0.0)
+    F[11] = 0.4
+    problem, shown = forces_of(ss.Record.of(t, {"x [m]": x, "F [N]": F}), (0.5,), delay=("uniform", -1.0, 1.0))
+    least, most = problem.ends(np.array([[0.5, 0.5]]))
+    assert [least[11, 0], most[11, 0], shown[11]] == pytest.approx([-0.25, 1.5, 0.4])
+    assert not problem.jacobian(np.array([0.5, 0.5]))[11].any()  # so that nothing is learned from it
+
+
+def shortened(record, kept):
+    """A record with some of its samples."""
+    columns = {f"{c} [{unit}]": np.array(record[c].values[kept]) for c, unit in (("x", "m"), ("F", "N"), ("N", "N"))}
+    return ss.Record.of(record["x"].t[kept], columns, roles={"F": "force", "N": "load"})
+
+
+def test_after_a_gap_a_record_says_nothing_until_the_contact_has_slid():
+    """A bristle that may come from either side: the ends are 2 mu N apart, and together once it has slid for its length several times."""
+    law = ss.LuGre(0.3, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    whole = forces(law, noise=0.0)
+    kept = (np.arange(1500) < 700) | (np.arange(1500) >= 900)
+    record = shortened(whole, kept)
+    free, known = {**BOTH, "sigma0": (1e4, 1e6, "log")}, dict(f_plus=None, f_minus=None, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    problem = problem_of([record], ss.LuGre, free, None, "auto", None, None, None, 1e-8, known, sensor={})
+    least, most = (end[:, 0] for end in problem.ends(problem.parameters.place({"mu_plus": 0.3, "mu_minus": 0.4, "sigma0": 1e5})[None]))
+    assert np.array_equal(least[:700], most[:700]) and most[700] - least[700] == pytest.approx(7.0, rel=0.05)
+    assert (least <= record["F"].values + 1e-9).all() and (record["F"].values <= most + 1e-9).all() and (most - least)[1200:].max() < 1e-6
+    fit = ss.identify(record, ss.LuGre, free=free, starts=8, sensor={}, **known)
+    assert [fit.values[n] for n in free] == pytest.approx([0.3, 0.4, 1e5], rel=1e-3)
+
+
+def test_the_motion_counts_where_a_force_is_missing():
+    """The same samples without their forces: the motion goes on, so that the rest is as before, to the last digit."""
+    law = ss.LuGre(0.3, 0.4, None, None, sigma0=1e5, sigma1=0.0, sigma2=0.0, v_s=1.0)
+    whole = forces(law, noise=0.0)
+    some = dataclasses.replace(whole["F"], values=np.where(abs(np.arange(1500) - 800) < 100, np.nan, whole["F"].values))
+    seen = motion_of(ss.Record({**whole.channels, "F": some}), None, "record")
+    assert seen.count == 1301 and not seen.gaps.any() and "199 miss a value" in seen.cut
+    assert np.array_equal(driven_force(law, seen), driven_force(law, motion_of(whole, None, "record")))
 
 
 def test_samples_at_once_are_the_same_as_step_by_step():
@@ -216,7 +270,47 @@ def test_a_load_cell_does_not_make_up_for_what_a_law_lacks():
     assert fit.errors["mu_plus"] > 1.3 * ideal.errors["mu_plus"]
 
 
+@pytest.mark.parametrize("law", [ss.Coulomb(0.3, 0.4), ss.LuGre(0.3, 0.4, None, None, sigma0=3e5, sigma1=0.0, sigma2=0.0, v_s=1.0)],
+                         ids=["Coulomb", "another law"])  # fmt: skip
+def test_a_zero_far_beyond_what_friction_can_make_up_for_is_found(law):
+    """50 N beside a friction of 3 and 4 N, of which bounds allow 10: no ideal sensor would do, of whatever law the record is."""
+    fit = ss.identify(forces(law, zero=50.0), ss.Coulomb, free=BOTH, starts=8)
+    ideal = ss.identify(forces(law), ss.Coulomb, free=BOTH, starts=8, sensor={})
+    assert fit.undetermined == ("mu_plus", "mu_minus") and fit.sensor["offset"][1] == np.inf
+    assert sum(fit.values.values()) == pytest.approx(sum(ideal.values.values()), rel=0.01) and fit.cost < 1.001 * ideal.cost
+    assert fit.sensor["offset"][0] + 10 * fit.values["mu_plus"] == pytest.approx(50 + 10 * ideal.values["mu_plus"], abs=0.1)
+
+
 # how sure ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_search_goes_on_where_nothing_but_noise_is_left():
+    """At another place the residuals are as small as the noise allows, to a per cent, and mu0 is off by ten standard errors there."""
+    amplitudes = [5e-4, 8e-4]
+    records = [ss.virtual_rig(RIG(tilt_deg=1.7, amplitude=A), noise=1e-3, seed=i) for i, A in enumerate(amplitudes)]
+    free = {"mu0": (0.05, 0.5), "f0": (0.05, 0.6), "v_s": (2e-4, 2e-2, "log"), "sigma2": (0.0, 1.0)}
+    truth = {"mu0": 0.18, "f0": 0.21, "v_s": 2e-3, "sigma2": 0.04}
+    fit = ss.identify(records, RIG, free=free, tilt_deg=1.7, amplitude=amplitudes)
+    near = polished(fit.problem, fit.problem.aligned(fit.problem.parameters.place(truth)))
+    assert fit.cost < near.cost + 0.1 * fit.scale**2
+    for name in ("mu0", "f0", "v_s"):
+        low, high = fit.interval(name, 0.999)
+        assert low < truth[name] < high
+
+
+def squared(a):
+    return ss.Coulomb(a**2, a**2)
+
+
+def test_an_interval_is_by_profile_where_the_sum_of_squares_is_no_parabola():
+    """A coefficient that is the square of the number: near zero its interval is that of its square, not symmetric."""
+    record, free = forces(ss.Coulomb(2e-4, 2e-4), n=400, noise=0.05, seed=1), {"a": (0.0, 0.3)}
+    fit = ss.identify(record, squared, free=free, using="force", starts=8, sensor={}, load=10.0)
+    plain = ss.identify(record, lambda mu: ss.Coulomb(mu, mu), free={"mu": (0.0, 0.09)}, using="force", starts=8, sensor={}, load=10.0)
+    low, high = fit.interval("a")
+    assert fit.bent == ("a",) and plain.bent == () and fit.interval("a") != fit.interval("a", method="covariance")
+    assert [low**2, high**2] == pytest.approx(plain.interval("mu"), rel=0.02, abs=2e-6)
+    assert plain.interval("mu") == plain.interval("mu", method="covariance")
 
 
 class _Linear:

@@ -20,7 +20,8 @@ from stickslip.dynamics.orbits import states_of
 from stickslip.fields import leaves
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import adapted, mirrored
-from stickslip.identifying.driven import Motion, driven_force
+from stickslip.identifying.driven import driven_force
+from stickslip.identifying.motions import Motion
 from stickslip.maths import asinh, exp, log, where
 from stickslip.testing import Claim, LawReport, check_law
 from stickslip.testing.motions import burst, moved, shaken

@@ -13,7 +13,7 @@ from stickslip.friction.adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
 from stickslip.identifying.driven import Stepped, law_force
 from stickslip.machine import machine_of
-from stickslip.records.units import quantity_of
+from stickslip.units import quantity_of
 from stickslip.sealing import sealed
 
 __all__ = ["APPLIED", "Bench", "bench_of", "takes_records"]
@@ -25,6 +25,8 @@ _TOLD = 0.05  # ... and above which it is said
 _FAINT = 1e-3  # ... and below which neighbouring values may share positions
 _REST = 4.0  # standard errors of the velocity within which a body is at rest
 _LONGEST = 64  # samples from the middle to the end of a window, at most
+
+_PUSH = 1e9  # of what is applied: no contact is held against as much
 
 
 @sealed
@@ -94,21 +96,13 @@ class Bench:
         names = ("at", "acceleration", "y", "weight", "still")
         return dataclasses.replace(self, **{name: getattr(self, name)[::step] for name in names})
 
-    def borne(self, reading: dict[str, Any]) -> Any:
-        """What was applied without what the sensor adds: array (m,), or (m, cases)."""
-        one = np.ones_like(np.asarray(reading.get("offset", 0.0) + reading.get("drift", 0.0) + reading.get("gain", 1.0), float))
-        added = np.multiply.outer(np.ones(self.count), reading.get("offset", 0.0) * one)
-        added = added + np.multiply.outer(self.time, reading.get("drift", 0.0) * one)
-        return ((self.y if added.ndim < 2 else self.y[:, None]) - added) / reading.get("gain", 1.0)
+    @property
+    def open(self) -> bool:
+        """Whether the motion leaves anything open: no window reaches over a gap."""
+        return False
 
-    def held(self, given: Any, reading: dict[str, Any]) -> Any:
-        """Which values are those of a body at rest, whose contact bears whatever is applied."""
-        borne = self.borne(reading)
-        borne = borne if borne.ndim == 1 else borne[:, 0]
-        return self.still & (abs(given - borne) <= 1e-9 * float(np.ptp(self.y)))
-
-    def given(self, model: Any, cases: int, reading: dict[str, Any]) -> Any:
-        """What must be applied for this motion: array (m, cases)."""
+    def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+        """What must be applied for this motion, at rest the least (side -1) or the greatest (1) that may be: array (m, cases)."""
         bare, per = machine_of(model).input
         m, factor = machine_of(bare).mechanics, per[self.kind]
         t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
@@ -116,9 +110,8 @@ class Bench:
         inertial = np.broadcast_to(m.masses[0] * (self.acceleration[:, None] - self._mean(free, cases)), (self.count, cases))
         if not m.contacts:
             return inertial / factor
-        borne = self.borne(reading)
-        rest = (borne if borne.ndim == 2 else borne[:, None]) * factor - inertial
-        return (inertial + self._friction(m, np.broadcast_to(rest, inertial.shape), cases)) / factor
+        push = side * np.sign(factor) * _PUSH * float(np.max(abs(self.y * factor)) + np.max(abs(inertial)))
+        return (inertial + self._friction(m, np.full(inertial.shape, push), cases)) / factor
 
     @property
     def _inside(self) -> Any:

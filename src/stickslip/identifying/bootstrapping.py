@@ -98,8 +98,8 @@ def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[A
 def _residuals(problems: list[Any], places: Any, which: Any, mapped: Callable[..., Any]) -> Any:
     """Residuals of some replicates: array (replicates, values)."""
     if problems[0].batched:
-        found = problems[0].batch(places[which])
-        return np.stack([problems[r].rest(found[:, k], places[r]) for k, r in enumerate(which)])
+        least, most = problems[0].ends(places[which])
+        return np.stack([problems[r].rest((least[:, k], most[:, k]), places[r]) for k, r in enumerate(which)])
     return np.stack(list(mapped(lambda r: problems[r].residuals(places[r]), which)))
 
 

@@ -283,7 +283,7 @@ def _sensed(chosen: Any, seen: dict[int, Target], sensor: dict[str, Any] | None,
     """Derivatives of all values by the numbers of the sensors, and the rows of what is known of these."""
     targets = [seen[i] for i in chosen]
     numbers, _ = sensors_of(sensor, targets, "design")
-    parts: list[Any] = [(t, t.y, {}, np.zeros(t.count, bool)) for t in targets]
+    parts: list[Any] = [(t, t.y, {}) for t in targets]
     columns = [of_records(number, parts) for number in numbers]
     known = [np.where(np.arange(len(numbers)) == k, noise / n.prior.sd, 0.0) for k, n in enumerate(numbers) if n.prior]
     count = sum(t.count for t in targets)

@@ -8,13 +8,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stickslip.errors import InputError
 from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.identifying.motions import Motion
 from stickslip.identifying.parameters import Parameters
-from stickslip.identifying.weighting import weights_at
-from stickslip.sealing import sealed
 
-__all__ = ["DrivenProblem", "Motion", "Stepped", "driven_force", "law_force", "motion_of"]
+__all__ = ["DrivenProblem", "Stepped", "driven_force", "law_force"]
 
 _STEP = 1e-5
 _NUDGE = 1e-6
@@ -28,182 +26,16 @@ class Stepped:
     v: Any
 
 
-@sealed
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A prescribed motion with the force that was measured over it.
-
-    Parameters
-    ----------
-    t : array (n,)
-        [s]
-    v : array (n,)
-        Mean velocity over the interval that ends at each sample [m/s].
-    load : array (n,)
-        Normal force [N].
-    force : array (n,)
-        Measured friction force [N], positive against positive v.
-    before : int
-        How many of the samples only lead in; they are not compared.
-    flipped : bool
-        Whether the sign of the measured force was turned, so that friction takes energy.
-    label : str
-    """
-
-    t: Any
-    v: Any
-    load: Any
-    force: Any
-    before: int
-    flipped: bool
-    label: str
-    cut: str | None = None  # which samples were left out, and why
-    weights: Any = None  # of all samples, where the user gave them
-    given_sigma: bool = False  # whether the user gave the noise
-
-    @property
-    def kind(self) -> str:
-        """What is fitted."""
-        return "force"
-
-    @property
-    def y(self) -> Any:
-        """The values that are compared."""
-        return self.force[self._at]
-
-    @property
-    def weight(self) -> Any:
-        """Weight of each value."""
-        return np.ones(self.count) if self.weights is None else self.weights[self._at]
-
-    @property
-    def _at(self) -> Any:
-        """Which samples are compared: those behind the lead, of a weight that is not zero."""
-        behind = np.arange(self.before, len(self.t))
-        return behind if self.weights is None else behind[self.weights[behind] > 0]
-
-    @property
-    def count(self) -> int:
-        """Number of values."""
-        return len(self._at)
-
-    @property
-    def time(self) -> Any:
-        """Times of the values, counted from the middle of the record [s]."""
-        return self._times[self._at]
-
-    @property
-    def _times(self) -> Any:
-        return self.t - 0.5 * (self.t[self.before] + self.t[-1])
-
-    @property
-    def step(self) -> float:
-        """Time between samples [s]."""
-        return float(np.median(np.diff(self.t)))
-
-    @property
-    def acceleration(self) -> Any:
-        """Acceleration at the values [m/s^2]."""
-        return self._accelerations[self._at]
-
-    @property
-    def _accelerations(self) -> Any:
-        """From the mean velocities before and after each sample."""
-        middle = self.t[1:] - 0.5 * np.diff(self.t)
-        return np.gradient(np.interp(self.t, middle, self.v[1:]), self.t)
-
-    def borne(self, reading: dict[str, Any]) -> Any:
-        """The measured forces without what the sensor adds: array (n,), or (n, cases) [N]."""
-        if not set(reading) & {"offset", "drift", "inertia", "gain"}:
-            return self.force
-        parts = {"offset": np.ones(len(self.t)), "drift": self._times, "inertia": self._accelerations}
-        added = sum(np.multiply.outer(parts[what], reading[what]) for what in parts if what in reading)
-        whole = self.force if np.ndim(added) < 2 else self.force[:, None]
-        return (whole - added) / reading.get("gain", 1.0)
-
-    def mean_square(self, rest: Any) -> float:
-        """Mean square of what is left of all samples."""
-        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
-
-    def given(self, law: Any, cases: int, reading: dict[str, Any]) -> Any:
-        """Friction forces at the values: array (values, cases) [N]."""
-        return driven_force(law, self, cases, reading)[self._at]
-
-    def held(self, given: Any, reading: dict[str, Any]) -> Any:
-        """Which values are those of a contact that is held, and so bears whatever is measured."""
-        borne = self.borne(reading)[self._at]
-        return given == (borne if borne.ndim == 1 else borne[:, 0])
-
-    def every(self, step: int) -> Motion:
-        """The same motion, thinned out."""
-        last = np.arange(0, len(self.t), step)
-        x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
-        t = self.t[last]
-        v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-        before = int(np.searchsorted(last, self.before))
-        weights = None if self.weights is None else self.weights[last]
-        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
-
-
-def motion_of(rec: Any, load: float | None, label: str) -> Motion:
-    """The motion of a record with a position (or velocity) and a force.
-
-    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
-    """
-    c, F = rec["force"], rec["force"].si
-    t = c.time
-    x = rec["position"].si if "position" in rec else _integrated(t, rec["velocity"].si)
-    if load is None and "load" not in rec:
-        raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
-    N = rec["load"].si if load is None else np.full(len(t), float(load))
-    known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(F) & np.isfinite(N), ~(N <= 0)
-    good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
-    why = {"miss a value": ~known, "have no positive load": known & ~pressed, "come at times that do not rise": known & pressed & ~good}
-    reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
-    cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
-    t, x, F, N = t[good], x[good], F[good], N[good]
-    own = weights_at(rec, t)
-    if len(t) < 16:
-        raise InputError("identify", [f"{label} has {len(t)} samples with position, force and a positive load; allowed are 16 or more"])
-    flipped = float(np.sum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
-    F = -F if flipped else F
-    lead = _first_period(rec, t, F)
-    if lead:
-        shift = t[lead] - t[0]
-        t = np.concatenate([t[:lead] - shift, t])
-        x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
-        own = None if own is None else np.concatenate([own[:lead], own])
-    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
-    return Motion(t, v, N, F, lead, flipped, label, cut, own)
-
-
-def _integrated(t: Any, v: Any) -> Any:
-    return np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
-
-
-def _first_period(rec: Any, t: Any, F: Any) -> int:
-    """Samples of the first period, if there are at least two and the force is at its end what it was at its start."""
-    try:
-        frequency = rec.drive_frequency().value
-    except InputError:
-        return 0
-    if (t[-1] - t[0]) * frequency < 2:
-        return 0
-    lead = int(np.searchsorted(t, t[0] + 1 / frequency))
-    return lead if abs(F[:8].mean() - F[lead : lead + 8].mean()) < 0.1 * np.ptp(F) else 0
-
-
-def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None) -> Any:
+def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
     """Friction force of a law at every sample of a motion: array (samples, cases) [N].
 
     Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
     them; a law's discrete memory is switched at the end of a step. A law that holds a body (a set-valued one at rest, Karnopp's in its
-    band) gives there whatever was measured, within its break-away; `reading` has what the sensor adds to that, and a preload.
+    band) gives there `applied`, within its break-away, or whatever was measured where that is None; `reading` may have a preload.
     """
     known, reading = adapted(law), reading or {}
     load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
-    measured = motion.borne(reading)
-    return law_force(known, motion, load, measured if measured.ndim == 2 else measured[:, None], cases)
+    return law_force(known, motion, load, (motion.force if applied is None else np.full(len(motion.t), applied))[:, None], cases)
 
 
 def law_force(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
@@ -317,7 +149,9 @@ def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
 
 @dataclass(eq=False)
 class DrivenProblem:
-    """Fit of a law's force over prescribed motions, or of what a machine must be given for them. All derivatives, and all places of a multistart, are one batch.
+    """Fit of a law's force over prescribed motions, or of what a machine must be given for them.
+
+    All derivatives, and all places of a multistart, are one batch.
 
     Parameters
     ----------
@@ -335,7 +169,6 @@ class DrivenProblem:
     batched: ClassVar[bool] = True
     nuisances: ClassVar[int] = 0
     timing: ClassVar[int] = 0
-    quiet: ClassVar[float] = -np.inf  # the noise of a force is not known beforehand
 
     parameters: Parameters
     targets: tuple[Motion, ...]
@@ -373,34 +206,36 @@ class DrivenProblem:
             return self
         return dataclasses.replace(self, targets=tuple(m.every(self.thin) for m in self.targets), thin=1)
 
-    def batch(self, places: Any, readings: Any) -> Any:
-        """Forces for many places (cases, parameters) and readings of the sensors: array (values, cases); NaN where a place makes no law."""
+    def ends(self, places: Any, readings: Any) -> tuple[Any, Any]:
+        """The least and the greatest force that the contact may bear, for many places (cases, parameters) and readings of the sensors.
+
+        They differ where it is held, and after gaps of the record, in which nobody knows how it moved: it may come from behind or from the
+        front. Arrays (values, cases), NaN where a place makes no law; one and the same where nothing is open.
+        """
         places = np.asarray(places, float)
         good, batches = self.parameters.batches(places)
-        found = np.full((len(self.y), len(places)), np.nan)
+        own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
+        self.solves += int(good.sum()) * len(self.targets)
+        told = not self.holds and not any(m.open for m in self.targets)
+        found = [self._forces(good, batches, own, side) for side in ((0.0,) if told else (-1.0, 1.0))]
+        return found[0], found[-1]
+
+    def _forces(self, good: Any, batches: Any, readings: Any, side: float) -> Any:
+        """Forces where what is not known of the contact makes them least (side -1) or greatest (1)."""
+        found = np.full((len(self.y), len(good)), np.nan)
         if good.any():
-            cases = int(good.sum())
-            self.solves += cases * len(self.targets)
-            own = [{what: np.broadcast_to(value, len(places))[good] for what, value in r.items()} for r in readings]
+            each, cases = zip(batches, self.targets, readings, strict=True), int(good.sum())
             with np.errstate(all="ignore"):
-                parts = [m.given(law, cases, r) for law, m, r in zip(batches, self.targets, own, strict=True)]
-            found[:, good] = np.concatenate(parts)
+                found[:, good] = np.concatenate([m.given(law, cases, r, side) for law, m, r in each])
         return found
 
-    def held(self, h: Any, readings: Any) -> Any:
-        """Which values are those of a contact that is held, and so bears whatever is measured."""
-        if not self.holds:
-            return np.zeros(len(h), bool)
-        edges = np.cumsum([0, *(m.count for m in self.targets)])
-        parts = zip(self.targets, edges[:-1], edges[1:], readings, strict=True)
-        return np.concatenate([m.held(h[a:b], r) for m, a, b, r in parts])
-
-    def slopes(self, place: Any, readings: Any) -> Any:
-        """Derivatives of the values by differences, all parameters in one batch."""
+    def slopes(self, place: Any, readings: Any) -> tuple[Any, Any]:
+        """Derivatives of both ends by differences, all parameters in one batch."""
         place = np.asarray(place, float)
         sign = np.where(place + _STEP <= 1.0, 1.0, -1.0)
-        moved = self.batch(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
-        return np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP))
+        least, most = self.ends(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
+        found = [np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP)) for moved in ((least,) if most is least else (least, most))]
+        return found[0], found[-1]
 
     def aligned(self, place: Any) -> Any:
         """Nothing is aligned: force and motion have one clock."""

@@ -31,7 +31,7 @@ __all__ = ["Fit", "Quality"]
 CORRELATED = 0.95
 PARTS = ("total", "statistical", "systematic")
 #: Ways to an interval, and the options of each.
-METHODS: dict[str, tuple[str, ...]] = {"covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
+METHODS: dict[str, tuple[str, ...]] = {"auto": (), "covariance": (), "profile": (), "bootstrap": ("repeats", "seed", "workers")}
 
 
 @dataclass(frozen=True)
@@ -222,18 +222,17 @@ class Fit(Face):
         return found
 
     @explains_arguments
-    def interval(
-        self, name: str, level: float = 0.95, method: str = "covariance", part: str = "total", **options: Any
-    ) -> tuple[float, float]:
+    def interval(self, name: str, level: float = 0.95, method: str = "auto", part: str = "total", **options: Any) -> tuple[float, float]:
         """A confidence interval of a parameter.
 
         Parameters
         ----------
         name : str
         level : float
-        method : {"covariance", "profile", "bootstrap"}
+        method : {"auto", "covariance", "profile", "bootstrap"}
             From the curvature at the best place (at once); by refitting the others on either side, which sees that a likelihood is not a
             parabola; or by fitting resampled data again and again (``repeats=200, seed=0, workers=1``; the same numbers for any workers).
+            "auto" is by covariance where the sum of squares rises as a parabola would within two standard errors, else by profile.
         part : {"total", "statistical", "systematic"}
             Statistical is what noise alone would leave if the sensors, and all that is known beforehand, were as they are fitted;
             systematic is what these add. Lengths on either side add up in squares to the total.
@@ -260,6 +259,7 @@ class Fit(Face):
         from stickslip.identifying.bootstrapping import by_bootstrap
         from stickslip.identifying.uncertainty import by_covariance, by_profile, calibrated, in_parts
 
+        method = ("profile" if name in self.bent else "covariance") if method == "auto" else method
         by: Any = {"covariance": by_covariance, "profile": by_profile, "bootstrap": by_bootstrap}[method]
         whole = (float("nan"),) * 2 if part == "statistical" else by(self, name, level, **options)
         noise = (float("nan"),) * 2 if part == "total" else by(calibrated(self, name), name, level, **options)
@@ -390,6 +390,13 @@ class Fit(Face):
         from stickslip.identifying.uncertainty import quality
 
         return quality(self)
+
+    @cached_property
+    def bent(self) -> tuple[str, ...]:
+        """Parameters along whose interval the sum of squares is no parabola, so that covariance and bootstrap are not to be believed."""
+        from stickslip.identifying.uncertainty import bent_parameters
+
+        return tuple(bent_parameters(self))
 
     @property
     def correlated(self) -> list[str]:

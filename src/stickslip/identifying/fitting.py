@@ -16,9 +16,10 @@ from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
 from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.benches import bench_of, takes_records
-from stickslip.identifying.driven import DrivenProblem, motion_of
+from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit import Fit
 from stickslip.identifying.means import MeansProblem
+from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
@@ -37,6 +38,8 @@ __all__ = ["identify"]
 
 USES = ("auto", "velocity", "position", "mean", "force")
 _SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are no noise, of any colour
+_MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
+_NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
 _ROUNDS, _SAME = 3, 0.05  # times that the noise is found anew, and by how much it may still differ
 _WEIGHINGS, _STEADY = 12, 0.01  # times that weights of a robust loss are found anew, and by how much they may still differ
 _SAMPLES = 2500  # samples of force against motion that the multistart looks at
@@ -267,19 +270,55 @@ def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]
 
 
 def _canonical(problem: Sensed, best: Found) -> Found:
-    """The same fit where numbers of sensors that the data do not determine are those of ideal sensors; their errors stay in it."""
-    held: list[str] = _chasing(problem, best)
-    lost = {problem.numbers[k - problem.first].name for k in _undetermined(problem, best) if k >= problem.first}
-    place = best.place
-    while (names := [n.name for n in problem.numbers if n.name in lost and n.name not in held]) or (held and place is best.place):
-        held += names[:1]
-        kept = np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
-        reduced = problem.holding(held)
-        found = polished(reduced, best.place[kept])
-        lost = {reduced.numbers[k - reduced.first].name for k in _undetermined(reduced, found) if k >= reduced.first}
-        place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
-        place[kept] = found.place
-    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps) if held else best
+    """The same fit where numbers of sensors that the data do not determine are those of ideal sensors; their errors stay in it.
+
+    One that the fit needs, within the bounds of the others, stays as it is.
+    """
+    held, needed = _spared(problem, best), set[str]()
+    found = _holding(problem, best, held)
+    while names := [n for n in _lost(problem, held, found) if n not in held and n not in needed]:
+        more = _holding(problem, best, [*held, names[0]])
+        if more.cost > found.cost * (1 + _NOTHING):
+            needed.add(names[0])
+        else:
+            held, found = [*held, names[0]], more
+    if not held:
+        return best
+    kept = _kept(problem, held)
+    place = np.array([*best.place[: problem.first], *(EFFECTS[n.what].neutral for n in problem.numbers)])
+    place[kept] = found.place
+    return Found(place, problem.residuals(place), problem.jacobian(place), best.steps)
+
+
+def _holding(problem: Sensed, best: Found, names: Any) -> Found:
+    """The fit where some numbers of sensors are those of ideal ones."""
+    return polished(problem.holding(names), best.place[_kept(problem, names)]) if names else best
+
+
+def _kept(problem: Sensed, held: Any) -> Any:
+    """Which numbers of a place are left if some of the sensors are held."""
+    return np.array([True] * problem.first + [n.name not in held for n in problem.numbers])
+
+
+def _lost(problem: Sensed, held: Any, found: Found) -> list[str]:
+    """Numbers of sensors that the data do not determine if some are held, in the order of the problem."""
+    reduced = problem.holding(held) if held else problem
+    return [reduced.numbers[k - reduced.first].name for k in _undetermined(reduced, found) if k >= reduced.first]
+
+
+def _spared(problem: Sensed, best: Found) -> list[str]:
+    """Of the numbers that would make up for what a law lacks, those without which the fit leaves no more than twice as much."""
+    effects = list(dict.fromkeys(n.what for n in problem.numbers if n.name in (names := _chasing(problem, best))))
+    while effects:
+        found: list[tuple[float, list[str]]] = []
+        for out in (None, *effects):
+            way = [e for e in effects if e != out]
+            spared = [n.name for n in problem.numbers if n.what in way and n.name in names]
+            found.append((_holding(problem, best, spared).cost, way))
+            if found[-1][0] <= _MAKES_UP * best.cost:
+                return spared
+        effects = min(found[1:])[1]
+    return []
 
 
 def _chasing(problem: Sensed, best: Found) -> list[str]:
@@ -304,13 +343,15 @@ def _fit(
         raise InputError("identify", ["the model could not be solved at any place that was tried; check the arguments that are fixed"])
     given = all(t.given_sigma for t in problem.targets)
     dof = len(best.residuals) - n - problem.nuisances
+    names_of = [number.name for number in problem.numbers]
     scale = noise_scale(problem, best)
     if np.ndim(problem.rows):
         scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
     if dof < 1 and not given:
         notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
-    if chased := _chasing(problem, best):
+    chased = [n for n in _chasing(problem, best) if best.place[problem.first + names_of.index(n)] == EFFECTS[n.partition("[")[0]].neutral]
+    if chased:
         left = f"what is left of a force has a shape, so that {listed(chased)} of the sensor cannot be told from what the law lacks"
         notes = [*notes, f"{left}: the values are those of an ideal sensor, and the intervals count that it may not be"]
     if best.stopped:

@@ -12,7 +12,8 @@ from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import leaves
 from stickslip.identifying.benches import bench_of
 from stickslip.identifying.designing import USES, Design, Experiment, _named, _sensitivity, _settings, _target
-from stickslip.identifying.driven import DrivenProblem, motion_of
+from stickslip.identifying.driven import DrivenProblem
+from stickslip.identifying.motions import motion_of
 from stickslip.identifying.sensed import Sensed, of_records
 from stickslip.identifying.sensors import sensors_of
 from stickslip.identifying.words import OVER_MOTION, listed
@@ -162,7 +163,9 @@ def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
         return dataclasses.replace(_lined(motion_of(rec, float(load), "experiment")), given_sigma=True)
     unit = {"torque": "N m", "current": "A", "applied force": "N"}[first.kind]
     role = "current" if first.kind == "current" else "force"
-    rec = Record.of(time, {"x [rad]" if first.kind != "applied force" else "x [m]": way, f"y [{unit}]": np.zeros(samples)}, roles={"y": role})
+    rec = Record.of(
+        time, {"x [rad]" if first.kind != "applied force" else "x [m]": way, f"y [{unit}]": np.zeros(samples)}, roles={"y": role}
+    )
     return dataclasses.replace(bench_of(made, rec, "experiment"), given_sigma=True)
 
 

@@ -53,11 +53,6 @@ class MeansProblem:
         """Standard deviation of each value."""
         return np.array([t.sigma for t in self.targets])
 
-    @property
-    def quiet(self) -> float:
-        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
-        return 1.1 * len(self.targets) if all(t.given_sigma for t in self.targets) else -np.inf
-
     def with_values(self, y: Any) -> MeansProblem:
         """The same fit for other measured values."""
         return dataclasses.replace(self, targets=tuple(dataclasses.replace(t, y=y[[i]]) for i, t in enumerate(self.targets)))
@@ -99,17 +94,19 @@ class MeansProblem:
             return np.full(cases, np.nan)
         return np.broadcast_to(np.asarray(run.mean_velocity, float), (cases,))
 
-    def held(self, h: Any, readings: Any) -> Any:
-        """No value is that of a contact at rest, which bears what is measured."""
-        return np.zeros(len(h), bool)
+    def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
+        """The least and the greatest values for many places, which are the same."""
+        found = self.batch(places)
+        return found, found
 
-    def slopes(self, place: Any, readings: Any = None) -> Any:
-        """Derivatives of the values by central differences, one-sided at bounds, all in one batch."""
+    def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
+        """Derivatives of the least and the greatest values, which are the same, by central differences, at bounds by one-sided ones."""
         place = np.asarray(place, float)
         low, high = (np.clip(place + side * _STEP, 0.0, 1.0) for side in (-1.0, 1.0))
         moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
         down, up = np.split(self.batch(moved), 2, axis=1)
-        return np.nan_to_num((up - down) / (high - low))
+        found = np.nan_to_num((up - down) / (high - low))
+        return found, found
 
     def aligned(self, place: Any) -> Any:
         """Nothing is aligned: a mean velocity has no phase."""

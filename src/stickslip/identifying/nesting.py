@@ -17,7 +17,7 @@ __all__ = ["nested_seeds"]
 _ALL = 3  # effects up to which every set of them is left out
 _STARTS = 16
 _GOLDEN = 0.5 * (np.sqrt(5) - 1)
-_GRID, _STEPS = 33, 60
+_GRID, _STEPS = 33, 40
 
 
 def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
@@ -140,11 +140,15 @@ def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Any) -> Any:
     i = int(np.argmin(sizes))
     low, high = grid[max(i - 1, 0)], grid[min(i + 1, _GRID - 1)]
     best = (sizes[i], grid[i])
+    left, right = ((size(x), x) for x in (high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)))
     for _ in range(_STEPS):
-        a, b = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-        at = (size(a), a), (size(b), b)
-        best = min(best, *at)
-        low, high = (low, b) if at[0][0] < at[1][0] else (a, high)
+        best = min(best, left, right)
+        if left[0] < right[0]:
+            high, right, x = right[1], left, right[1] - _GOLDEN * (right[1] - low)
+            left = size(x), x
+        else:
+            low, left, x = left[1], right, left[1] + _GOLDEN * (high - left[1])
+            right = size(x), x
     found = np.array(place)
     found[k] = best[1]
     return found

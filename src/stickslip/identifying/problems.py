@@ -104,12 +104,6 @@ class SteadyProblem:
         """The same fit for the search: looser tolerance, one-sided differences."""
         return SteadyProblem(self.parameters, self.targets, max(self.rtol, 1e-6), False, _warm=dict(self._warm))
 
-    @property
-    def quiet(self) -> float:
-        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
-        known = all(t.kind != "mean" or t.given_sigma for t in self.targets)
-        return 1.1 * sum(t.count for t in self.targets) if known else -np.inf
-
     # ---- predictions ----
     def predicted(self, place: Any) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
@@ -158,17 +152,17 @@ class SteadyProblem:
             return None
         return found
 
-    def batch(self, places: Any, readings: Any = None) -> Any:
-        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+    def ends(self, places: Any, readings: Any = None) -> tuple[Any, Any]:
+        """The least and the greatest values for many places (cases, numbers): arrays (values, cases), of motions one and the same.
+
+        NaN where a place makes no model.
+        """
         found = [self.predicted(place) for place in places]
-        return np.stack([np.full(len(self.y), np.nan) if each is None else each for each in found], axis=1)
+        values = np.stack([np.full(len(self.y), np.nan) if each is None else each for each in found], axis=1)
+        return values, values
 
-    def held(self, h: Any, readings: Any) -> Any:
-        """No value is that of a contact at rest, which bears what is measured."""
-        return np.zeros(len(h), bool)
-
-    def slopes(self, place: Any, readings: Any = None) -> Any:
-        """Derivatives of the values, by differences; those for the phases need no solve."""
+    def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
+        """Derivatives of the least and the greatest values, which are the same; those for the phases need no solve."""
         n, here = len(self.parameters.free), self.predicted(place)
         columns = []
         for k in range(n):
@@ -176,7 +170,8 @@ class SteadyProblem:
         slopes = {i: self._phase_slope(place, i) for i in self.curves}
         for k, (i, what) in enumerate(self._timing):
             columns.append(self._slope(place, n + k, here) if what == "start" else slopes[i] * (self._course(i) if what == "slip" else 1.0))
-        return np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
+        found = np.stack(columns, axis=1) if columns else np.empty((len(self.y), 0))
+        return found, found
 
     def _slope(self, place: Any, k: int, here: Any) -> Any:
         """Derivative of the values by one free parameter: one-sided in the search, else central where both sides make a model."""

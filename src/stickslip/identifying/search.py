@@ -93,12 +93,14 @@ def _ends(
         none = f"at none of {len(places)} places between the bounds can the model be solved"
         raise InputError("identify", [f"{none}; widen or correct the bounds"])
     kept = _spread(sorted(judged, key=lambda pair: pair[0]), problem.first)
+    if kept and problem.has_known_rows:  # what is known beforehand counts by the noise, of which the best place tells most
+        problem = problem.trusting(max(float(np.sqrt(kept[0][0] / len(problem.y))), 1.0))
     ends: list[Found] = []
     for k, place in enumerate([*inside, *(place for _, place in kept)]):
         if progress:
             progress(min(k, _POLISHED), _POLISHED + 1)
         ends.append(polished(problem, place, rough=True))
-        if ends[-1].stopped or ends[-1].cost < problem.quiet:  # nothing but noise is left: no other place is better
+        if ends[-1].stopped:
             break
     return ends
 

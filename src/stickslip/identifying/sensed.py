@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.identifying.priors import Prior
+from stickslip.distributions import Distribution
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 
 __all__ = ["Sensed", "of_records"]
@@ -75,11 +75,6 @@ class Sensed:
     def solves(self) -> int:
         """How many models were solved."""
         return int(self.model.solves)
-
-    @property
-    def quiet(self) -> float:
-        """The sum of squares that noise alone would leave, a tenth added; infinite below where the noise is not known."""
-        return float(self.model.quiet)
 
     @property
     def batched(self) -> bool:
@@ -155,25 +150,37 @@ class Sensed:
                 found[i][number.what] = value
         return found
 
-    def batch(self, places: Any) -> Any:
-        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+    def ends(self, places: Any) -> tuple[Any, Any]:
+        """The least and the greatest values for many places (cases, numbers): arrays (values, cases); NaN where a place makes no model.
+
+        They differ where a contact is held, which bears any force between them.
+        """
         columns = np.asarray(places, float).T
         readings = self.readings(columns)
-        return self._shown(self.model.batch(columns[: self.first].T, readings), readings)
+        return self._shown(self.model.ends(columns[: self.first].T, readings), readings)
+
+    def batch(self, places: Any) -> Any:
+        """Values for many places (cases, numbers): array (values, cases); NaN where a place makes no model."""
+        return np.clip(self.y[:, None], *self.ends(places))
 
     def predicted(self, place: Any) -> Any:
         """Values of all records in the order of `y`; None where the parameters make no model."""
         h = self._modelled(place)
-        return None if h is None else self._shown(h, self.readings(place))
+        return None if h is None else self._met(self._shown(h, self.readings(place)))
 
-    def _modelled(self, place: Any) -> Any:
-        """What the model gives before any sensor; the last few places are remembered."""
-        key = tuple(np.asarray(place, float).tolist())
+    def _met(self, ends: tuple[Any, Any]) -> Any:
+        """What is measured where that is between the least and the greatest value, else the nearer of these."""
+        return np.clip(self.y, *ends)
+
+    def _modelled(self, place: Any) -> tuple[Any, Any] | None:
+        """Least and greatest values that the model gives before any sensor; the last few places are remembered."""
+        place = np.asarray(place, float)
+        key = tuple(place.tolist())
         if key not in self._memory:
             if len(self._memory) > 4:
                 self._memory.clear()
-            found = self.model.batch(np.asarray(place, float)[None, : self.first], self.readings(np.asarray(place, float)[:, None]))[:, 0]
-            self._memory[key] = found if np.isfinite(found).all() else None
+            ends = _both(lambda h: h[:, 0], self.model.ends(place[None, : self.first], self.readings(place[:, None])))
+            self._memory[key] = ends if np.isfinite(ends).all() else None
         return self._memory[key]
 
     def parts(self, whole: Any) -> list[Any]:
@@ -181,13 +188,19 @@ class Sensed:
         edges = np.cumsum([0, *(t.count for t in self.targets)])
         return [whole[a:b] for a, b in pairwise(edges)]
 
-    def _shown(self, h: Any, readings: list[dict[str, Any]]) -> Any:
-        return np.concatenate([_shown(t, part, r) for t, part, r in zip(self.targets, self.parts(h), readings, strict=True)])
+    def _shown(self, ends: tuple[Any, Any], readings: list[dict[str, Any]]) -> tuple[Any, Any]:
+        """What the sensors show of the least and the greatest values."""
+        return _both(lambda h: self._of_records(_shown, h, readings), ends)
+
+    def _of_records(self, function: Any, whole: Any, readings: list[dict[str, Any]]) -> Any:
+        """A function of (target, values, readings) for all records."""
+        return np.concatenate([function(t, part, r) for t, part, r in zip(self.targets, self.parts(whole), readings, strict=True)])
 
     # ---- residuals ----
-    def rest(self, found: Any, place: Any) -> Any:
-        """(model - measured) / sigma of values that a place gives, then the rows of what is known."""
-        values = np.full(len(self.y), IMPOSSIBLE) if found is None or not np.isfinite(found).all() else (found - self.y) / self.sigma
+    def rest(self, ends: Any, place: Any) -> Any:
+        """(model - measured) / sigma of the least and the greatest values that a place gives, then the rows of what is known."""
+        possible = ends is not None and np.isfinite(ends).all()
+        values = (self._met(ends) - self.y) / self.sigma if possible else np.full(len(self.y), IMPOSSIBLE)
         return np.concatenate([values, self._known_rows(place)])
 
     def _known_rows(self, place: Any) -> Any:
@@ -201,7 +214,8 @@ class Sensed:
 
     def residuals(self, place: Any) -> Any:
         """(model - measured) / sigma, then the rows of what is known."""
-        return self.rest(self.predicted(place), place)
+        h = self._modelled(place)
+        return self.rest(None if h is None else self._shown(h, self.readings(place)), place)
 
     @property
     def has_known_rows(self) -> bool:
@@ -218,32 +232,46 @@ class Sensed:
         """Derivatives of the residuals."""
         place = np.asarray(place, float)
         readings = self.readings(place)
-        own = self.parts(self.model.slopes(place[: self.first], self.readings(place[:, None])))
-        main = np.concatenate([_through(t, part, r) for t, part, r in zip(self.targets, own, readings, strict=True)])
-        slopes = np.concatenate([main, self._sensor_slopes(place, readings)], axis=1) / self.sigma[:, None]
+        h, own = self._modelled(place), self.model.slopes(place[: self.first], self.readings(place[:, None]))
+        if h is None:
+            slopes = np.zeros((len(self.y), len(place)))
+        else:
+            columns = _both(lambda each: self._of_records(_through, each, readings), own)
+            main = self._at_the_nearer(columns, self._shown(h, readings))
+            slopes = np.concatenate([main, self._sensor_slopes(h, place, readings)], axis=1) / self.sigma[:, None]
         known = np.zeros((len(self._known), len(place)))
         for row, k in zip(known, self._known, strict=True):
             row[k.index] = self.trust * k.slope(place) / k.sd
         return np.concatenate([slopes, known])
 
-    def _sensor_slopes(self, place: Any, readings: list[dict[str, Any]]) -> Any:
+    def _at_the_nearer(self, columns: tuple[Any, Any], ends: tuple[Any, Any]) -> Any:
+        """Derivatives of what is met: those of the nearer end, zero where what is measured is between the ends."""
+        (of_least, of_most), (least, most) = columns, ends
+        if most is least:
+            return of_least
+        return np.where((self.y >= most)[:, None], of_most, np.where((self.y <= least)[:, None], of_least, 0.0))
+
+    def _sensor_slopes(self, h: tuple[Any, Any], place: Any, readings: list[dict[str, Any]]) -> Any:
         """Derivatives of the values by the numbers of the sensors: array (values, numbers). What a contact at rest bears, it bears."""
-        h = self._modelled(place)
-        found = np.zeros((len(self.y), len(self.numbers)))
-        if h is None or not self.numbers:
-            return found
-        bound = self.parts(self.model.held(h, self.readings(place[:, None])))
-        parts = list(zip(self.targets, self.parts(h), readings, bound, strict=True))
+        found = self._in_proportion(h, readings, [n for n in self.numbers if n.what != "preload"])
         for k, number in enumerate(self.numbers):
-            preload = number.what == "preload"
-            found[:, k] = self._preload_slope(place, self.first + k, number) if preload else of_records(number, parts)
+            if number.what == "preload":
+                found = np.insert(found, k, self._preload_slope(place, self.first + k, number), axis=1)
         return found
+
+    def _in_proportion(self, h: tuple[Any, Any], readings: list[dict[str, Any]], numbers: list[SensorNumber]) -> Any:
+        """Derivatives by some numbers of the sensors that act on what the model gives."""
+        if not numbers:
+            return np.zeros((len(self.y), 0))
+        parts = _both(lambda each: list(zip(self.targets, self.parts(each), readings, strict=True)), h)
+        columns = _both(lambda each: np.stack([of_records(number, each) for number in numbers], axis=1), parts)
+        return self._at_the_nearer(columns, self._shown(h, readings))
 
     def _preload_slope(self, place: Any, k: int, number: SensorNumber) -> Any:
         step = _NUDGE * float(np.mean([self.targets[i].load.mean() for i in number.records]))
         both = np.stack([place, place])
         both[:, k] += (step, -step)
-        up, down = self.batch(both).T
+        up, down = (self._met((least, most)) for least, most in zip(*(each.T for each in self.ends(both)), strict=True))
         return (up - down) / (2 * step)
 
     # ---- search ----
@@ -254,23 +282,23 @@ class Sensed:
         h = self._modelled(whole)
         return whole if h is None else np.concatenate([own, self._linear(h, whole)[0]])
 
-    def _linear(self, h: Any, whole: Any) -> tuple[Any, float]:
+    def _linear(self, h: tuple[Any, Any], whole: Any) -> tuple[Any, float]:
         """The numbers of the sensors that fit best to what a model gives, those that act in proportion; and the sum of squares then."""
         readings = self.readings(whole)
-        rest = (self._shown(h, readings) - self.y) / self.sigma
+        rest = (self._met(self._shown(h, readings)) - self.y) / self.sigma
         moved = [k for k, n in enumerate(self.numbers) if n.what in _LINEAR]
         values = np.array([n.value for n in self.numbers])
         if not moved:
             return values, float(rest @ rest)
-        bound = self.parts(self.model.held(h, self.readings(whole[:, None])))
-        parts = list(zip(self.targets, self.parts(h), readings, bound, strict=True))
-        columns = np.stack([of_records(self.numbers[k], parts) for k in moved], axis=1) / self.sigma[:, None]
+        columns = self._in_proportion(h, readings, [self.numbers[k] for k in moved]) / self.sigma[:, None]
         sd = np.array([self.trust / p.sd if (p := self.numbers[k].prior) else 0.0 for k in moved])
         away = np.array([(values[k] - p.mean) if (p := self.numbers[k].prior) else 0.0 for k in moved])
-        rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
-        size = np.sqrt(np.sum(rows**2, axis=0))
-        size = np.where(size > 0, size, 1.0)
-        change = np.linalg.lstsq(rows / size, -target, rcond=1e-9)[0] / size
+        for _ in range(2 if self.has_known_rows else 1):  # what is known beforehand counts by what is left, once that is seen
+            rows, target = np.concatenate([columns, np.diag(sd)]), np.concatenate([rest, sd * away])
+            size = np.sqrt(np.sum(rows**2, axis=0))
+            size = np.where(size > 0, size, 1.0)
+            change = np.linalg.lstsq(rows / size, -target, rcond=1e-9)[0] / size
+            sd = sd * max(float(np.sqrt(np.mean((rest + columns @ change) ** 2))), 1.0)
         low, high = (np.array([n.bounds[side] for n in self.numbers]) for side in (0, 1))
         left = target + rows @ change
         values[moved] += change
@@ -287,8 +315,9 @@ class Sensed:
         if not self.batched:
             free = {i for n in self.numbers if n.what == "offset" for i in n.records}
             return self.model.coarse(places, [None if i in free else r.get("offset", 0.0) for i, r in enumerate(self.readings(whole))])
-        found = self.model.batch(places, self.readings(np.tile(whole[:, None], len(places))))
-        return np.array([self._linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in found.T])
+        least, most = self.model.ends(places, self.readings(np.tile(whole[:, None], len(places))))
+        cases = [(low, low if most is least else high) for low, high in zip(least.T, most.T, strict=True)]
+        return np.array([self._linear(h, whole)[1] if np.isfinite(h).all() else np.inf for h in cases])
 
 
 @dataclass(frozen=True)
@@ -296,7 +325,7 @@ class _Known:
     """A number of a place of which something is known beforehand."""
 
     index: int
-    prior: Prior
+    prior: Distribution
     free: Any = None
 
     @property
@@ -312,6 +341,12 @@ class _Known:
 
     def slope(self, place: Any) -> float:
         return 1.0 if self.free is None else float(self.free.slope(place[self.index]))
+
+
+def _both(function: Any, ends: tuple[Any, Any]) -> tuple[Any, Any]:
+    """A function of the least and of the greatest values; once where they are the same."""
+    least = function(ends[0])
+    return least, least if ends[1] is ends[0] else function(ends[1])
 
 
 def _wide(values: Any, like: Any) -> Any:
@@ -360,9 +395,9 @@ _ADDED = {"drift": _course, "inertia": lambda target: target.acceleration}
 
 
 def of_records(number: SensorNumber, parts: list[Any]) -> Any:
-    """Derivative of all values by a number of a sensor, from (target, values of the model, readings, which values a rest bears)."""
+    """Derivative of all values by a number of a sensor, from (target, values of the model, readings)."""
     made = ((i in number.records, *part) for i, part in enumerate(parts))
-    return np.concatenate([_column(number.what, t, h, r) * ~held if own else np.zeros(t.count) for own, t, h, r, held in made])
+    return np.concatenate([_column(number.what, t, h, r) if own else np.zeros(t.count) for own, t, h, r in made])
 
 
 def _column(what: str, target: Any, h: Any, reading: dict[str, Any]) -> Any:

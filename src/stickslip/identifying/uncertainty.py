@@ -15,7 +15,8 @@ from stickslip.identifying.words import listed, undetermined
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
-_LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares at one standard error, of which a parabola has one
+_LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
+_NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
 __all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
 
@@ -81,7 +82,8 @@ def by_profile(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """Where the least sum of squares of the other parameters has risen by as much as the level allows."""
     k = fit.names.index(name)
     free = fit.problem.parameters.free[k]
-    rise = (_quantile(fit, level) * fit.scale) ** 2
+    white = fit.information.covariance(fit.scale)[k, k]
+    rise = (_quantile(fit, level) * fit.scale) ** 2 * fit.spread[k, k] / white  # coloured noise makes it rise by more
     ends = [_profile_end(fit, k, sign, rise) for sign in (-1.0, 1.0)]
     return float(free.outer(ends[0])), float(free.outer(ends[1]))
 
@@ -167,16 +169,15 @@ def remarks(fit: Fit) -> list[str]:
             found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: widen the bound, or these data cannot tell it")
         elif not _inner_error(fit, k) < 0.3:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
-    bent = bent_parameters(fit)
-    if bent:
+    if fit.bent:
         found.append(
-            f"the sum of squares bends away from a parabola within the interval of {listed(bent)}: "
-            f'believe interval(name, method="profile") rather than the covariance or the bootstrap'
+            f"the sum of squares bends away from a parabola within the interval of {listed(list(fit.bent))}: "
+            f"believe interval(name), which is by profile there, rather than the covariance or the bootstrap"
         )
     for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
             found.append(f"{q.label}: {q.excess}: {_why(q, rest)}")
-    if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1 and not fit.cost < fit.problem.quiet:
+    if fit.agree <= 1 and fit.starts > 1 and len(fit.names) > 1:
         found.append("only one polished start ended here; type starts= with a larger number to look for a better place")
     return found
 
@@ -184,26 +185,26 @@ def remarks(fit: Fit) -> list[str]:
 def bent_parameters(fit: Fit) -> list[str]:
     """Parameters along whose interval the model is not linear: covariance and bootstrap are then not to be believed, a profile is.
 
-    One standard error away, the others along, the sum of squares should have risen by one.
+    Two standard errors of white noise away, the others along, the sum of squares should have risen by four.
     """
+    covariance = fit.information.covariance(fit.scale)
+    errors = np.sqrt(np.diag(covariance))
+    known = [] if fit.stopped else [k for k in range(len(fit.names)) if np.isfinite(errors[k]) and errors[k] > 0]
+    return [fit.names[k] for k in known if not _parabolic(fit, np.nan_to_num(covariance[:, k]) / errors[k])]
+
+
+def _parabolic(fit: Fit, along: Any) -> bool:
+    """Whether the sum of squares rises as a parabola two standard errors away on either side, or as far as a bound is."""
     low, high = fit.problem.bounds()
-    found = []
-    for k, name in enumerate(fit.names):
-        error = _inner_error(fit, k)
-        if not (np.isfinite(error) and error > 0) or fit.stopped:
-            continue
-        along = np.nan_to_num(fit.spread[:, k]) / error
-        along[k] = error
-        rises = []
-        for sign in (1.0, -1.0):
-            place = fit.place + sign * along
-            if (place < low).any() or (place > high).any():
-                continue
-            rest = fit.problem.residuals(place)
-            rises.append((float(rest @ rest) - fit.cost) / fit.scale**2)
-        if not all(_LEAST < rise < _MOST for rise in rises):
-            found.append(name)
-    return found
+    told = []
+    for side in (along, -along):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            room = np.where(side > 0, (high - fit.place) / side, np.where(side < 0, (low - fit.place) / side, np.inf))
+        part = min(float(np.min(room)), 2.0)
+        if part > _NEAR_BOUND:
+            rest = fit.problem.residuals(fit.place + part * side)
+            told.append((float(rest @ rest) - fit.cost) / (part * fit.scale) ** 2)
+    return bool(told) and all(_LEAST < rise < _MOST for rise in told)
 
 
 def _why(q: Quality, rest: Any) -> str:

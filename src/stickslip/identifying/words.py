@@ -25,7 +25,7 @@ __all__ = [
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
     """For each free parameter: name, value, standard error, and the ends of its interval."""
-    return [(name, value, fit.errors[name], *fit.interval(name, level)) for name, value in fit.values.items()]
+    return [(name, value, fit.errors[name], *fit.interval(name, level, "covariance")) for name, value in fit.values.items()]
 
 
 #: Kinds of values that are forces, or what stands for them, over a motion that was measured.

@@ -132,7 +132,7 @@ def _rest(fit: Any, record: int) -> Any:
 def _abscissa(fit: Any, record: int) -> tuple[Any, str]:
     target = _target(fit, record)
     if target.kind == "force":
-        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target._at]
+        moved = np.cumsum(target.v * np.diff(target.t, prepend=target.t[0]))[target.compared]
         factor, unit = prefix(moved - moved.mean())
         return (moved - moved.mean()) * factor, f"position ({unit}m)"
     if fit.problem.batched:

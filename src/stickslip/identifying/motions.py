@@ -1,0 +1,208 @@
+"""The motion that a record prescribes to a contact, with the force that was measured over it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.identifying.weighting import weights_at
+from stickslip.sealing import sealed
+
+__all__ = ["Motion", "motion_of"]
+
+_PUSH = 1e9  # of the load: no contact is held against as much
+_GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
+_SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the record's
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A prescribed motion with the force that was measured over it.
+
+    Parameters
+    ----------
+    t : array (n,)
+        [s]
+    v : array (n,)
+        Mean velocity over the interval that ends at each sample [m/s].
+    load : array (n,)
+        Normal force [N].
+    force : array (n,)
+        Measured friction force [N], positive against positive v; NaN where it is not known, while the motion is.
+    before : int
+        How many of the samples only lead in; they are not compared.
+    flipped : bool
+        Whether the sign of the measured force was turned, so that friction takes energy.
+    label : str
+    """
+
+    t: Any
+    v: Any
+    load: Any
+    force: Any
+    before: int
+    flipped: bool
+    label: str
+    cut: str | None = None  # which samples were left out, and why
+    weights: Any = None  # of all samples, where the user gave them
+    given_sigma: bool = False  # whether the user gave the noise
+
+    @property
+    def kind(self) -> str:
+        """What is fitted."""
+        return "force"
+
+    @property
+    def y(self) -> Any:
+        """The values that are compared."""
+        return self.force[self.compared]
+
+    @cached_property
+    def compared(self) -> Any:
+        """Which samples are compared: array (n,) of bool."""
+        found = np.isfinite(self.force) & (np.arange(len(self.force)) >= self.before)
+        return found if self.weights is None else found & (self.weights > 0)
+
+    @property
+    def weight(self) -> Any:
+        """Weight of each value."""
+        return np.ones(self.count) if self.weights is None else self.weights[self.compared]
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return int(self.compared.sum())
+
+    @property
+    def time(self) -> Any:
+        """Times of the values, counted from the middle of the record [s]."""
+        return self.t[self.compared] - 0.5 * (self.t[self.before] + self.t[-1])
+
+    @property
+    def step(self) -> float:
+        """Time between samples [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def acceleration(self) -> Any:
+        """Acceleration at the values, from the mean velocities before and after each [m/s^2]."""
+        middle = self.t[1:] - 0.5 * np.diff(self.t)
+        return np.gradient(np.interp(self.t, middle, self.v[1:]), self.t)[self.compared]
+
+    @cached_property
+    def gaps(self) -> Any:
+        """Before which samples the record has a gap, longer than three of the steps around it: array (n,) of bool."""
+        from scipy.ndimage import median_filter
+
+        steps = np.diff(self.t)
+        return np.concatenate([[False], steps > _GAP * median_filter(steps, _AROUND, mode="nearest")])
+
+    @property
+    def open(self) -> bool:
+        """Whether the motion leaves anything open, so that forces may be less or greater."""
+        return bool(self.gaps.any())
+
+    def given(self, law: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
+        """Friction forces at the values, the least (side -1) or the greatest (1) that may be: array (values, cases) [N].
+
+        A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
+        """
+        from stickslip.identifying.driven import driven_force  # which needs this module
+
+        bridged, own = self.bridged(side)
+        return driven_force(law, bridged, cases, reading, side * _PUSH * float(np.max(self.load)))[own]
+
+    def bridged(self, side: float) -> tuple[Motion, Any]:
+        """The motion with a slow slide to a side (-1 or 1) in each gap, longer than any stroke, and which of its samples are compared.
+
+        That brings inner states to where they give the least, or the greatest, force, whatever the contact did in the gap.
+        """
+        at, moved = np.flatnonzero(self.gaps), self.v * np.diff(self.t, prepend=self.t[0])
+        if side == 0.0 or not len(at) or not moved.any():
+            return self, self.compared
+        ways = np.geomspace(np.mean(abs(moved)), _FAR * np.ptp(np.cumsum(moved)), _SLIDES)
+        speed, places = _SLOW * float(np.sqrt(np.mean(self.v**2))), np.repeat(at, _SLIDES)
+        v, steps = np.array(self.v), np.diff(self.t, prepend=self.t[0])
+        v[at], steps[at] = self.v[np.minimum(at + 1, len(v) - 1)], 0.0  # the mean velocity over a gap is not that after it
+        made = {
+            "t": self.t[0] + np.cumsum(np.insert(steps, places, np.tile(ways / speed, len(at)))),
+            "v": np.insert(v, places, side * speed),
+            "load": np.insert(self.load, places, self.load[places]),
+            "force": np.insert(self.force, places, np.nan),
+        }
+        return dataclasses.replace(self, **made, weights=None), np.insert(self.compared, places, False)
+
+    def mean_square(self, rest: Any) -> float:
+        """Mean square of what is left of all samples."""
+        return float(np.average(rest**2, weights=self.weight * np.ones(len(rest))))
+
+    def every(self, step: int) -> Motion:
+        """The same motion, thinned out."""
+        last = np.arange(0, len(self.t), step)
+        x = np.concatenate([[0.0], np.cumsum(self.v[1:] * np.diff(self.t))])[last]
+        t = self.t[last]
+        v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+        before = int(np.searchsorted(last, self.before))
+        weights = None if self.weights is None else self.weights[last]
+        return dataclasses.replace(self, t=t, v=v, load=self.load[last], force=self.force[last], before=before, weights=weights)
+
+
+def motion_of(rec: Any, load: float | None, label: str) -> Motion:
+    """The motion of a record with a position (or velocity) and a force.
+
+    If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
+    """
+    c, F = rec["force"], rec["force"].si
+    t = c.time
+    x = rec["position"].si if "position" in rec else _integrated(t, rec["velocity"].si)
+    if load is None and "load" not in rec:
+        raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
+    N = rec["load"].si if load is None else np.full(len(t), float(load))
+    known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(N), ~(N <= 0)
+    good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
+    whole = known & np.isfinite(F)
+    why = {"miss a value": ~whole, "have no positive load": whole & ~pressed, "come at times that do not rise": whole & pressed & ~good}
+    reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
+    cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
+    t, x, F, N = t[good], x[good], F[good], N[good]
+    own = weights_at(rec, t)
+    if (count := int(np.isfinite(F).sum())) < 16:
+        raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
+    flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
+    F = -F if flipped else F
+    lead = _first_period(rec, t, F)
+    if lead:
+        shift = t[lead] - t[0]
+        t = np.concatenate([t[:lead] - shift, t])
+        x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
+        own = None if own is None else np.concatenate([own[:lead], own])
+    v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    return Motion(t, v, N, F, lead, flipped, label, cut, own)
+
+
+def _integrated(t: Any, v: Any) -> Any:
+    """The position; NaN where the velocity, or the time, is missing."""
+    found, known = np.full(len(v), np.nan), np.isfinite(t) & np.isfinite(v)
+    t, v = t[known], v[known]
+    found[known] = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])[: len(v)]
+    return found
+
+
+def _first_period(rec: Any, t: Any, F: Any) -> int:
+    """Samples of the first period, if there are at least two and the force is at its end what it was at its start."""
+    try:
+        frequency = rec.drive_frequency().value
+    except InputError:
+        return 0
+    if (t[-1] - t[0]) * frequency < 2:
+        return 0
+    lead = int(np.searchsorted(t, t[0] + 1 / frequency))
+    start, end = F[:8], F[lead : lead + 8]
+    both = start[np.isfinite(start)], end[np.isfinite(end)]
+    return lead if all(map(len, both)) and abs(both[0].mean() - both[1].mean()) < 0.1 * (np.nanmax(F) - np.nanmin(F)) else 0
