@@ -257,6 +257,7 @@ def _said(half: int, noisy: float, turned: int) -> list[str]:
     found = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
     if noisy > _TOLD:
         found.append(
-            f"the noise of the position is {noisy:.2g} of the acceleration, so that an inertia comes out too small by about {100 * noisy**2:.2g} %"
+            f"the noise of the position is {noisy:.2g} of the acceleration, so that an inertia comes out too small by about "
+            f"{100 * noisy**2:.2g} %"
         )
     return found + ([f"{turned} values about reversals are left out"] if turned else [])

@@ -317,7 +317,9 @@ def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
 
 @dataclass(eq=False)
 class DrivenProblem:
-    """Fit of a law's force over prescribed motions, or of what a machine must be given for them. All derivatives, and all places of a multistart, are one batch.
+    """Fit of a law's force over prescribed motions, or of what a machine must be given for them.
+
+    All derivatives, and all places of a multistart, are one batch.
 
     Parameters
     ----------

@@ -162,7 +162,9 @@ def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
         return dataclasses.replace(_lined(motion_of(rec, float(load), "experiment")), given_sigma=True)
     unit = {"torque": "N m", "current": "A", "applied force": "N"}[first.kind]
     role = "current" if first.kind == "current" else "force"
-    rec = Record.of(time, {"x [rad]" if first.kind != "applied force" else "x [m]": way, f"y [{unit}]": np.zeros(samples)}, roles={"y": role})
+    rec = Record.of(
+        time, {"x [rad]" if first.kind != "applied force" else "x [m]": way, f"y [{unit}]": np.zeros(samples)}, roles={"y": role}
+    )
     return dataclasses.replace(bench_of(made, rec, "experiment"), given_sigma=True)
 
 
