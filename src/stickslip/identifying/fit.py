@@ -274,8 +274,9 @@ class Fit(Face):
         """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
 
         Beforehand numbers are even between their bounds (their logarithms, of ``"log"``), or as they were typed:
-        ``("normal", mean, sd)``. Noise that is not known has Jeffreys' distribution and is integrated away; correlated residuals count as often as they are independent. The fit itself is
-        where the posterior is highest, if nothing typed is ("uniform", low, high), of which a fit takes mean and standard deviation.
+        ``("normal", mean, sd)``. Noise that is not known has Jeffreys' distribution and is integrated away; correlated residuals count as
+        often as they are independent. The fit itself is where the posterior is highest, if nothing typed is ("uniform", low, high), of
+        which a fit takes mean and standard deviation.
 
         Parameters
         ----------
