@@ -89,8 +89,8 @@ def why_so_large() -> None:
         x = np.array([0.2, 0.45])
         plane.plot(x, total - x, color=COLOURS[0], linewidth=2, label="one loop: the sum alone")
         plane.errorbar(
-            two.values["mu_plus"], two.values["mu_minus"], 10 * two.errors["mu_minus"], 10 * two.errors["mu_plus"], fmt="o", color=COLOURS[1],
-            markersize=4, label="two loads (10 standard errors)",
+            two.values["mu_plus"], two.values["mu_minus"], 10 * two.errors["mu_minus"], 10 * two.errors["mu_plus"],
+            fmt="o", color=COLOURS[1], markersize=4, label="two loads (10 standard errors)",
         )  # fmt: skip
         plane.plot([0.30], [0.35], "+", color=INK, markersize=11, label="truth")
         plane.set(xlabel=r"$\mu_+$", ylabel=r"$\mu_-$", xlim=(0.2, 0.45), ylim=(0.2, 0.45))

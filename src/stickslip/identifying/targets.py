@@ -18,8 +18,8 @@ from stickslip.records.measures import LONGEST, _repeats, mean_velocity
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
 from stickslip.records.tones import _finite
-from stickslip.records.units import SI, quantity_of
 from stickslip.sealing import sealed
+from stickslip.units import SI, quantity_of
 
 __all__ = ["Target", "mean_target", "target"]
 
