@@ -12,7 +12,7 @@ from stickslip.identifying.weighting import weights_at
 from stickslip.records.overview import noise
 from stickslip.sealing import sealed
 
-__all__ = ["Clock", "clock_of"]
+__all__ = ["Clock", "clock_of", "together"]
 
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
 _COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
@@ -67,7 +67,7 @@ def clock_of(rec: Any, applied: str, label: str) -> Clock:
     """Motion and what was applied of a record; the channel with fewer samples has the clock."""
     own, motion = rec[applied], rec["position"] if "position" in rec else rec["velocity"]
     notes: list[str] = []
-    t, x, y, weight = _together(rec, motion, own, notes)
+    t, x, y, weight = together(rec, motion, own, notes)
     if len(t) < 40:
         raise InputError("identify", [f"{label} has {len(t)} samples with motion and {applied}; allowed are 40 or more"])
     t, x, y, weight = _even(t, x, y, weight, notes)
@@ -95,7 +95,7 @@ def _rests(x: Any) -> bool:
     )
 
 
-def _together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
+def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
     """All at the instants of the channel with the longer step; of the faster one means or values between samples."""
     slow, fast = (motion, own) if own.rate > 1.01 * motion.rate else (own, motion)
     t = slow.time

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.identifying.clocks import together
 from stickslip.identifying.parameters import Parameters
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
@@ -17,6 +18,7 @@ from stickslip.sealing import sealed
 __all__ = ["DrivenProblem", "Motion", "Stepped", "driven_force", "law_force", "motion_of"]
 
 _STEP = 1e-5
+_MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _NUDGE = 1e-6
 
 
@@ -150,17 +152,21 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
 
     If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
     """
-    c, F = rec["force"], rec["force"].si
-    t = c.time
-    x = rec["position"].si if "position" in rec else _integrated(t, rec["velocity"].si)
+    rec, notes = _fewer(rec)
+    c, moved = rec["force"], rec["position" if "position" in rec else "velocity"]
+    t, x, F = c.time, moved.si, c.si
+    if len(moved) != len(c) or not np.array_equal(moved.time, t):
+        t, x, F, _ = together(rec, moved, c, notes)
+    x = x if "position" in rec else _integrated(t, x)
     if load is None and "load" not in rec:
         raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
-    N = rec["load"].si if load is None else np.full(len(t), float(load))
+    N = _loads(rec["load"], t) if load is None else np.full(len(t), float(load))
     known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(F) & np.isfinite(N), ~(N <= 0)
     good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
     why = {"miss a value": ~known, "have no positive load": known & ~pressed, "come at times that do not rise": known & pressed & ~good}
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
-    cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
+    told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
+    cut = "; ".join(told) or None
     t, x, F, N = t[good], x[good], F[good], N[good]
     own = weights_at(rec, t)
     if len(t) < 16:
@@ -175,6 +181,20 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         own = None if own is None else np.concatenate([own[:lead], own])
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
     return Motion(t, v, N, F, lead, flipped, label, cut, own)
+
+
+def _loads(c: Any, t: Any) -> Any:
+    """Normal forces at some times."""
+    return c.si if len(c) == len(t) else np.interp(t, c.time, c.si)
+
+
+def _fewer(rec: Any) -> tuple[Any, list[str]]:
+    """A record of very many samples with means of neighbours in their place, and what to say of that."""
+    count = len(rec["force"])
+    if count <= _MOST:
+        return rec, []
+    thin = rec.averaged(rec["force"].rate * _MOST / count)
+    return thin, [note for note in thin.notes if note not in rec.notes]
 
 
 def _integrated(t: Any, v: Any) -> Any:
