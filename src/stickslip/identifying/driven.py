@@ -153,6 +153,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
     If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
     """
     rec, notes = _fewer(rec)
+    thinned = bool(notes)
     c, moved = rec["force"], rec["position" if "position" in rec else "velocity"]
     t, x, F = c.time, moved.si, c.si
     if len(moved) != len(c) or not np.array_equal(moved.time, t):
@@ -180,6 +181,10 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
         own = None if own is None else np.concatenate([own[:lead], own])
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    if thinned:  # a mean over a reversal is that of neither side
+        side = np.sign(v)
+        same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
+        own = same * (1.0 if own is None else own)
     return Motion(t, v, N, F, lead, flipped, label, cut, own)
 
 
@@ -194,7 +199,7 @@ def _fewer(rec: Any) -> tuple[Any, list[str]]:
     if count <= _MOST:
         return rec, []
     thin = rec.averaged(rec["force"].rate * _MOST / count)
-    return thin, [note for note in thin.notes if note not in rec.notes]
+    return thin, [*(note for note in thin.notes if note not in rec.notes), "means about reversals are not compared"]
 
 
 def _integrated(t: Any, v: Any) -> Any:
