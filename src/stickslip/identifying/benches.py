@@ -13,8 +13,8 @@ from stickslip.friction.adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
 from stickslip.identifying.driven import Stepped, law_force
 from stickslip.machine import machine_of
-from stickslip.units import quantity_of
 from stickslip.sealing import sealed
+from stickslip.units import quantity_of
 
 __all__ = ["APPLIED", "Bench", "bench_of", "takes_records"]
 
@@ -103,7 +103,7 @@ class Bench:
 
     def given(self, model: Any, cases: int, reading: dict[str, Any], side: float) -> Any:
         """What must be applied for this motion, at rest the least (side -1) or the greatest (1) that may be: array (m, cases)."""
-        bare, per = machine_of(model).input
+        bare, per = _input(model)
         m, factor = machine_of(bare).mechanics, per[self.kind]
         t, x, v = (values[self._inside][..., None] for values in (self.t, self.x, self.v))
         free = m.accelerations(t, (x,), (v,), tuple(0.0 for _ in m.contacts))[0]
@@ -161,10 +161,15 @@ def takes_records(model: Any, records: list[Any]) -> bool:
     return all(hasattr(rec, "channels") and _role(model, rec) and ("position" in rec or "velocity" in rec) for rec in records)
 
 
+def _input(model: Any) -> tuple[Any, dict[str, Any]]:
+    """What a record of its input stands for; nothing of a machine whose inner mass is shaken."""
+    found = machine_of(model).input
+    return (model, {}) if found is None else found
+
+
 def _role(model: Any, rec: Any) -> str | None:
     """What of a record is applied to a machine: the kind; None where there is nothing."""
-    found = machine_of(model).input
-    for kind in () if found is None else found[1]:
+    for kind in _input(model)[1]:
         role, quantity = APPLIED[kind]
         if role in rec and quantity_of(rec[role].unit) in (quantity, None):
             return kind
@@ -183,12 +188,11 @@ def bench_of(model: Any, rec: Any, label: str) -> Bench:
 
 
 def _wanted(model: Any) -> str:
-    found = machine_of(model).input
-    return " or ".join(found[1] if found else APPLIED)
+    return " or ".join(_input(model)[1]) or "input, because a drive shakes an inner mass"
 
 
 def _check_machine(model: Any, label: str) -> None:
-    bare, _ = machine_of(model).input  # type: ignore[misc]  # there is one
+    bare, _ = _input(model)
     m = machine_of(bare).mechanics
     if m.coordinates == 1 and len(m.contacts) <= 1 and not m.stops:
         return
@@ -250,6 +254,7 @@ def _said(half: int, noisy: float, turned: int) -> list[str]:
     found = [f"averages over windows of {2 * half - 1} samples are compared"] if half > 1 else []
     if noisy > _TOLD:
         found.append(
-            f"the noise of the position is {noisy:.2g} of the acceleration, so that an inertia comes out too small by about {100 * noisy**2:.2g} %"
+            f"the noise of the position is {noisy:.2g} of the acceleration, so that an inertia comes out too small by about "
+            f"{100 * noisy**2:.2g} %"
         )
     return found + ([f"{turned} values about reversals are left out"] if turned else [])

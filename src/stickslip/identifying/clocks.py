@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.identifying.weighting import weights_at
 from stickslip.records.overview import noise
 from stickslip.sealing import sealed
 
-__all__ = ["Clock", "clock_of"]
+__all__ = ["Clock", "clock_of", "together"]
 
 _EVEN = 1e-3  # of an interval, by which the clock of a logger may be off
 _COARSE = 0.25  # distinct values for each sample below which a channel is one of counts
@@ -65,9 +66,8 @@ class Clock:
 def clock_of(rec: Any, applied: str, label: str) -> Clock:
     """Motion and what was applied of a record; the channel with fewer samples has the clock."""
     own, motion = rec[applied], rec["position"] if "position" in rec else rec["velocity"]
-    weights = rec["weight"] if "weight" in rec else None
     notes: list[str] = []
-    t, x, y, weight = _together(motion, own, weights, notes)
+    t, x, y, weight = together(rec, motion, own, notes)
     if len(t) < 40:
         raise InputError("identify", [f"{label} has {len(t)} samples with motion and {applied}; allowed are 40 or more"])
     t, x, y, weight = _even(t, x, y, weight, notes)
@@ -95,13 +95,14 @@ def _rests(x: Any) -> bool:
     )
 
 
-def _together(motion: Any, own: Any, weights: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
+def together(rec: Any, motion: Any, own: Any, notes: list[str]) -> tuple[Any, Any, Any, Any]:
     """All at the instants of the channel with the longer step; of the faster one means or values between samples."""
     slow, fast = (motion, own) if own.rate > 1.01 * motion.rate else (own, motion)
     t = slow.time
     other = fast.si if len(fast) == len(slow) and np.array_equal(fast.time, t) else _at(t, fast, slow is motion, notes)
     x, y = (slow.si, other) if slow is motion else (other, slow.si)
-    weight = np.ones(len(t)) if weights is None else np.interp(t, weights.time, weights.values)
+    weights = weights_at(rec, t)
+    weight = np.ones(len(t)) if weights is None else weights
     known = np.isfinite(x) & np.isfinite(y)
     if not known.all():
         notes.append(f"of {len(t)} samples {int((~known).sum())} miss a value; they are left out")

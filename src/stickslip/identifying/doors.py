@@ -71,7 +71,6 @@ def _told(fit: Any) -> dict[str, Any]:
         cost_lines,
         parameter_rows,
         sensor_lines,
-        unit_of_kind,
         unit_of_parameter,
     )
 
@@ -94,7 +93,7 @@ def _told(fit: Any) -> dict[str, Any]:
         if fit.problem.targets[i].kind == "mean" and i > 0:
             continue
         drawn = (_drawn(partial(plot.fitted, fit, i), f"fitted {i}"), _drawn(partial(plot.residuals, fit, i), f"residuals {i}"))
-        pictures.append((*drawn, fit.quality[i], unit_of_kind(fit.quality[i].kind)))
+        pictures.append((*drawn, fit.quality[i], fit.quality[i].unit))
     table = fit.correlations.tolist()
     return {
         "law": fit.law, "rows": rows, "quality": fit.quality, "warnings": fit.warnings, "pictures": pictures, "names": fit.names,

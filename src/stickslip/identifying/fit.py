@@ -14,7 +14,7 @@ from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.faces import Face, Text, drawn_on, rounded, sure
 from stickslip.identifying.spread import information_of
-from stickslip.identifying.words import OVER_MOTION, unit_of_kind
+from stickslip.identifying.words import OVER_MOTION
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -52,6 +52,8 @@ class Quality:
         Of neighbouring residuals: 0 for white noise; near 1 what is left has a shape, so the law or the drive is not right.
     coloured : bool
         Whether residuals are those of noise at equal phases of the drive, so that a correlation is not due to law or drive.
+    unit : str
+        SI unit of the values.
     """
 
     label: str
@@ -62,13 +64,13 @@ class Quality:
     r2: float
     correlation: float
     coloured: bool = False
+    unit: str = ""
 
     @property
     def excess(self) -> str:
         """What is left, in words."""
-        unit = unit_of_kind(self.kind)
-        beside = f" where the noise is {self.noise:.3g} {unit}" if np.isfinite(self.noise) else ""
-        return f"residuals of {self.rms:.3g} {unit}{beside}, neighbours correlated {self.correlation:.2f}"
+        beside = f" where the noise is {self.noise:.3g} {self.unit}" if np.isfinite(self.noise) else ""
+        return f"residuals of {self.rms:.3g} {self.unit}{beside}, neighbours correlated {self.correlation:.2f}"
 
     @property
     def suspicious(self) -> bool:
@@ -271,9 +273,10 @@ class Fit(Face):
     ) -> xr.Dataset:
         """Samples of the posterior of all numbers that were fitted, by emcee (``pip install "stickslip[bayes]"``).
 
-        Beforehand numbers are even between their bounds (their logarithms, of ``"log"``), or as they were typed: ``("normal", mean, sd)``. Noise that is not known
-        has Jeffreys' distribution and is integrated away; correlated residuals count as often as they are independent. The fit itself is
-        where the posterior is highest, if nothing typed is ("uniform", low, high), of which a fit takes mean and standard deviation.
+        Beforehand numbers are even between their bounds (their logarithms, of ``"log"``), or as they were typed:
+        ``("normal", mean, sd)``. Noise that is not known has Jeffreys' distribution and is integrated away; correlated residuals count as
+        often as they are independent. The fit itself is where the posterior is highest, if nothing typed is ("uniform", low, high), of
+        which a fit takes mean and standard deviation.
 
         Parameters
         ----------

@@ -160,18 +160,13 @@ def _sine(fit: Fit, of: Any, chosen: dict[str, Any], samples: int) -> Any:
     if first.kind == "force":
         load = chosen.get("load", float(np.mean(first.load)))
         rec = Record.of(time, {"x [m]": way, "F [N]": np.zeros(samples)}, roles={"F": "force"})
-        return dataclasses.replace(_lined(motion_of(rec, float(load), "experiment")), given_sigma=True)
+        return dataclasses.replace(motion_of(rec, float(load), "experiment"), given_sigma=True)
     unit = {"torque": "N m", "current": "A", "applied force": "N"}[first.kind]
     role = "current" if first.kind == "current" else "force"
     rec = Record.of(
         time, {"x [rad]" if first.kind != "applied force" else "x [m]": way, f"y [{unit}]": np.zeros(samples)}, roles={"y": role}
     )
     return dataclasses.replace(bench_of(made, rec, "experiment"), given_sigma=True)
-
-
-def _lined(motion: Any) -> Any:
-    """A motion of which all is compared."""
-    return dataclasses.replace(motion, flipped=False)
 
 
 def _frequency(t: Any, x: Any) -> float:

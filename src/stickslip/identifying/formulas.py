@@ -18,6 +18,7 @@ _ALONG = 3e-3  # a formula may change along an undetermined direction by this pa
 _MOVED = 0.07  # by how much numbers are moved to see whether nothing measured changes while the formulas do not
 _SEEN = 0.05  # standard deviations, squared, by which the fit may then be worse
 _TRIED = 8  # sets of formulas
+_FEW = 4  # numbers of which products of powers are tried that are not 1
 
 Formula = tuple[str, Callable[[Any], float]]
 
@@ -122,8 +123,9 @@ def _sum(which: tuple[int, ...], factors: tuple[float, ...], v: Any) -> float:
 
 
 def _powers(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
-    """Products and ratios of first powers, squares and roots."""
-    for powers in sorted(product((1, -1, 2, -2, 0.5, -0.5), repeat=len(which)), key=lambda e: (sum(map(abs, e)), sum(p < 0 for p in e))):
+    """Products and ratios of first powers, squares and roots; of more than four numbers, of first powers."""
+    usual = (1, -1, 2, -2, 0.5, -0.5) if len(which) <= _FEW else (1, -1)
+    for powers in sorted(product(usual, repeat=len(which)), key=lambda e: (sum(map(abs, e)), sum(p < 0 for p in e))):
         if max(powers) >= 1 and sum(p < 0 for p in powers) <= sum(p > 0 for p in powers):
             yield _product([names[i] for i in which], powers), partial(_power, which, powers)
 

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.identifying.clocks import together
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
 __all__ = ["Motion", "motion_of"]
 
+_MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
 _SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the record's
@@ -158,18 +160,23 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
 
     If it is periodic from its first sample on, its first period leads in, so that the law is in its cycle; otherwise the law begins unbent.
     """
-    c, F = rec["force"], rec["force"].si
-    t = c.time
-    x = rec["position"].si if "position" in rec else _integrated(t, rec["velocity"].si)
+    rec, notes = _fewer(rec)
+    thinned = bool(notes)
+    c, moved = rec["force"], rec["position" if "position" in rec else "velocity"]
+    t, x, F = c.time, moved.si, c.si
+    if len(moved) != len(c) or not np.array_equal(moved.time, t, equal_nan=True):
+        t, x, F, _ = together(rec, moved, c, notes)
+    x = x if "position" in rec else _integrated(t, x)
     if load is None and "load" not in rec:
         raise InputError("identify", ['the record has no normal force; type load=... [N], or roles={"...": "load"} when reading'])
-    N = rec["load"].si if load is None else np.full(len(t), float(load))
+    N = _loads(rec["load"], t) if load is None else np.full(len(t), float(load))
     known, pressed = np.isfinite(t) & np.isfinite(x) & np.isfinite(N), ~(N <= 0)
     good = known & pressed & np.concatenate([[True], np.diff(t) > 0])
     whole = known & np.isfinite(F)
     why = {"miss a value": ~whole, "have no positive load": whole & ~pressed, "come at times that do not rise": whole & pressed & ~good}
     reasons = " and ".join(f"{int(which.sum())} {what}" for what, which in why.items() if which.any())
-    cut = f"of {len(t)} samples {reasons}; they are left out" if reasons else None
+    told = [note for note in notes if "left out" not in note] + ([f"of {len(t)} samples {reasons}; they are left out"] if reasons else [])
+    cut = "; ".join(told) or None
     t, x, F, N = t[good], x[good], F[good], N[good]
     own = weights_at(rec, t)
     if (count := int(np.isfinite(F).sum())) < 16:
@@ -183,7 +190,25 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         x, F, N = (np.concatenate([a[:lead], a]) for a in (x, F, N))
         own = None if own is None else np.concatenate([own[:lead], own])
     v = np.concatenate([[0.0], np.diff(x) / np.diff(t)])
+    if thinned:  # a mean over a reversal is that of neither side
+        side = np.sign(v)
+        same = np.concatenate([[True], side[1:] == side[:-1]]) & np.concatenate([side[1:] == side[:-1], [True]])
+        own = same * (1.0 if own is None else own)
     return Motion(t, v, N, F, lead, flipped, label, cut, own)
+
+
+def _loads(c: Any, t: Any) -> Any:
+    """Normal forces at some times."""
+    return c.si if len(c) == len(t) else np.interp(t, c.time, c.si)
+
+
+def _fewer(rec: Any) -> tuple[Any, list[str]]:
+    """A record of very many samples with means of neighbours in their place, and what to say of that."""
+    count = len(rec["force"])
+    if count <= _MOST:
+        return rec, []
+    thin = rec.averaged(rec["force"].rate * _MOST / count)
+    return thin, [*(note for note in thin.notes if note not in rec.notes), "means about reversals are not compared"]
 
 
 def _integrated(t: Any, v: Any) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.spread import determined_spread, effective
-from stickslip.identifying.words import unit_of_kind, unit_of_parameter
+from stickslip.identifying.words import unit_of_parameter, unit_of_values
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,20 +37,20 @@ def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed:
     rng = np.random.default_rng(seed)
     sampler = emcee.EnsembleSampler(count, size, target, vectorize=True)
     sampler._random.seed(int(rng.integers(2**31)))  # the stretch moves draw from it: one seed, one chain
-    report, done = told_of_progress(progress, "sample"), 0
-    for _ in sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws):
-        done += 1
+    report, steps = told_of_progress(progress, "sample"), sampler.sample(_walkers(fit, count, low, high, rng), iterations=ahead + draws)
+    for done, _ in enumerate(steps, 1):
         if report:
             report(done, ahead + draws)
     chain = sampler.get_chain(discard=ahead)  # (draws, walkers, numbers)
     times = emcee.autocorr.integrated_time(chain, quiet=True, tol=0)
     data = {name: _column(chain[..., k], *told) for k, (name, told) in enumerate(_named(fit).items())}
     longest = float(np.nanmax(times))
+    few = f"{draws} draws are {draws / longest:.0f} autocorrelation times; type draws={int(_LEAST * longest)} or more"
     attrs = {
         "law": fit.law, "sampler": f"emcee {emcee.__version__}", "seed": seed, "burn": ahead,
         "acceptance": float(np.mean(sampler.acceptance_fraction)), "autocorrelation_time": longest,
         "independent_draws": int(draws * count / longest),
-        "note": "" if draws >= _LEAST * longest else f"{draws} draws are {draws / longest:.0f} autocorrelation times; type draws={int(_LEAST * longest)} or more",
+        "note": "" if draws >= _LEAST * longest else few,
     }  # fmt: skip
     return xr.Dataset(data, coords={"draw": np.arange(draws), "walker": np.arange(count)}, attrs=attrs)
 
@@ -134,7 +134,7 @@ def _named(fit: Fit) -> dict[str, tuple[Any, dict[str, str]]]:
     for record, what in getattr(fit.problem.model, "_timing", ()):
         found[f"{what}[{record}]"] = _same, {"units": "1", "long_name": f"{what} of the drive in record {record}"}
     for number in fit.problem.numbers:
-        unit = number.unit(unit_of_kind(fit.problem.targets[number.records[0]].kind))
+        unit = number.unit(unit_of_values(fit.problem.targets[number.records[0]]))
         found[f"sensor {number.name}"] = _same, {"units": unit}
     return found
 
@@ -167,7 +167,7 @@ def bands(fit: Fit, record: int, level: float, samples: xr.Dataset | None, draws
     low, high = np.quantile(curves, ends, axis=1)
     new_low, new_high = np.quantile(curves + sigma * rng.normal(size=curves.shape), ends, axis=1)
     y = fit.predicted[record] - (fit.residuals * fit.problem.sigma)[own]
-    unit = {"units": unit_of_kind(fit.problem.targets[record].kind)}
+    unit = {"units": unit_of_values(fit.problem.targets[record])}
     data = {"measured": y, "fitted": fit.predicted[record], "low": low, "high": high, "predicted_low": new_low, "predicted_high": new_high}
     time = fit.problem.targets[record].time if fit.problem.targets[record].kind != "mean" else np.zeros(len(y))
     coords = {"time": ("value", time, {"units": "s", "long_name": "time from the middle of the record"})}

@@ -19,8 +19,11 @@ from stickslip.records.overview import noise
 from stickslip.records.settling import settled
 from stickslip.records.tones import _finite
 from stickslip.sealing import sealed
+from stickslip.units import SI, quantity_of
 
 __all__ = ["Target", "mean_target", "target"]
+
+_ROTARY = {what: SI[what] for what in ("angle", "angular velocity")}
 
 
 @sealed
@@ -57,6 +60,7 @@ class Target:
     said: str | None = None  # what was done about a start that is not steady
     cut: str | None = None  # what was left out of a very long record
     period: int = 1  # drive periods after which the motion repeats, as far as the record tells
+    unit: str = ""  # of the values, where it is not that of the kind
     within: float = 0.0  # mean square, over all samples, of what was lost where they were averaged
 
     @property
@@ -121,6 +125,7 @@ def target(
         said,
         None,
         repeats or 1,
+        unit=_ROTARY.get(quantity_of(rec[kind].unit) or "", ""),
     )
     return _fewer(whole, repeats) if len(t) > MOST and own is None and kind == "velocity" and not transient else whole
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import effective, neighbours, spread_of
-from stickslip.identifying.words import listed, undetermined
+from stickslip.identifying.words import listed, undetermined, unit_of_values
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
@@ -141,7 +141,17 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
         folded, shape = neighbours(rest[order]), max(neighbours(rest), neighbours(rest[order]), key=abs)
         coloured = periodic and abs(folded) < 3.5 / np.sqrt(len(rest))
         found.append(
-            Quality(target.label, target.kind, len(rest), float(np.sqrt(square)), noise if known else float("nan"), r2, shape, coloured)
+            Quality(
+                target.label,
+                target.kind,
+                len(rest),
+                float(np.sqrt(square)),
+                noise if known else float("nan"),
+                r2,
+                shape,
+                coloured,
+                unit_of_values(target),
+            )
         )
     return tuple(found)
 

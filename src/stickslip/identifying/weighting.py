@@ -12,8 +12,8 @@ from stickslip.records.channel import Channel
 
 __all__ = ["LOSSES", "loss_of", "outlier_notes", "robust_scale", "robust_weights", "weighted", "weights_at"]
 
-#: Weights by size of a residual in standard deviations of the bulk (least squares, Huber 1964, Beaton and Tukey 1974), and their constants of
-#: 95 % efficiency under normal noise.
+#: Weights by size of a residual in standard deviations of the bulk (least squares, Huber 1964, Beaton and Tukey 1974), with their constants
+#: of 95 % efficiency under normal noise.
 LOSSES = {
     "squares": lambda r: np.ones_like(r),
     "huber": lambda r: np.minimum(1.0, 1.345 / np.maximum(abs(r), 1e-300)),

@@ -20,6 +20,7 @@ __all__ = [
     "undetermined",
     "unit_of_kind",
     "unit_of_parameter",
+    "unit_of_values",
 ]
 
 
@@ -43,6 +44,11 @@ def unit_of_kind(kind: str) -> str:
         "torque": "N m",
         "current": "A",
     }.get(kind, "")
+
+
+def unit_of_values(target: Any) -> str:
+    """The SI unit of what is compared of one record."""
+    return getattr(target, "unit", "") or unit_of_kind(target.kind)
 
 
 def unit_of_parameter(fit: Any, name: str) -> str:
@@ -106,7 +112,7 @@ def _changes(fit: Any, members: list[int], direction: Any) -> str:
 
 def sensor_lines(fit: Any) -> list[str]:
     """What the sensors add, one sentence for all."""
-    units = {n.name: n.unit(unit_of_kind(fit.problem.targets[n.records[0]].kind)) for n in (*fit.problem.numbers, *fit.problem.held)}
+    units = {n.name: n.unit(unit_of_values(fit.problem.targets[n.records[0]])) for n in (*fit.problem.numbers, *fit.problem.held)}
     told = [
         f"{name} = {rounded(value, error)} {sure(error) if error else '(held)'} {units[name]}".rstrip()
         for name, (value, error) in fit.sensor.items()
@@ -151,10 +157,8 @@ def told(fit: Any) -> str:
         rows.append(f"  {name:<{width}} = {rounded(value, error)} {error_text}   95 % {rounded(low, error)} to {rounded(high, error)}")
     rows += [f"  {line}" for line in (*sensor_lines(fit), *cost_lines(fit))]
     for q in fit.quality:
-        noise = f", noise {q.noise:.3g} {unit_of_kind(q.kind)}" if np.isfinite(q.noise) else ""
+        noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
         explained = f", R² {q.r2:.5f}" if np.isfinite(q.r2) else ""
-        rows.append(
-            f"  {q.label}, {q.kind}: rms {q.rms:.3g} {unit_of_kind(q.kind)}{noise}{explained}, neighbours correlated {q.correlation:.2f}"
-        )
+        rows.append(f"  {q.label}, {q.kind}: rms {q.rms:.3g} {q.unit}{noise}{explained}, neighbours correlated {q.correlation:.2f}")
     rows.append(f"  search: {fit.starts} places tried, {fit.agree} of those polished ended here")
     return "\n".join([*rows, *(f"note: {sentence}" for sentence in fit.warnings)])

@@ -7,14 +7,14 @@ from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
 from stickslip.plot.flows import states
 from stickslip.plot.maps import motion_map, velocity_map
-from stickslip.plot.records import comparison, fitted, record_spectrum, residuals
+from stickslip.plot.records import autocorrelation, comparison, fitted, record_spectrum, residuals
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
 from stickslip.plot.tracked import attractors
 from stickslip.plot.uncertain import tornado
 
 __all__ = [
-    "attractors", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence", "fitted",
-    "forces", "line_cut", "motion_map", "pattern", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
+    "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence",
+    "fitted", "forces", "line_cut", "motion_map", "pattern", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
     "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

@@ -11,9 +11,10 @@ from stickslip.errors import InputError, is_whole
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, legend_above, prefix, publication
 from stickslip.units import SI, quantity_of
 
-__all__ = ["comparison", "fitted", "record_spectrum", "residuals"]
+__all__ = ["autocorrelation", "comparison", "fitted", "record_spectrum", "residuals"]
 
 _DOTS = 3000  # samples that are drawn
+_BINS = 40  # of the drive's phase, over which residuals are averaged
 
 
 def _dots(x: Any, y: Any) -> tuple[Any, Any]:
@@ -151,9 +152,58 @@ def _means(fit: Any, ax: Any) -> Any:
     return ax
 
 
+def _phase_mean(phase: Any, rest: Any) -> tuple[Any, Any, Any]:
+    """Middles of parts of the drive's period, means of the residuals there, and their standard errors."""
+    index = np.minimum((phase * _BINS).astype(int), _BINS - 1)
+    count = np.maximum(np.bincount(index, minlength=_BINS), 1)
+    mean = np.bincount(index, rest, _BINS) / count
+    spread = np.sqrt(np.bincount(index, (rest - mean[index]) ** 2, _BINS) / count)
+    return (np.arange(_BINS) + 0.5) / _BINS, mean, spread / np.sqrt(count)
+
+
+@explains_arguments
+def autocorrelation(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
+    """Correlation of what a fit leaves over of one record with itself some samples later; the band is what white noise stays in.
+
+    Parameters
+    ----------
+    fit : Fit
+    record : int
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> record = ss.virtual_rig(robot, noise=1e-4, seed=1)
+    >>> fit = ss.identify(record, ss.presets.piezo_rig, free={"mu0": (0.1, 0.3)}, tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> ss.plot.autocorrelation(fit).get_xlabel()
+    'samples later'
+    """
+    with publication():
+        ax = axes(ax)
+        target, rest = _target(fit, record), _rest(fit, record)
+        if target.kind == "mean":
+            raise InputError("plot", ["a mean velocity has one residual, and no correlation; type record= with the number of a curve"])
+        r, n = rest - rest.mean(), len(rest)
+        lags = np.arange(1, max(min(n // 4, 200), 2))
+        rho = np.array([r[k:] @ r[:-k] for k in lags]) / max(float(r @ r), 1e-300)
+        ax.axhspan(-2 / np.sqrt(n), 2 / np.sqrt(n), color=INK, alpha=0.12, linewidth=0)
+        ax.axhline(0.0, color=INK, linewidth=0.6)
+        ax.vlines(lags, 0.0, rho, color=COLOURS[1], linewidth=0.8)
+        ax.set(xlabel="samples later", ylabel="correlation of residuals", xlim=(0, lags[-1] + 1))
+    return ax
+
+
 @explains_arguments
 def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
     """What a fit leaves over of one record: noise if the law is right, a shape if it is not.
+
+    The line is the mean at each phase of the drive, with two standard errors on either side: of the noise of a right law it is zero.
 
     Parameters
     ----------
@@ -181,6 +231,10 @@ def residuals(fit: Fitted, record: int = 0, ax: Ax = None) -> Any:
         x, label = (np.arange(len(rest)), "value") if target.kind == "mean" else _abscissa(fit, record)
         ax.axhline(0.0, color=INK, linewidth=0.6)
         ax.plot(*_dots(x, rest * factor), ".", color=COLOURS[1], markersize=1.8, alpha=0.5, linewidth=0, rasterized=True)
+        if target.kind in ("velocity", "position") and len(rest) > 4 * _BINS:
+            at, mean, error = _phase_mean(x, rest)
+            ax.fill_between(at, (mean - 2 * error) * factor, (mean + 2 * error) * factor, color=INK, alpha=0.2, linewidth=0)
+            ax.plot(at, mean * factor, color=INK, linewidth=0.9)
         words = _words("velocity" if target.kind == "mean" else target.kind, unit)
         ax.set(xlabel=label, ylabel=f"residual {words}")
     return ax
