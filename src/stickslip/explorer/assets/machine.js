@@ -1,7 +1,7 @@
 // The page of a machine: what is dragged is asked for, what is answered is drawn by moving.js, which reports have too.
 import * as faster from "./faster.js";
 import { Link } from "./link.js";
-import { $, connection, copies, exports, say, themed } from "./tools.js";
+import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
 import { shown, velocity } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
@@ -14,7 +14,9 @@ const link = new Link(take, connection);
 // ---- the numbers in the address ----
 function fromHash() {
   const found = {};
-  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) if (parameters[name] && text.trim() && Number.isFinite(Number(text))) found[name] = Number(text);
+  const takes = (name, text) => Object.hasOwn(parameters, name) && text.trim() !== "" && Number.isFinite(Number(text));
+  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) if (takes(name, text)) found[name] = Number(text);
+  leftOut(takes);
   return found;
 }
 const toHash = () => (Object.keys(values).length ? `#${new URLSearchParams(Object.entries(values).map(([name, value]) => [name, String(value)]))}` : location.pathname);
@@ -90,7 +92,7 @@ function controls() {
     slider.value = now;
     slider.setAttribute("aria-valuetext", shown(p, now));
     if (document.activeElement !== typed) {
-      typed.value = String(Number(now.toPrecision(6)));
+      typed.value = String(Number((now * p.factor).toPrecision(6)));
       typed.removeAttribute("aria-invalid");
     }
   }
@@ -102,7 +104,7 @@ for (const p of Object.values(parameters)) {
     const text = typed.value.trim().replace(",", ".").replace("−", "-"), is = text !== "" && Number.isFinite(Number(text));
     if (is) {
       typed.removeAttribute("aria-invalid");
-      set(p.name, Number(text));
+      set(p.name, Number(text) / p.factor);
     } else typed.setAttribute("aria-invalid", "true");
   });
   typed.addEventListener("keydown", (event) => { if (event.key === "Enter") typed.blur(); });
