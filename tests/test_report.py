@@ -346,8 +346,8 @@ def test_a_study_of_chains_has_a_report(tmp_path):
 
     pair = {"phase": np.linspace(0.0, 3.0, 3), "stiffness": [1200.0, 2000.0]}
     grid = ss.sweep(ss.presets.two_modules, **pair, periods=60)
-    captions = [one.caption for one in figures(grid)]
-    assert [text for text in captions if text.startswith("Motion types of module")] == [
+    captions = [one.caption for one in figures(grid) if "types" in one.caption]
+    assert captions == [
         "Motion types of module 1.",
         "Motion types of module 2.",
     ]
