@@ -36,6 +36,8 @@ class Shown:
         What stands at the top.
     options : dict
         Arguments of the solver: periods or duration, start, ...
+    notes : tuple of str
+        What is to be said of every run.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class Shown:
     model: Any
     title: str = "a machine"
     options: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         problems = Problems("explore")
@@ -165,7 +168,7 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
     found: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
     found["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
     if fine:
-        found |= {"facts": facts(run), "tables": tables(run), "notes": list(run.notes)}
+        found |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}
     return found
 
 
