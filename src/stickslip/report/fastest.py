@@ -61,7 +61,7 @@ def _robot(case: Any) -> Any:
     if maker is not None:
         return maker(**_arguments(case, inspect.signature(maker).parameters))
     given = from_text(case.attrs["robot"]) if "robot" in case.attrs else None
-    if case.attrs.get("maker") != type(given).__name__:
+    if given is None or case.attrs.get("maker") != type(given).__name__:
         return None
     numbers = [name for name, _ in leaves(given)]
     named = [*case.coords, *json.loads(case.attrs.get("fixed", "{}"))]
