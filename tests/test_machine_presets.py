@@ -101,7 +101,7 @@ def test_a_branch_may_begin_where_a_number_may_not_be_less():
 
 @pytest.mark.slow
 def test_a_branch_passes_where_a_stop_begins_to_be_touched():
-    """C6: a resting capsule in which the mass swings touches an elastic stop at alpha / sqrt((1 - omega^2)^2 + (2 xi omega)^2); both go on."""
+    """C6: a mass that swings in a resting capsule touches an elastic stop at alpha / sqrt((1 - omega^2)^2 + (2 xi omega)^2)."""
     grazing = 1.0 / np.sqrt((1.0 - 0.6**2) ** 2 + (2 * 0.05 * 0.6) ** 2)
     resting = ss.presets.capsule(force_ratio=1.0, omega=0.6, mass_ratio=4.0, gap=grazing + 0.05, reaction=True)
     orbit = ss.periodic_orbit(resting)
