@@ -117,3 +117,22 @@ def test_presets_of_chains_have_the_numbers_that_they_name(preset):
     for name in names:
         default = inspect.signature(preset).parameters[name].default
         assert ss.sweep(preset, periods=2, settle=1, **{name: [default, 1.1 * default]}).status.values.tolist() == [0, 0]
+
+
+def unlike(phases):
+    """M2j: modules that differ, of which V sees the sign of the phase."""
+    one = ss.Robot(0.06259, 0.00948, ss.Harmonic(amplitude=6e-4, omega=65.4 * pi), ss.Coulomb(mu_plus=0.15, mu_minus=0.21))
+    other = ss.Robot(0.08, 0.00948, ss.Harmonic(amplitude=5e-4, omega=65.4 * pi), ss.Coulomb(mu_plus=0.2, mu_minus=0.35))
+    return ss.Chain((one, other), link=ss.Spring(stiffness=1200.0, damping=0.4), phases=phases)
+
+
+def test_the_second_module_is_ahead_by_its_phase_and_not_behind():
+    behind, ahead, later = ss.solve(unlike((np.array([0.0, 0.0, 1.0]), np.array([-1.0, 1.0, 0.0]))), periods=150).mean_velocity
+    assert behind == pytest.approx(0.001331177341432, rel=1e-11) == later and abs(ahead - behind) > 1e-4
+
+
+@pytest.mark.slow
+def test_the_judge_agrees_on_modules_of_both_signs_of_phase():
+    for phase in (-1.0, 1.0):
+        judged = ss.solve(unlike((0.0, phase)), periods=30, settle=20, method="dop853", rtol=1e-12)
+        assert ss.mean_velocity(ss.solve(unlike((0.0, phase)), periods=30, settle=20)) == pytest.approx(ss.mean_velocity(judged), rel=1e-9)

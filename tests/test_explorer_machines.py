@@ -18,6 +18,7 @@ from stickslip.explorer.asked import message
 from stickslip.explorer.effort import effort
 from stickslip.explorer.machines import Shown, numbers_of
 from stickslip.fields import leaves
+from stickslip.named import numbers_meant
 from stickslip.naming import axis_of
 
 AXE = Path(__file__).parent / "vendor" / "axe.min.js"
@@ -53,7 +54,9 @@ def browser():
 def test_every_number_of_every_machine_has_a_slider_around_its_value(name):
     model = every_machine[name][0]
     found = {p.name: p for p in numbers_of(model)}
-    assert {n: p.default for n, p in found.items()} == {n: float(v) for n, v in leaves(model)}
+    numbers = {n: float(v) for n, v in leaves(model)}
+    meant = {n: p.default for name, p in found.items() for n in numbers_meant(name, numbers)}
+    assert meant == numbers and all(name in numbers or name.startswith("*.") for name in found)
     assert all(p.low <= p.default <= p.high and p.low < p.high and p.label for p in found.values())
     assert sum(map(len, Shown(model).groups.values())) == len(found)
 
@@ -197,11 +200,34 @@ def test_a_slider_moves_the_picture_and_the_address_keeps_it(browser, explorer):
     assert page.locator(".trace").first.get_attribute("points") == first
 
 
+def test_a_link_with_numbers_that_are_not_here_says_so(browser, explorer):
+    """Those of an older version, of another machine, or damaged ones."""
+    page = opened(browser, explorer, "#phases.1=0.5&drive.frequency=3&link.stiffness=much")
+    told = page.locator("#left-out")
+    assert told.is_visible() and "The link says drive.frequency, link.stiffness: no such number is here" in told.inner_text()
+    assert page.locator("[id='p-phases.1']").input_value() == "0.5"
+    assert not opened(browser, explorer, "#phases.1=0.5").locator("#left-out").is_visible()
+
+
+def test_numbers_that_only_change_together_have_one_slider():
+    """The frequency of a chain's drives, and that of both motions of a conveyor: one alone would be refused."""
+    shown = Shown(CHAIN)
+    assert "*.omega" in shown.numbers and not any(name.endswith("drive.omega") for name in shown.numbers)
+    assert shown.with_values({"*.omega": 210.0}).period == pytest.approx(2 * np.pi / 210.0, rel=1e-15)
+    assert next(iter(shown.groups)) == "" and "*.omega" in Shown(ss.presets.conveyor()).numbers
+
+
 def test_what_is_typed_may_lie_beyond_the_slider_and_what_is_wrong_is_said(browser, explorer):
     page = opened(browser, explorer)
     typed = page.locator("[id='n-link.stiffness']")
     settled(page, lambda: typed.fill("5000"))
     assert float(page.locator("[id='p-link.stiffness']").get_attribute("max")) == 5000.0
+    amplitude = page.locator("[id='n-modules.0.drive.amplitude']")
+    shown = CHAIN.modules[0].drive.amplitude * 1e3
+    assert float(amplitude.input_value()) == pytest.approx(shown, rel=1e-5)  # in mm, as the unit behind it says
+    settled(page, lambda: amplitude.fill("0.5"))
+    assert float(page.locator("[id='p-modules.0.drive.amplitude']").input_value()) == pytest.approx(5e-4)
+    page.wait_for_function("() => location.hash.includes('modules.0.drive.amplitude=0.0005')")
     typed.fill("-3")
     page.wait_for_function("() => document.getElementById('said').textContent.includes('zero or more')")
     typed.fill("x")

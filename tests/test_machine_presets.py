@@ -97,3 +97,29 @@ def test_a_branch_may_begin_where_a_number_may_not_be_less():
     assert branch.ended == "it reached the end of the range"
     alone = ss.solve(hopping.replace(restitution=0.01), periods=200)
     assert branch.points.mean_velocity.values[-1] == pytest.approx(ss.mean_velocity(alone), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_branch_passes_where_a_stop_begins_to_be_touched():
+    """C6: a mass that swings in a resting capsule touches an elastic stop at alpha / sqrt((1 - omega^2)^2 + (2 xi omega)^2)."""
+    grazing = 1.0 / np.sqrt((1.0 - 0.6**2) ** 2 + (2 * 0.05 * 0.6) ** 2)
+    resting = ss.presets.capsule(force_ratio=1.0, omega=0.6, mass_ratio=4.0, gap=grazing + 0.05, reaction=True)
+    orbit = ss.periodic_orbit(resting)
+    number = "drive.stops.0.gap"
+    branch = ss.continuation(resting, parameter=number, start=grazing + 0.05, stop=grazing - 0.05, guess=orbit.state)
+    first = branch.special[0]
+    assert (
+        first.kind == "grazing" and "inner-body pressed once" in first.orbit.notes[0] and abs(first.value - grazing) <= 10 * first.accuracy
+    )
+    assert branch.ended == "it reached the end of the range" and first.accuracy < 1e-11
+    alone = ss.solve(resting.replace({number: float(branch.values[-1])}), periods=400, settle=300)
+    assert branch.points.mean_velocity.values[-1] == pytest.approx(ss.mean_velocity(alone), rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_branch_tells_where_a_part_begins_to_fly():
+    """A part takes off where the throw index passes 1; a gap of rounding on the strobe is no flight of its own."""
+    branch = ss.continuation(ss.presets.conveyor, parameter="throw_index", start=0.95, stop=1.06)
+    (there,) = branch.special
+    assert there.kind == "grazing" and there.value == pytest.approx(1.0, abs=1e-11) and "mass takes off once" in there.orbit.notes[0]
+    assert all(len(orbit.events) == (4 if value > 1.0 else 2) for value, orbit in zip(branch.values, branch.orbits, strict=True))

@@ -336,3 +336,25 @@ def test_a_forced_oscillator_has_a_page():
     law = ss.Coulomb(0.2, 0.2)
     run = ss.solve(ss.ForcedOscillator(mass=1.0, stiffness=1.0, damping=0.0, force=1.0, omega=0.7, friction=law), periods=20)
     assert "pattern " in run_page(run, "to and fro")
+
+
+@pytest.mark.slow
+def test_a_study_of_chains_has_a_report(tmp_path):
+    """Types of each contact, a map for each, one of the velocity, and the fastest case once more, also of a machine that was given."""
+    from stickslip.report.of_study import study_page
+    from stickslip.report.study_figures import figures
+
+    pair = {"phase": np.linspace(0.0, 3.0, 3), "stiffness": [1200.0, 2000.0]}
+    grid = ss.sweep(ss.presets.two_modules, **pair, periods=60)
+    captions = [one.caption for one in figures(grid) if "types" in one.caption]
+    assert captions == [
+        "Motion types of module 1.",
+        "Motion types of module 2.",
+    ]
+    page = study_page(grid, "Two robots")
+    assert "module 1: IV" in page and "IV | IV" in page and "The fastest moves" in page
+    frequencies = ss.sweep(ss.presets.two_modules(), **{"modules.drive.omega": [200.0, 205.0]}, periods=60)
+    assert "The fastest moves" in study_page(frequencies, "By frequency")
+    assert [one.caption for one in figures(frequencies)] == ["Mean velocity."]
+    turning = ss.sweep(ss.presets.servo, kp=[0.5, 1.0], duration=2.0)
+    assert turning.mean_velocity.units == "rad/s" and "mean velocity [rad/s]" in study_page(turning, "A servo")

@@ -100,7 +100,7 @@ def _pressed(run: Any, mechanics: Any, ends: Any, stop: Any, start: float, end: 
         x = run._states_at(t, run._index(t))[0]
         return np.broadcast_to(stop.gap_left(mechanics.distance(ends, x.T)), t.shape) < 0.0
 
-    nodes = run.pieces.t
+    nodes = np.append(run.pieces.t, 0.5 * (run.pieces.t[1:] + run.pieces.t[:-1]))  # a touch may be shorter than the grid
     t = np.union1d(np.linspace(start, end, _GRID), nodes[(nodes > start) & (nodes < end)])
     closed = is_closed(t)
     turns = np.flatnonzero(closed[1:] != closed[:-1])

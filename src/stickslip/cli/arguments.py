@@ -264,17 +264,25 @@ def subject(
     options = {k: v for k, v in given.items() if k in solver}
     arguments = {k: v for k, v in given.items() if k not in solver}
     for word in arguments:
-        if word not in known:
+        if not _takes(study.make, known, word):
             problems.add(f"{word!r} is not known; {_in_other_words(word, arguments[word], known) or did_you_mean(word, [*known, *solver])}")
     axes = {k: options.pop(k) for k in list(options) if many and k.startswith("start.") and isinstance(options[k], list)}
     options = _start({**study.options, **options})
-    known_ones = {k: v for k, v in arguments.items() if k in known}
+    known_ones = {k: v for k, v in arguments.items() if _takes(study.make, known, k)}
+    timed = "duration" in solver and (strict or "duration" in options)  # what is not strict finds a duration itself
     for sentence in (probe_axes if many else probe)(
-        _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}, "duration" in solver
+        _builder(study.make), known_ones, [n for n in needed if n not in given], {**_kept(solver), **options}, timed
     ):
         problems.add(sentence)
     problems.check()
     return Subject(name, study.make, {**arguments, **axes}, options)
+
+
+def _takes(make: Any, known: Sequence[str], name: str) -> bool:
+    """Whether a maker knows a name; one for the numbers of several parts is one for `replace`, and so for no function."""
+    from stickslip.named import numbers_meant
+
+    return name in known or (not callable(make) and bool(numbers_meant(name, known)))
 
 
 def _in_other_words(word: str, value: Any, known: Sequence[str]) -> str | None:

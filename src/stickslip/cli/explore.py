@@ -53,7 +53,9 @@ def _opened(robot: str, words: list[str]) -> tuple[str, Any]:
     try:
         return hash_of(state_of(made)), None
     except InputError:
-        return "", Shown(made, study.title(), study.options)
+        from stickslip.report.of_run import UNITLESS
+
+        return "", Shown(made, study.title(), study.options, (UNITLESS,) if study.dimensionless else ())
 
 
 def _whole(option: str, text: str, least: int, most: int, example: str) -> int:

@@ -74,7 +74,9 @@ def _tried_all(build: Callable[[dict[str, Any]], Any], arguments: dict[str, Any]
 
         numbers = np.array(values, float)
         finite = numbers[np.isfinite(numbers)]
-        return _tried(build, {**arguments, name: finite}) if len(finite) else (None, [])
+        together = _tried(build, {**arguments, name: finite}) if len(finite) else (None, [])
+        if not together[1] or not all(isinstance(v, int) for v in values):
+            return together  # else it may be a count, which makes machines of several kinds
     robot: Any = None
     found: list[str] = []
     for value in values:

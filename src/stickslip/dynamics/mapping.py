@@ -454,12 +454,14 @@ def way_of(run: Any) -> Array:
 def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
     """A state that comes back, in which contacts that rest on the strobe rest exactly: Newton's method leaves rounding in their velocities.
 
-    A slip of rounding would be an arc of its own. A single body is told apart by its own arcs.
+    A slip of rounding would be an arc of its own, and a gap of rounding a flight, above the track or below it. A single body is told apart
+    by its own arcs.
     """
     at, machine = coordinates(model), machine_of(model)
     if at.mechanics is None or machine.has_inner_states:
         return state
-    return as_it_ends(at, state, strobe_map(model, state, periods, rtol).state[0])
+    closed = np.where(abs(state) <= _RESTS * at.scales, 0.0, state)
+    return as_it_ends(at, closed, strobe_map(model, closed, periods, rtol).state[0])
 
 
 def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from stickslip.analysis.contact_modes import pressed_stops
 from stickslip.dynamics.marked import certain
 from stickslip.dynamics.paths import Path, Point
 from stickslip.flow import is_flow
@@ -22,7 +24,8 @@ _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, 
 _ASIDE = 1e-4  # how far away the slope of a test function is taken
 _MULTIPLIERS = 1e-10  # how well they are known: under dynamic laws, at a tolerance of 1e-12, they are some 3e-11 from those at 3e-12
 _RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
-_BETWEEN = " | "  # the patterns of several contacts
+_BETWEEN, _COUNTED = " | ", ", "  # the patterns of several contacts; what a motion touches
+_TOUCHES = {"hit": "hit", "take-off": "takes off"}
 _UNSEEN = 1e-12  # an arc shorter than 1e-13 of a period is not seen; borders known in closed form are moved by up to 6e-13 of their value
 
 
@@ -150,10 +153,24 @@ def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: A
 
 
 def _word(orbit: Any) -> str:
-    """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds.
+    """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds; and what it touches."""
+    return _pattern_of(orbit) + _touched(orbit)
 
-    Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp.
-    """
+
+def _touched(orbit: Any) -> str:
+    """How often in the motion each stop is hit, or begins to be pressed, and each contact takes off: ", inner-body hit twice"."""
+    if is_flow(orbit.model):
+        return ""
+    run = orbit.run
+    end = float(run.pieces.t[-1])
+    counts = Counter(f"{event.part} {_TOUCHES[event.kind]}" for event in run.events if event.kind in _TOUCHES)
+    counts.update({f"{name} pressed": sum(start > 0.0 for start, _ in of) for name, of in pressed_stops(run, 0.0, end).items()})
+    times = ("", "once", "twice", "three times or more")
+    return "".join(f"{_COUNTED}{name} {times[min(count, 3)]}" for name, count in sorted(counts.items()) if count)
+
+
+def _pattern_of(orbit: Any) -> str:
+    """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
     if is_flow(orbit.model):
         return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
     if not machine_of(orbit.model).is_single:
@@ -189,6 +206,7 @@ def _kind_of_switches(before: str, after: str) -> str:
 
 def _kind_of_change(before: str, after: str) -> str:
     """A slide that is cut in two where its velocity touches zero is a grazing; any other change is a border of types."""
+    before, after = before.partition(_COUNTED)[0], after.partition(_COUNTED)[0]
     changed = [(a, b) for a, b in zip(before.split(_BETWEEN), after.split(_BETWEEN), strict=True) if a != b]
     return "grazing" if all(_is_grazing(a, b) for a, b in changed) else "type-border"
 

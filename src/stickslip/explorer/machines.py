@@ -21,6 +21,7 @@ COARSE, FINE = 40, 200  # drive periods of a run while a slider moves, and when 
 OF_A_ROBOT = "this server shows a robot; begin it with stickslip explore FILE for a machine"
 _TIMES = 20.0  # of a machine without a period: how many of its own times a run lasts
 _FAR = 1e300
+_NUDGE = 1e-3  # of a number: how far it is moved to see whether it may move alone
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,8 @@ class Shown:
         What stands at the top.
     options : dict
         Arguments of the solver: periods or duration, start, ...
+    notes : tuple of str
+        What is to be said of every run.
 
     Raises
     ------
@@ -46,12 +49,13 @@ class Shown:
     >>> import stickslip as ss
     >>> shown = Shown(ss.Chain.example())
     >>> len(shown.numbers), shown.with_values({"phases.1": 0.5}).phases
-    (19, (0.0, 0.5))
+    (18, (0.0, 0.5))
     """
 
     model: Any
     title: str = "a machine"
     options: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         problems = Problems("explore")
@@ -70,11 +74,11 @@ class Shown:
 
     @property
     def groups(self) -> dict[str, list[Parameter]]:
-        """The numbers by the part that they belong to."""
-        found: dict[str, list[Parameter]] = {}
+        """The numbers by the part that they belong to; those of the whole first."""
+        found: dict[str, list[Parameter]] = {"": []}
         for p in self.numbers.values():
             found.setdefault(_part(p.name), []).append(p)
-        return found
+        return {part: of for part, of in found.items() if of}
 
     def with_values(self, values: Mapping[str, float]) -> Any:
         """The machine with other numbers; all that is wrong with them is said at once."""
@@ -102,6 +106,8 @@ class Shown:
 def numbers_of(model: Any) -> Iterator[Parameter]:
     """Every number of a machine with the reach of its slider: what its field says (metadata "range"), else around its value.
 
+    Numbers that may only change together, such as the frequencies of all drives of a chain, have one slider: "*.omega".
+
     Examples
     --------
     >>> import stickslip as ss
@@ -109,9 +115,29 @@ def numbers_of(model: Any) -> Iterator[Parameter]:
     >>> first.name, first.label, first.unit, (round(first.low, 6), round(first.high, 6))
     ('modules.0.body_mass', 'mass of the body', 'g', (0.01, 0.2))
     """
-    for name, value in leaves(model):
-        told, value = told_by_field(model, name), float(value)
-        yield replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR)
+    seen: set[str] = set()
+    for first, value in leaves(model):
+        name = _together(model, first, float(value))
+        if name not in seen:
+            seen.add(name)
+            told, value = told_by_field(model, first), float(value)
+            yield replace(Parameter.described(name, told, value, _around(told, value)), least=-_FAR, most=_FAR)
+
+
+def _together(model: Any, name: str, value: float) -> str:
+    """The name of a number, or that of all that are called so where it may not change alone."""
+    all_of_them = f"*.{name.rpartition('.')[2]}"
+    moved = value + _NUDGE * (abs(value) or 1.0)
+    alone = not _is_taken(model, {name: moved})
+    return all_of_them if alone and _is_taken(model, {all_of_them: value}) and _is_taken(model, {all_of_them: moved}) else name
+
+
+def _is_taken(model: Any, changes: dict[str, float]) -> bool:
+    try:
+        model.replace(changes)
+    except InputError:
+        return False
+    return True
 
 
 def _around(told: Mapping[str, Any], value: float) -> tuple[float, float]:
@@ -128,7 +154,7 @@ def _around(told: Mapping[str, Any], value: float) -> tuple[float, float]:
 
 def _part(name: str) -> str:
     """The part that a dotted name belongs to: modules.0 of modules.0.drive.amplitude."""
-    places = name.split(".")
+    places = name.removeprefix("*.").split(".")
     return ".".join(places[:2]) if len(places) > 2 and places[1].isdigit() else places[0] if len(places) > 1 else ""
 
 
@@ -142,7 +168,7 @@ def picture(shown: Shown, fine: bool, model: Any, progress: Callable[[int, int],
     found: dict[str, Any] = {"kind": "machine", "fine": fine, "picture": moments(run), "status": run.status}
     found["mean_velocity"] = {name: mean_of(run, name) for name in run.bodies}
     if fine:
-        found |= {"facts": facts(run), "tables": tables(run), "notes": list(run.notes)}
+        found |= {"facts": facts(run), "tables": tables(run), "notes": [*shown.notes, *run.notes]}
     return found
 
 

@@ -48,20 +48,24 @@ def run_again(grid: Any) -> Any:
 
 
 def _robot(case: Any) -> Any:
-    """The robot of one case: by its preset, or the one that was given with its changes; None where neither is known."""
+    """The machine of one case: by its preset, or the one that was given with its changes; None where neither is known."""
     import inspect
+    import json
 
     from stickslip.fields import leaves
+    from stickslip.named import numbers_meant
     from stickslip.presets import PRESETS
-    from stickslip.robot import Robot
+    from stickslip.storage import from_text
 
     maker: Any = PRESETS.get(str(case.attrs.get("maker")))
     if maker is not None:
         return maker(**_arguments(case, inspect.signature(maker).parameters))
-    if "robot" not in case.attrs or case.attrs.get("maker") != Robot.__name__:
+    given = from_text(case.attrs["robot"]) if "robot" in case.attrs else None
+    if given is None or case.attrs.get("maker") != type(given).__name__:
         return None
-    given = Robot.from_toml(case.attrs["robot"])
-    return given.replace(_arguments(case, dict(leaves(given))))
+    numbers = [name for name, _ in leaves(given)]
+    named = [*case.coords, *json.loads(case.attrs.get("fixed", "{}"))]
+    return given.replace(_arguments(case, {str(name) for name in named if numbers_meant(str(name), numbers)}))
 
 
 def _arguments(case: Any, known: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from stickslip.report.moving import moments
 from stickslip.report.of_run import UNITLESS, numbers, sources
 from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
-from stickslip.sweeps.columns import column_of
+from stickslip.sweeps.columns import column_of, is_of_cases
 
 __all__ = ["study_page"]
 
@@ -40,7 +40,6 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
     >>> "<h1>Eleven robots</h1>" in study_page(grid, "Eleven robots")
     True
     """
-    types = column_of("report", grid, "motion_type")
     fastest = run_again(grid)
     return page(
         "study.html",
@@ -48,7 +47,7 @@ def study_page(grid: Any, title: str, command: str = "") -> str:
         axes=_axes(grid),
         numbers=_numbers(grid),
         toml=grid.attrs.get("robot", ""),
-        shares=_counted(types.values),
+        shares=_shares(grid),
         ends=_ends(grid),
         figures=figures(grid),
         library=chart_library(),
@@ -99,6 +98,15 @@ def _numbers(grid: Any) -> list[tuple[str, str, str]]:
     return numbers(((name, value, described.get(name)) for name, value in own.items()), units=bool(speeds(grid)[1]))
 
 
+def _shares(grid: Any) -> list[tuple[str, int, float]]:
+    """How many cases move how; of several contacts how each of them does."""
+    if is_of_cases(grid, "motion_type") or "contact" not in grid.dims:
+        return _counted(column_of("report", grid, "motion_type").values)
+    types = grid["motion_type"]
+    named = [(str(name), types.sel(contact=name).values) for name in grid["contact"].values]
+    return [(f"{name}: {kind}", count, share) for name, values in named for kind, count, share in _counted(values)]
+
+
 def _counted(values: Any) -> list[tuple[str, int, float]]:
     import numpy as np
 
@@ -126,9 +134,9 @@ def _best(grid: Any) -> tuple[list[str], list[list[str]]]:
             [
                 *axes,
                 f"{float(case['mean_velocity']):.6g}",
-                str(case["motion_type"].values),
+                " | ".join(map(str, case["motion_type"].values.ravel())),
                 str(int(case["period"]) or "none"),
-                f"{float(case['margin']):.3g}",
+                f"{float(case['margin'].min()):.3g}",
             ]
         )
     return head, rows

@@ -6,8 +6,9 @@ from typing import Any
 
 from stickslip.plot.style import prefix
 from stickslip.report.charts import chart, curve
+from stickslip.sweeps.columns import is_of_cases
 
-__all__ = ["along", "chosen", "cuts", "speeds", "together"]
+__all__ = ["along", "chosen", "cuts", "speeds", "together", "types_of"]
 
 _LINES = 5
 _TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
@@ -15,7 +16,15 @@ _TYPES = ("I", "II", "III", "IV", "other", "presliding", "rest")
 
 def speeds(grid: Any) -> tuple[float, str]:
     """By what to multiply the velocities of a study for a picture, and their unit then: "" where robots have no dimensions."""
-    return (1.0, "") if grid["mean_velocity"].attrs.get("units") == "1" else (1e3, "mm/s")
+    unit = str(grid["mean_velocity"].attrs.get("units", "m/s"))
+    return (1e3, "mm/s") if unit == "m/s" else (1.0, "" if unit == "1" else unit)
+
+
+def types_of(grid: Any) -> Any:
+    """The motion type of each case; of several contacts, which have one each, none."""
+    import numpy as np
+
+    return grid["motion_type"].values if is_of_cases(grid, "motion_type") else np.full(grid["mean_velocity"].shape, "")
 
 
 def _up(grid: Any) -> tuple[str, str]:
@@ -27,7 +36,7 @@ def along(grid: Any, axis: str, label: str = "") -> dict[str, Any]:
     import numpy as np
 
     order, x, across = _axis(grid, axis)
-    v, kinds = speeds(grid)[0] * grid["mean_velocity"].values[order], grid["motion_type"].values[order]
+    v, kinds = speeds(grid)[0] * grid["mean_velocity"].values[order], types_of(grid)[order]
     curves = [curve("mean velocity", v, emphasis=True)]
     there = [(number, kind) for number, kind in enumerate(_TYPES) if kind in kinds]
     curves += [

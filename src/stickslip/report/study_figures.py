@@ -6,6 +6,7 @@ from typing import Any
 
 from stickslip.report.charts import Figure
 from stickslip.report.drawn import svg
+from stickslip.sweeps.columns import is_of_cases
 
 __all__ = ["figures", "plain"]
 
@@ -23,7 +24,7 @@ def _numeric(grid: Any) -> list[str]:
 def figures(grid: Any) -> list[Figure]:
     """Two maps of a plane and cuts through it, or curves along one axis; for more axes of words one after the other, up to four."""
     from stickslip import plot
-    from stickslip.report.study_charts import along, chosen, cuts, together
+    from stickslip.report.study_charts import along, chosen, cuts, together, types_of
 
     axes, found = _numeric(grid), []
     parts = _parts(grid, axes)
@@ -32,17 +33,27 @@ def figures(grid: Any) -> list[Figure]:
         found.append(Figure("Mean velocity, all in one picture.", svg(lambda ax: _lines(named, axes[0], ax)), together(named, axes[0])))
     for label, part in parts:
         if len(axes) == 2:
-            caption = f"Motion types{label}; black: the exact borders with Coulomb friction, where they are known."
-            found.append(Figure(caption, svg(_drawer(plot.motion_map, part), 4.2, 3.6)))
+            found += _type_maps(part, label)
             found.append(Figure(f"Mean velocity{label}.", svg(_drawer(plot.velocity_map, part), 4.6, 3.6)))
             for across, other in (axes, axes[::-1]):
                 lines = part[other].values[chosen(part.sizes[other])]
                 picture = svg(_drawer(plot.line_cut, part, along=across, lines=lines), 5.2, 3.2)
                 found.append(Figure(f"Cuts through the mean velocity along {across}{label}.", picture, cuts(part, across, other, label)))
         elif len(axes) == 1:
-            caption = f"Mean velocity{label}, coloured by motion type."
+            caption = f"Mean velocity{label}" + (", coloured by motion type." if types_of(part).any() else ".")
             found.append(Figure(caption, svg(_drawer(_curve, part)), along(part, axes[0], label)))
     return found
+
+
+def _type_maps(part: Any, label: str) -> list[Figure]:
+    """A map of the motion types of a plane; of several contacts one for each, up to four."""
+    from stickslip import plot
+
+    if is_of_cases(part, "motion_type"):
+        caption = f"Motion types{label}; black: the exact borders with Coulomb friction, where they are known."
+        return [Figure(caption, svg(_drawer(plot.motion_map, part), 4.2, 3.6))]
+    maps = [(str(name), part.sel(contact=name)) for name in part["contact"].values[:4]]
+    return [Figure(f"Motion types of {name}{label}.", svg(_drawer(plot.motion_map, one), 4.2, 3.6)) for name, one in maps]
 
 
 def _parts(grid: Any, axes: list[str]) -> list[tuple[str, Any]]:
@@ -80,17 +91,18 @@ def _lines(named: list[tuple[str, Any]], axis: str, ax: Any) -> None:
 def _curve(grid: Any, ax: Any) -> None:
     """Mean velocity along one axis, a point for each case."""
     from stickslip.plot.maps import TYPE_COLOURS, scaled
-    from stickslip.report.study_charts import speeds
+    from stickslip.report.study_charts import speeds, types_of
 
     (axis,) = _numeric(grid)
     across = scaled(grid, axis)
     factor, unit = speeds(grid)
-    x, v, kinds = across.values, factor * grid["mean_velocity"].values, grid["motion_type"].values
+    x, v, kinds = across.values, factor * grid["mean_velocity"].values, types_of(grid)
     ax.plot(x, v, color="#333333", linewidth=0.7, zorder=1)
-    for kind in dict.fromkeys(kinds):
+    for kind in filter(None, dict.fromkeys(kinds)):
         there = kinds == kind
         colour = TYPE_COLOURS.get(str(kind), "#888888")
         ax.scatter(x[there], v[there], s=14, color=colour, edgecolor="#333333", linewidth=0.4, label=str(kind), zorder=2)
     ax.set_xlabel(across.label)
     ax.set_ylabel(f"mean velocity $V$ ({unit})" if unit else "mean velocity $V$")
-    ax.legend(title="motion type")
+    if kinds.any():
+        ax.legend(title="motion type")

@@ -17,9 +17,10 @@ from stickslip.naming import axis_of
 from stickslip.presets import DIMENSIONLESS
 from stickslip.quantities import axis_in
 from stickslip.sweeps.axes import Column
-from stickslip.sweeps.columns import COLUMNS, described, dim_of, stacked
+from stickslip.sweeps.columns import COLUMNS, base_of, described, dim_of, stacked
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.robots import shared_numbers
+from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["about", "assembled", "attributes_of", "dataset", "labels_of", "labels_of_parts", "maker_of", "provenance_of", "with_units"]
 
@@ -79,7 +80,14 @@ def attributes_of(plan: Plan) -> dict[str, Any]:
         "numbers": json.dumps(numbers := shared_numbers(plan.make, plan.space)),
         "described": json.dumps(_described(plan, numbers), ensure_ascii=False),
     }
-    return {**words, **told, **_robot_of(plan.make)}
+    return {**words, **told, **_units_of(plan), **_robot_of(plan.make)}
+
+
+def _units_of(plan: Plan) -> dict[str, str]:
+    """The units of columns of machines that turn about an axis; nothing of others."""
+    model = plan.sample[0] if plan.sample is not None else None
+    found = {name: unit_of(name, model) for name in COLUMNS if name in VARIABLES and unit_of(name, model) != VARIABLES[name].unit}
+    return {"units": json.dumps(found)} if found else {}
 
 
 def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
@@ -135,7 +143,9 @@ def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str,
     import xarray as xr
 
     unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
-    data = {name: (dims, values, described(name) | unitless) for name, (dims, values) in columns.items()}
+    units = json.loads(attributes.get("units", "{}"))
+    own = {name: {"units": units[base_of(name)]} if base_of(name) in units else {} for name in columns}
+    data = {name: (dims, values, described(name) | own[name] | unitless) for name, (dims, values) in columns.items()}
     known = json.loads(attributes.get("described", "{}"))
     coords = {name: (column.dims, _label(column.values), _told(name, known)) for name, column in labels.items()}
     return xr.Dataset(data, coords=coords, attrs=attributes)

@@ -1,7 +1,7 @@
 // The page of a machine: what is dragged is asked for, what is answered is drawn by moving.js, which reports have too.
 import * as faster from "./faster.js";
 import { Link } from "./link.js";
-import { $, connection, copies, exports, say, themed } from "./tools.js";
+import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
 import { shown, typedNumber, velocity } from "./words.js";
 
 const RESTS = 140; // [ms] without a change: the slider rests
@@ -14,7 +14,9 @@ const link = new Link(take, connection);
 // ---- the numbers in the address ----
 function fromHash() {
   const found = {};
-  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) if (parameters[name] && text.trim() && Number.isFinite(Number(text))) found[name] = Number(text);
+  const takes = (name, text) => Object.hasOwn(parameters, name) && text.trim() !== "" && Number.isFinite(Number(text));
+  for (const [name, text] of new URLSearchParams(location.hash.slice(1))) if (takes(name, text)) found[name] = Number(text);
+  leftOut(takes);
   return found;
 }
 const toHash = () => (Object.keys(values).length ? `#${new URLSearchParams(Object.entries(values).map(([name, value]) => [name, String(value)]))}` : location.pathname);
@@ -90,7 +92,7 @@ function controls() {
     slider.value = now;
     slider.setAttribute("aria-valuetext", shown(p, now));
     if (document.activeElement !== typed) {
-      typed.value = String(Number(now.toPrecision(6)));
+      typed.value = String(Number((now * p.factor).toPrecision(6)));
       typed.removeAttribute("aria-invalid");
     }
   }

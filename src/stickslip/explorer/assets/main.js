@@ -7,9 +7,9 @@ import { colour } from "./plane.js";
 import * as portraits from "./portraits.js";
 import * as record from "./record.js";
 import * as robot from "./robot.js";
-import { active, defaults, fromHash, parameters, settled, table, toHash, told, withPreset } from "./state.js";
+import { active, defaults, fromHash, parameters, settled, table, takes, toHash, told, withPreset } from "./state.js";
 import * as strip from "./strip.js";
-import { $, connection, copies, exports, say, themed } from "./tools.js";
+import { $, connection, copies, exports, leftOut, say, themed } from "./tools.js";
 import * as velocity from "./velocity.js";
 import { digits, quantity, spoken, velocity as spelt } from "./words.js";
 
@@ -161,7 +161,7 @@ $("preset").addEventListener("change", (event) => {
   changed();
 });
 $("reset-all").addEventListener("click", () => { state = defaults(); $("preset").value = ""; changed(); });
-addEventListener("hashchange", () => { state = fromHash(location.hash); changed(); });
+addEventListener("hashchange", () => { state = fromHash(location.hash); leftOut(takes); changed(); });
 
 map.listen({
   go(at) { [state.map.x, state.map.y].forEach((name, i) => { state.values[name] = Math.max(parameters[name].least, Math.min(parameters[name].most, at[i])); }); $("preset").value = ""; changed(); },
@@ -251,4 +251,5 @@ themed(() => {
   strip.restyle();
   robot.frame();
 });
+leftOut(takes);
 changed();

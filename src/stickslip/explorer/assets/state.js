@@ -65,15 +65,20 @@ export function toHash(state) {
   return "#" + q;
 }
 
+// Whether a name and its text in an address are taken.
+export function takes(name, text) {
+  if (KINDS.includes(name)) return Object.hasOwn(told.choices[name], text);
+  if (!Object.hasOwn(parameters, name)) return ["also", "map", "vary", "shape"].includes(name);
+  const value = Number(text || NaN);
+  return value >= parameters[name].least && value <= parameters[name].most;
+}
+
 // The state of an address; what is missing or makes no sense stays as it is at first.
 export function fromHash(hash) {
   const state = defaults(), q = new URLSearchParams(hash.replace(/^#/, ""));
-  for (const kind of KINDS) if (Object.hasOwn(told.choices[kind], q.get(kind) ?? "")) state[kind] = q.get(kind);
+  for (const kind of KINDS) if (takes(kind, q.get(kind) ?? "")) state[kind] = q.get(kind);
   if (q.has("also")) state.also = q.get("also").split(",").filter((law) => Object.hasOwn(told.choices.law, law) && law !== state.law).slice(0, 4);
-  for (const p of Object.values(parameters)) {
-    const value = Number(q.get(p.name) || NaN);
-    if (q.has(p.name) && value >= p.least && value <= p.most) state.values[p.name] = value;
-  }
+  for (const name of Object.keys(parameters)) if (takes(name, q.get(name))) state.values[name] = Number(q.get(name));
   const [shows, x, y, ...ends] = (q.get("map") ?? "").split(",");
   if (["mean_velocity", "motion_type"].includes(shows)) state.map.shows = shows;
   if (Object.hasOwn(parameters, x ?? "") && Object.hasOwn(parameters, y ?? "") && x !== y) {

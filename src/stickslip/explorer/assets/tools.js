@@ -11,6 +11,15 @@ export function connection(how) {
   $("link").textContent = how === "open" ? "connected" : "connection lost, trying again … (started anew, stickslip prints a new address)";
 }
 
+// What a link has that the page leaves out, told until another one is opened; `takes` says of a name and its text whether it is taken.
+export function leftOut(takes) {
+  const names = [...new URLSearchParams(location.hash.slice(1))].filter(([name, text]) => !takes(name, text)).map(([name]) => name.slice(0, 40));
+  const more = names.length > 6 ? ` and ${names.length - 6} more` : "";
+  const told = `The link says ${names.slice(0, 6).join(", ")}${more}: no such number is here, or not with such a value. What is shown is without it.`;
+  $("left-out").textContent = names.length ? told : "";
+  $("left-out").hidden = !names.length;
+}
+
 // Files, fetched from where `address` says for a name.
 export function exports(address) {
   $("export").addEventListener("change", async (event) => {

@@ -4,6 +4,7 @@
 function moving(box, first) { // eslint-disable-line no-unused-vars
   const NS = "http://www.w3.org/2000/svg", W = 640, TALL = 190, STOREY = 62;
   const minus = (text) => text.replace("-", "\u2212"), told = (value, n = 4) => minus(String(Number(value.toPrecision(n))));
+  const zeroed = (v, size) => (Math.abs(v) < 1e-9 * size ? 0 : v); // rounding is 0
   const make = (name, told = {}, parent = null) => {
     const node = document.createElementNS(NS, name);
     for (const [key, value] of Object.entries(told)) node.setAttribute(key, value);
@@ -66,7 +67,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
   function graphs() {
     lines.replaceChildren();
     const moved = m.bodies.filter((b) => b.v), all = moved.flatMap((b) => b.v), size = TALL - 16;
-    const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => (Math.abs(v) < 1e-9 * (ends[1] - ends[0]) ? 0 : v)); // rounding is 0
+    const [low, high] = [Math.min(0, ...all), Math.max(0, ...all)].map((v, _, ends) => zeroed(v, ends[1] - ends[0]));
     up = (v) => 8 + (size * (high - v)) / (high - low || 1);
     const svg = row("velocity", TALL, "velocity"), top = el("small", "", `${told(high, 3)} ${m.speeds}`), bottom = el("small", "", told(low, 3));
     svg.setAttribute("aria-label", `velocity of ${moved.map((b) => b.name).join(", ")}: ${told(low, 3)} to ${told(high, 3)} ${m.speeds}`);
@@ -126,7 +127,7 @@ function moving(box, first) { // eslint-disable-line no-unused-vars
     for (const s of shapes) s.shape.setAttribute("transform", `translate(${s.at(k)} ${-s.lift(k)})`);
     shapes.springs.forEach(spring);
     for (const c of cursors) for (const end of ["x1", "x2"]) c.setAttribute(end, across(m.t[k]));
-    out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(b.v[k])).join(", ")} ${m.speeds}`;
+    out.textContent = `t = ${told(m.t[k])} ${m.unit}; v = ${m.bodies.filter((b) => b.v).map((b) => told(zeroed(b.v[k], Math.max(...b.v.map(Math.abs))))).join(", ")} ${m.speeds}`;
     when.setAttribute("aria-valuetext", out.textContent);
   }
 
