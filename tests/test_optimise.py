@@ -7,8 +7,10 @@ import pytest
 
 import stickslip as ss
 from stickslip.drives import DRIVES
+from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.coexisting import continued
 from stickslip.optimising.peaks import LIMITS, peaks_of
+from stickslip.optimising.unknowns import Unknowns, Varied
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 
 G, MU = 9.81, 0.1315
@@ -138,6 +140,18 @@ def test_the_cheapest_sine_at_a_speed_never_slips_back(incline):
     assert best["cost_of_transport"] == pytest.approx(least, rel=1e-9)
     assert best["mean_velocity"] >= 2e-3 * (1 - 1e-8)
     assert best["backward_fraction"] == 0.0
+
+
+def test_a_search_climbs_by_exact_derivatives_of_all_that_has_them():
+    rig = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=7e-4, law="coulomb", incline="gravity")
+    ends = {"drive.amplitude": (6e-4, 1.2e-3), "drive.omega": (180.0, 300.0)}
+    space = Unknowns(rig, [Varied(name, (name,), *pair) for name, pair in ends.items()], None)
+    u = np.array([0.5, 0.5])
+    for of in ("mean_velocity", "cost_of_transport", "drive_power", "friction_power"):
+        found, slopes = Candidates(space, of, 1.0, []).slope(u), ss.gradient(space.machine(u), of, wrt=list(ends))
+        assert not slopes.notes
+        # the unknowns' own slopes are differences of a line, known to 1e-16 / 1e-6
+        assert found == pytest.approx([slopes[name] * (b - a) for name, (a, b) in ends.items()], rel=1e-8, abs=1e-12 * abs(slopes.value))
 
 
 def test_the_best_phase_of_two_modules_is_opposite():

@@ -47,7 +47,8 @@ def part_in(name: str) -> str:
 def tangent(system: System, wrt: Iterable[str] | None = None, integrals: Mapping[str, Sym] = _NONE) -> System:
     """The system with the change of its state along one direction: in its start, and in the numbers named in `wrt` (all, if None).
 
-    Steps, events and states of the system itself stay as they are, to the last bit: the changes are passive.
+    Events and states of the system itself stay as they are, to rounding: the changes are passive. A Taylor step is cut where it is too
+    long for them (`fitting_change` in ``kernels/arcs.py``).
 
     Returns
     -------

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives.within import drives_within
+from stickslip.dynamics.closing import Closing
+from stickslip.dynamics.mapping import coordinates
 from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.sensitivity import along
 from stickslip.dynamics.tangents import not_followed
 from stickslip.errors import StickslipError
+from stickslip.optimising.exact import exactly
 from stickslip.optimising.limits import KEPT, Limit
 from stickslip.optimising.resting import nearness
 from stickslip.optimising.results import results_of
@@ -164,8 +166,8 @@ class Candidates:
     # ------------------------------------------------------------------------------------------------ derivatives
 
     def slope(self, u: Array) -> Array:
-        """Derivatives of the objective, without its limits, by the unknowns: exact for the mean velocity."""
-        if self.quantity == "mean_velocity" and self.sample is None and not not_followed(self.space.model):
+        """Derivatives of the objective, without its limits, by the unknowns: exact where `exactly` knows them."""
+        if self.sample is None and not not_followed(self.space.model):
             try:
                 found = self._exact(u)
                 if np.isfinite(found).all():
@@ -177,7 +179,12 @@ class Candidates:
     def _exact(self, u: Array) -> Array:
         machine, slopes = self.space.machine(u), self.space.slopes(u)
         self._orbit = periodic_orbit(machine, 1 if self._orbit is None else self._orbit.period, guess=self._orbit)
-        return self.sign * along(self._orbit, slopes, self.space.count)[1]
+        at, count = coordinates(machine), self.space.count
+        exact = exactly(self.quantity, machine, at, slopes, count)
+        if exact is None:
+            return np.full(count, np.nan)
+        along = Closing(machine, at, slopes, count, self._orbit.rtol, means=exact.means)
+        return self.sign * exact.of(along.at_state(self._orbit.state[None], self._orbit.period))[1][0]
 
     def _differences(self, u: Array) -> Array:
         """Central differences, as far as the bounds leave room."""

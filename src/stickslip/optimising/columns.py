@@ -12,7 +12,7 @@ from stickslip.dynamics.closing import Closing, Settled, settled
 from stickslip.dynamics.many import parts_of
 from stickslip.dynamics.mapping import Coordinates, coordinates
 from stickslip.dynamics.sensitivity import directions_of, seeds_of
-from stickslip.dynamics.tangents import not_followed
+from stickslip.dynamics.tangents import creeps, not_followed
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf
 from stickslip.machine import machine_of
@@ -108,7 +108,7 @@ def _first_of(model: Any) -> Any:
 
 def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[list[str]]:
     """The names of columns, those of one quantity together; `InputError` for what has no derivative."""
-    if why := not_followed(first):
+    if why := not_followed(first) or ("its friction turns over within velocities of creep" if creeps(first) else ""):
         raise InputError("derivative", [f"small changes are not followed along the motion of this {type(first).__name__}, as {why}"])
     if first.period is None:
         raise InputError("derivative", [f"{type(first).__name__} has no period; allowed are machines with a drive, such as a Robot"])

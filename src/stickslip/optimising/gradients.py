@@ -13,7 +13,7 @@ from stickslip.dynamics.closing import Closed, Closing, settled
 from stickslip.dynamics.mapping import Coordinates, at_rest, coordinates, spread_over, strobe_map
 from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.sensitivity import directions_of, notes_of, seeds_of
-from stickslip.dynamics.tangents import has_corners_of, not_followed
+from stickslip.dynamics.tangents import creeps, has_corners_of, not_followed
 from stickslip.errors import InputError, SolveError, did_you_mean
 from stickslip.machine import machine_of
 from stickslip.observables import Observable
@@ -79,8 +79,8 @@ def gradient(
     of : str or Observable
         "mean_velocity", "drive_power", "cost_of_transport", "friction_power", an extreme ("velocity_max", "velocity_min", "slip_max",
         "slip_min", "stop_force_max"), the state on the strobe ("state.v"), or the mean, the integral or an extreme of an observable of your
-        own. Of a machine of several parts with their number: "velocity_max.0". Of any other column of a sweep, and of "multiplier", the
-        largest one, derivatives are differences.
+        own. Of a machine of several parts with their number: "velocity_max.0". Of any other column of a sweep, of "multiplier", the
+        largest one, and under laws that creep (`RateState`), derivatives are differences.
     wrt : str or sequence of str, optional
         Names as in ``robot.replace``: "drive.amplitude", "friction.mu_plus", "track.tilt"; of a machine of several parts
         "modules[1].drive.amplitude", "phases[1]", "link.stiffness"; without an index the numbers of all parts are moved together. If not
@@ -116,7 +116,7 @@ def gradient(
     moved = directions_of("gradient", model, wrt)
     if model.period is None:
         raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
-    if not_followed(model):
+    if not_followed(model) or creeps(model):
         return _by_differences(_orbit_of_runs(model), of, moved)
     at, seeds = coordinates(model), seeds_of(moved)
     exact = exactly(of, model, at, seeds, len(moved))

@@ -175,15 +175,15 @@ def fitting(S, at, row, slopes, part, h, allowed, W):
     return POINTS
 
 
-@njit(int64(f1, int64, int64, int64, float64, float64, f1), **OPTIONS)
-def fitting_change(S, at, row, slopes, part, h, W):
-    """The same of a passive state, which has no scale but its own size; one that is no number asks for nothing."""
+@njit(int64(f1, int64, int64, int64, float64, float64, float64, f1), **OPTIONS)
+def fitting_change(S, at, row, slopes, part, h, allowed, W):
+    """The same of a passive state, which is as large as it becomes; one that is no number asks for nothing."""
     size, power = abs(S[at]), 1.0
     for m in range(1, ORDER + 1):
         power *= part
         size += m * abs(S[at + m * L]) * power
     for j in range(POINTS if size == size else 0):
-        if not abs(W[slopes + j] - h * W[row + j]) * part <= MISFIT_OF_CHANGES * size:
+        if not abs(W[slopes + j] - h * W[row + j]) * part <= allowed + MISFIT_OF_CHANGES * size:
             return j
     return POINTS
 
@@ -199,14 +199,14 @@ def agrees(lane, part, S, W, D):
     for i in range(states):
         at_points(S, first + i * (ORDER + 1) * L, W, x, (1 + i) * POINTS, x + (1 + i) * POINTS)
     call_slopes(D[AT_SLOPES], lane, S, W)
-    good = POINTS
+    good, least = POINTS, MISFIT * S[D[F_C] + D[FREE] * L + lane] if D[FREE] >= 0 else 0.0
     for i in range(states):
         scale = D[FREE] if i == 0 else D[SCALE_AT + i]
         if scale >= 0:
             allowed = MISFIT * S[D[F_C] + scale * L + lane]
             good = min(good, fitting(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, allowed, W))
         elif i >= states - D[PASSIVE]:
-            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, W))
+            good = min(good, fitting_change(S, first + i * (ORDER + 1) * L, i * POINTS, x + (1 + i) * POINTS, part, h, least, W))
     return good
 
 
