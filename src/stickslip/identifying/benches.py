@@ -13,8 +13,8 @@ from stickslip.friction.adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
 from stickslip.identifying.driven import Stepped, law_force
 from stickslip.machine import machine_of
-from stickslip.records.units import quantity_of
 from stickslip.sealing import sealed
+from stickslip.units import quantity_of
 
 __all__ = ["APPLIED", "Bench", "bench_of", "takes_records"]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.identifying.priors import Prior
+from stickslip.distributions import Distribution
 from stickslip.identifying.sensors import EFFECTS, SensorNumber
 
 __all__ = ["Sensed", "of_records"]
@@ -296,7 +296,7 @@ class _Known:
     """A number of a place of which something is known beforehand."""
 
     index: int
-    prior: Prior
+    prior: Distribution
     free: Any = None
 
     @property
