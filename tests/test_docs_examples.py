@@ -33,6 +33,7 @@ def test_what_a_block_prints_and_its_last_value_are_its_output(tmp_path):
     script = Script(tmp_path)
     assert script.run("x = 2\nprint('two')\nx + 1", "page").text == "two\n3"
     assert script.run("x = 5", "page").text == ""
+    assert "<table" in script.run("import stickslip as ss\nss.presets.piezo_rig(1.7, 5e-4)", "page").html
     drawn = script.run("import matplotlib.pyplot as plt\nplt.plot([x])\nplt.xlabel('time [s]')", "page")
     assert len(drawn.figures) == 1 and drawn.text == ""
 

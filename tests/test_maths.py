@@ -212,3 +212,13 @@ def test_a_law_with_every_function_moves_alike_in_compiled_steps_and_in_plain_py
     times = np.linspace(0, 6 * robot.period, 200)
     scale = robot.velocity_scale
     assert np.abs(engine.at(times)["v"] - judge.at(times)["v"]).max() < 1e-6 * scale  # the judge's rtol, over some hundred steps
+
+
+@pytest.mark.filterwarnings("ignore:Bitwise inversion '~' on bool")  # from Python 3.12 on
+@pytest.mark.parametrize("a", [True, False])
+@pytest.mark.parametrize("b", [True, False])
+def test_conditions_on_plain_numbers_are_negated_as_they_are_of_arrays(a, b):
+    """`where(~(v > 0), ...)`: to Python ~True is -2, which is not false."""
+    for condition in (lambda a, b: ~a, lambda a, b: ~(a & b), lambda a, b: ~a | b, lambda a, b: ~(~a & ~b)):
+        of_arrays = maths.where(condition(np.array(a), np.array(b)), 1.0, 2.0)
+        assert maths.where(condition(a, b), 1.0, 2.0) == of_arrays

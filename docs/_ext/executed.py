@@ -58,8 +58,10 @@ def execute(app: Sphinx, doctree: nodes.document) -> None:
     _LOG.info("%s: %d blocks run in %.1f s", page, len(blocks), time.perf_counter() - started)
 
 
-def outputs(app: Sphinx, block: nodes.literal_block, script: Script, source: Path, number: int) -> tuple[str, list[nodes.image]]:
-    """What a block prints, and its figures as nodes."""
+def outputs(
+    app: Sphinx, block: nodes.literal_block, script: Script, source: Path, number: int
+) -> tuple[list[nodes.Node], list[nodes.image]]:
+    """What a block prints and its last value, and its figures, as nodes."""
     output = script.run(block.astext(), str(source), (block.line or 1) + 1)
     if "alt" in block and not output.figures:
         raise ValueError("no figure is open after these lines")
@@ -69,18 +71,17 @@ def outputs(app: Sphinx, block: nodes.literal_block, script: Script, source: Pat
         file = saved(figure, folder, f"{app.env.docname} {number} {k} {block.astext()}")
         uri = Path(os.path.relpath(file, source.parent)).as_posix()
         pictures.append(nodes.image(uri=uri, alt=block.get("alt") or in_words(figure), classes=["drawn"]))
-    return output.text, pictures
+    text = [nodes.literal_block(output.text, output.text, language="none", classes=["output"])] if output.text else []
+    html = [nodes.raw("", f'<div class="output html">{output.html}</div>', format="html")] if output.html else []
+    return [*text, *html], pictures
 
 
-def add(block: nodes.literal_block, text: str, pictures: list[nodes.image]) -> None:
+def add(block: nodes.literal_block, below: list[nodes.Node], pictures: list[nodes.image]) -> None:
     """Put outputs below the block; the figure of a ``drawn`` block stands above it."""
     place = block.parent
-    below: list[nodes.Node] = [nodes.literal_block(text, text, language="none", classes=["output"])] if text else []
     if "alt" in block:
         place.insert(place.index(block), pictures[-1:])
-    else:
-        below += pictures
-    place.insert(place.index(block) + 1, below)
+    place.insert(place.index(block) + 1, below if "alt" in block else [*below, *pictures])
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -23,10 +23,11 @@ LARGEST_SVG = 400_000  # bytes; a map has a shape for every point, and is kept a
 
 @dataclass(frozen=True)
 class Output:
-    """What a block printed, its last expression's value as text, and the figures it left open."""
+    """What a block printed, its last expression's value as text or as its HTML, and the figures it left open."""
 
     text: str
     figures: tuple[Any, ...]
+    html: str = ""
 
 
 class Script:
@@ -50,9 +51,11 @@ class Script:
             warnings.simplefilter("error")
             value = self._executed(tree, file)
         figures = tuple(plt.figure(number) for number in plt.get_fignums())
-        if not (value is None or figures or isinstance(value, (str, os.PathLike))):  # as a notebook shows it
-            printed.write(f"{value!r}\n")
-        return Output(printed.getvalue().rstrip("\n"), figures)
+        if value is None or figures or isinstance(value, (str, os.PathLike)):
+            return Output(printed.getvalue().rstrip("\n"), figures)
+        if type(value).__module__.startswith("stickslip.") and hasattr(value, "_repr_html_"):  # as a notebook shows it
+            return Output(printed.getvalue().rstrip("\n"), figures, value._repr_html_())
+        return Output(f"{printed.getvalue()}{value!r}", figures)
 
     def _executed(self, tree: ast.Module, file: str) -> Any:
         """The value of the last line, if that is an expression."""

@@ -17,7 +17,7 @@ class SetValuedLaw(Protocol):
         """Friction force [N] at a slip velocity v [m/s] that is not zero."""
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Friction forces (backward, forward) that rest can bear [N]: the first is negative."""
+        """Static friction limits (backward, forward) [N]: the first is negative."""
 
 
 class DynamicLaw(Protocol):

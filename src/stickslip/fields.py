@@ -284,7 +284,7 @@ class Frozen:
     def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
         """A copy with some fields changed; a dotted name reaches into a part: ``replace({"drive.amplitude": 1e-4})``.
 
-        A name may mean the numbers of several parts: ``"modules.drive.omega"`` those of all modules, ``"*.omega"`` whatever ends so.
+        A name may mean the numbers of several parts: ``"modules.drive.omega"`` those of all modules, ``"*.omega"`` every name that ends so.
         """
         problems = Problems(type(self).__name__)
         grouped = _spelled_out(self, {**(changes or {}), **fields}, problems)

@@ -23,7 +23,7 @@ __all__ = [
 _SLOW = 1e-12  # a velocity [m/s] at which friction is that of the slowest sliding
 _ORDINARY = 1e-3  # a velocity [m/s] of ordinary sliding
 _LEAST = 1e-9  # of the velocity scale: the least velocity at which the slip ratio is evaluated
-_LIMITS = "return the friction forces that rest can bear backwards (negative) and forwards (positive)"
+_LIMITS = "return the static friction limits backwards (negative) and forwards (positive)"
 
 
 def check_law(law: Any, problems: Problems, example: str = "friction=ss.Coulomb(mu_plus=0.15, mu_minus=0.21)") -> None:

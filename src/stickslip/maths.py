@@ -148,8 +148,8 @@ def where(condition: Any, yes: Any, no: Any) -> Any:
     hook = getattr(condition, "__ss_where__", None)
     if hook is not None:
         return hook(yes, no)
-    if isinstance(condition, bool):
-        return yes if condition else no
+    if isinstance(condition, int):  # ~True is the number -2 to Python: in any &, | and ~ of bools it is the last bit that says what holds
+        return yes if condition & 1 else no
     import numpy as np
 
     return np.where(condition, yes, no)

@@ -15,7 +15,7 @@ __all__ = ["SeveralBodies", "Stopper"]
 
 GRAVITY = 9.81  # of a machine that does not say its own [m/s^2]
 _LOOKS = 8  # instants of a period at which applied forces are looked at for their size
-_LEAST = 1e-3  # of the velocity that a force as large as the load gives: the scale of a machine that nothing drives
+_LEAST = 1e-3  # of the velocity that a force as large as the load gives: the scale of an autonomous machine
 
 
 class Stopper:

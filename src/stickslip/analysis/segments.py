@@ -67,7 +67,7 @@ class Watched:
         return np.broadcast_to(offered_force(self.run.model, t, x), t.shape)
 
     def limits(self, t: Array) -> tuple[Array, Array]:
-        """What rest can bear backwards and forwards [N]."""
+        """Static friction limits backwards and forwards [N]."""
         x = self.run._states_at(t, self.run._index(t))[0]
         low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(normal_load(self.run.model, t, x)))
         return low, high
@@ -99,7 +99,7 @@ class WatchedOf(Watched):
         return self._held(t)["friction_force"][:, self.number]
 
     def limits(self, t: Array) -> tuple[Array, Array]:
-        """What rest can bear backwards and forwards [N]."""
+        """Static friction limits backwards and forwards [N]."""
         low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._held(t)["load"][:, self.number]))
         return low, high
 

@@ -1,4 +1,4 @@
-"""A contact that is moved as one likes: its force along the way, and what it costs."""
+"""A contact under prescribed motion: force history and dissipated work."""
 
 from __future__ import annotations
 

@@ -313,7 +313,7 @@ def names_of(make: Any) -> tuple[list[str], list[str]]:
 
 
 def check_driven(command: str, name: str) -> None:
-    """Raise an `InputError` where a study file holds something that nothing drives, for a command that counts drive periods."""
+    """Raise an `InputError` where a study file holds an autonomous system, for a command that counts drive periods."""
     model = found(name).make
     if callable(model) or model.period is not None:
         return

@@ -1,4 +1,4 @@
-"""``stickslip basins``: which start leads to which of several coexisting motions."""
+"""``stickslip basins``: basins of attraction: which start leads to which motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``stickslip compare``: a measured record beside what friction laws give."""
+"""``stickslip compare``: compare a measured record with friction laws."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ other users. Ctrl-C ends it.
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(
-        command, "Open a page on which a robot's numbers are dragged, and its motion is seen at once.", robot=False, more=_MORE, code=True
+        command, "Open a page with a slider for each number of a robot, and see its motion at once.", robot=False, more=_MORE, code=True
     )
     made.add_argument("robot", metavar="ROBOT", nargs="?", help="preset, TOML study file or module:function to begin with (optional)")
     made.add_argument("settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot (optional)")

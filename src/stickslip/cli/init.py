@@ -41,7 +41,8 @@ def act(command: str, words: list[str]) -> int:
     elif target is None:
         print(text, end="")
     else:
-        print(f"written to {target}; try: stickslip run {target}")
+        typed = f'"{target}"' if " " in str(target) else target
+        print(f"written to {target}; try: stickslip run {typed}")
     return 0
 
 

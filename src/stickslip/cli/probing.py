@@ -1,4 +1,4 @@
-"""Everything that is wrong with a robot's numbers and the solver's arguments, found before any work, so that it is told at once."""
+"""Everything that is wrong with a robot's numbers and the solver's arguments, found before any work, so that it is reported together."""
 
 from __future__ import annotations
 

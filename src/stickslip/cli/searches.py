@@ -52,7 +52,7 @@ def typed(text: str) -> str:
 
 
 def asked_for(asked: Any, table: Any) -> dict[str, Any]:
-    """Arguments of `optimise`, from a study file's table and the options, which come first; all that is wrong is told at once."""
+    """Arguments of `optimise`, from a study file's table and the options, which come first; all mistakes are reported together."""
     problems = Problems("optimise")
     table = _checked_table(table, problems)
     found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}

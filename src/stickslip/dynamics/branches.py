@@ -130,7 +130,7 @@ class Branch(Drawn):
             As for `continuation`.
         """
         if isinstance(self.orbits[0], LimitCycle):
-            why = "it is a branch of limit cycles, which nothing drives; allowed are branches of driven motions"
+            why = "it is a branch of limit cycles; allowed are branches of driven motions"
             raise InputError("Branch.doubled", [f"{why}; type ss.periodic_orbit(mechanism, period=2, guess=run) beside the flip"])
         flips = [s for s in self.special if s.kind == "flip"]
         flip = flip or (flips[0] if flips else None)

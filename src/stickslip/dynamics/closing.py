@@ -22,7 +22,7 @@ from stickslip.sealing import sealed
 __all__ = ["NEUTRAL", "Closed", "Closing", "Settled", "settled"]
 
 Array = Any
-NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion may be moved as one likes
+NEUTRAL = 1e-9  # how near to 1 a multiplier leaves a direction in which a motion can be shifted freely
 _CLOSED, _CLOSED_WITHIN_TOLERANCE = 1e-12, 1e-6  # of the scales: a motion that misses itself by less is closed
 _FLOOR = 1e-9  # by less than this it is, if it gets no better
 _LOOSE = 100.0  # the first step of Newton's method is taken with this times the tolerance
@@ -104,7 +104,7 @@ class Closed:
     monodromy : array (motions, states, states)
         In the scales of the coordinates.
     free : array (motions,)
-        How many multipliers are 1, so that the motion may be moved as one likes, and the smallest change is given.
+        How many multipliers are 1, so that the motion can be shifted freely, and the smallest change is given.
     means, mean_slopes : array (motions, means), (motions, directions, means)
         Means over the motion period that were asked for, and their derivatives.
     time, time_slopes : array (motions,), (motions, directions)

@@ -1,4 +1,4 @@
-"""Limit cycles of mechanisms that nothing drives: a block on a belt, a mass on a pulled spring. How long a cycle takes is an unknown.
+"""Limit cycles of autonomous mechanisms: a block on a belt, a mass on a pulled spring. The period is an unknown.
 
 The section is a turning point of the spring: the body moves as fast as its far end (a belt's spring: not at all), and slows down.
 That is in the middle of a slide, where the motion is smooth. A cycle is a state on it and a duration after which the state comes
@@ -37,7 +37,7 @@ _SAMPLES = 1200  # looks at a run of that length, times ten
 @sealed
 @dataclass(frozen=True, eq=False)
 class LimitCycle(ClosedMotion):
-    """A periodic motion that nothing drives: where it turns, how long it takes, and its multipliers.
+    """A limit cycle: its turning points, period and multipliers.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float =
     >>> round(cycle.mean_velocity, 12), round(cycle.duration, 10)  # the same cycle, seen from the ground
     (0.1, 7.6112592541)
     """
-    needs_one_body("periodic_orbit", model, "a cycle that nothing drives is found where one spring turns",
+    needs_one_body("periodic_orbit", model, "a limit cycle is found where one spring turns",
                    "type ss.solve(machine, duration=...) for a motion, or give the machine a period")  # fmt: skip
     state, duration = _guessed(model, period, guess, rtol)
     at, unit = coordinates(model), clock(model)

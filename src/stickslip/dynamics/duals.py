@@ -39,7 +39,7 @@ class Truth:
         return Truth(self.holds | _holds(other))
 
     def __invert__(self) -> Truth:
-        return Truth(~self.holds)
+        return Truth(np.logical_not(self.holds))  # of a Python bool ~ is a number that always holds
 
     def __bool__(self) -> bool:
         """What `if` asks of one number; NumPy refuses it of an array."""

@@ -1,4 +1,4 @@
-"""Many cases at once: parts of a batch in threads, in order, watched, and ended cleanly when somebody says stop."""
+"""Runs a batch in chunks on a thread pool, with progress and cancellation."""
 
 from __future__ import annotations
 

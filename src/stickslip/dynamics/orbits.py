@@ -211,14 +211,14 @@ def periodic_orbit(
 ) -> PeriodicOrbit | LimitCycle | FlowOrbit:
     """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
 
-    Where nothing drives (a block on a belt) it is a limit cycle, and how long it takes is found too.
+    Without a drive (a block on a belt) it is a limit cycle, and its period is found too.
 
     Parameters
     ----------
     model : Robot, mechanism, machine or SwitchingFlow
         One of them.
     period : int
-        Drive periods after which the motion repeats; turns of the spring where nothing drives.
+        Drive periods after which the motion repeats; turns of the spring without a drive.
     guess : dict, array, Trajectory or PeriodicOrbit, optional
         Where to begin: a start as `solve` takes it, a strobe state, a run (its last strobe state) or an orbit nearby. If not given,
         the robot is run from rest, and the strobe states that come back most nearly are tried, and their means (which lead to an
@@ -230,7 +230,7 @@ def periodic_orbit(
 
     Returns
     -------
-    PeriodicOrbit, LimitCycle where nothing drives, or FlowOrbit of a flow
+    PeriodicOrbit, LimitCycle without a drive, or FlowOrbit of a flow
         `multipliers`, `stable`, `mean_velocity`, `type`, `state`, `events`, `residual`; with a drive also `margin`, without `duration`.
 
     Raises

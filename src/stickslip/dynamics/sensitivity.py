@@ -250,7 +250,7 @@ def notes_of(found: Closed) -> tuple[str, ...]:
     """What is to be said of the derivatives of a motion."""
     if not np.isfinite(found.monodromy).all():
         return ("a switch is touched without being crossed: there are no derivatives",)
-    note = "the motion may be moved as one likes (a multiplier is 1), and of all changes of the state the smallest is given"
+    note = "the motion can be shifted freely (a multiplier is 1), and the smallest change of the state is given"
     return (note,) if found.free[0] else ()
 
 

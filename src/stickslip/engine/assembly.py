@@ -1,4 +1,4 @@
-"""The equations of a machine on their way: what contact by contact makes of them."""
+"""The equations of a machine while they are assembled, contact by contact."""
 
 from __future__ import annotations
 

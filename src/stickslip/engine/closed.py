@@ -55,7 +55,7 @@ class Closed:
         for rate, amplitude in self.sines:
             a, r = found[amplitude.number], found[rate.number]
             fits = abs(r * numbers["period"] - 2 * pi) <= 2 * pi * _ROUNDING
-            if np.any(~fits & (abs(a) > 0)):
+            if np.any(np.logical_not(fits) & (abs(a) > 0)):
                 broken.append("sines of another period")
             drive, omega = drive + np.where(fits, a, 0.0), np.where(fits, r, omega)
         if np.any(drive < 0):

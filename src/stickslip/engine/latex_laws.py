@@ -1,4 +1,4 @@
-"""The lines of one friction law: force, rates of inner states, and what rest can bear."""
+"""The lines of one friction law: force, rates of inner states, and static friction limits."""
 
 from __future__ import annotations
 

@@ -51,5 +51,5 @@ class Coulomb(Law):
         return by_side(v, self.mu_plus, -self.mu_minus) * load
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Friction forces (backward, forward) that rest can bear [N] (Eq. 2.4, fourth line)."""
+        """Static friction limits (backward, forward) [N] (Eq. 2.4, fourth line)."""
         return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load

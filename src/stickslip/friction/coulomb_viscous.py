@@ -63,5 +63,5 @@ class CoulombViscous(Law):
         return by_side(v, self.mu_plus, -self.mu_minus) * load + self.viscous * v + self.quadratic * v * abs(v)
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Friction forces (backward, forward) that rest can bear [N]."""
+        """Static friction limits (backward, forward) [N]."""
         return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load

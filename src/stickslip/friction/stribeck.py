@@ -83,7 +83,7 @@ class Stribeck(Law):
         return by_side(v, 1.0, -1.0) * self.coefficient(v) * load + self.viscous * v
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Friction forces (backward, forward) that rest can bear [N]."""
+        """Static friction limits (backward, forward) [N]."""
         return -static(self.f_minus, self.mu_minus) * load, static(self.f_plus, self.mu_plus) * load
 
     def velocity_scale(self) -> Any:

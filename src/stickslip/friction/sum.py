@@ -83,7 +83,7 @@ class SlidingSum(Sum):
         return _moving(self.first, v, load) + _moving(self.second, v, load)
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Friction forces (backward, forward) that rest can bear [N]."""
+        """Static friction limits (backward, forward) [N]."""
         held = [part.breakaway(load) for part in map(adapted, (self.first, self.second)) if not part.dynamic]
         return sum(low for low, _ in held), sum(high for _, high in held)
 

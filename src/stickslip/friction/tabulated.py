@@ -102,7 +102,7 @@ class Tabulated(Law):
         return by_side(v, 1.0, -1.0) * self.coefficient(v) * load
 
     def breakaway(self, load: Any) -> tuple[Any, Any]:
-        """Friction forces (backward, forward) that rest can bear [N]."""
+        """Static friction limits (backward, forward) [N]."""
         return -static(self.f_minus, self.mu_minus[0]) * load, static(self.f_plus, self.mu_plus[0]) * load
 
     def velocity_scale(self) -> Any:

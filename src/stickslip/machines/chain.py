@@ -106,7 +106,7 @@ class Chain(Machine):
 
     @property
     def period(self) -> Any:
-        """The common period of the drives [s]; None where nothing drives."""
+        """The common period of the drives [s]; None without a drive."""
         return next((drive.period for drive in self._driven.values()), None)
 
     @property

@@ -36,7 +36,7 @@ def contacts(run: Run, periods: float | None = None, ax: Ax = None, duration: fl
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     duration : float, optional
-        How much of the end of the run to show [s], instead of `periods`. Where nothing drives, all of it is shown if not given.
+        How much of the end of the run to show [s], instead of `periods`. Without a drive, all of it is shown if not given.
 
     Returns
     -------

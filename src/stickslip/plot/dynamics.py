@@ -131,7 +131,7 @@ def _values(branch: Any, observable: str) -> Any:
 
 
 def _strobed(orbit: Any, observable: str) -> Any:
-    """A coordinate at the start of every drive period of an orbit; where nothing drives, at the start of the cycle."""
+    """A coordinate at the start of every drive period of an orbit; without a drive, at the start of the cycle."""
     run, column = orbit.run, orbit.names.index(observable)
     if run.model.period is None:
         return orbit.state[column : column + 1]

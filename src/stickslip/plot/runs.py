@@ -26,7 +26,7 @@ __all__ = ["forces", "limits", "only_run", "phase", "rests", "sampled", "span", 
 
 _POINTS = 1200  # per curve
 _WIDE = 30  # letters of a legend's row
-_MANY = 6000  # of a run that nothing drives, which is shown whole
+_MANY = 6000  # of an autonomous run, which is shown whole
 
 
 def _runs(run: Any, several: bool = False) -> list[Any]:
@@ -67,7 +67,7 @@ def _labels(runs: list[Any], labels: Sequence[str] | None) -> list[str]:
 
 
 def span(run: Any, periods: float | None = None, duration: float | None = None) -> tuple[float, float]:
-    """The last `periods` whole drive periods of a run, or its last `duration` [s]; all of it where nothing drives."""
+    """The last `periods` whole drive periods of a run, or its last `duration` [s]; all of it without a drive."""
     first, end = float(run.pieces.t[0]), float(run.pieces.t[-1])
     if duration is not None:
         if not duration > 0:
@@ -164,7 +164,7 @@ def velocity(
     labels : list of str, optional
         Names of the runs; their laws' names if not given.
     duration : float, optional
-        How much of the end of the runs to show [s], instead of `periods`. Where nothing drives, all of a run is shown if not given.
+        How much of the end of the runs to show [s], instead of `periods`. Without a drive, all of a run is shown if not given.
 
     Returns
     -------
@@ -208,7 +208,7 @@ def phase(
     """Phase portrait: velocity against the displacement without its drift, with the strobe points marked.
 
     The mean motion over the periods shown is taken out, as the paper does ("subtracting the rigid displacements"), so that a
-    periodic motion gives a closed curve with one strobe point for each of its drive periods. Where nothing drives there are no strobe
+    periodic motion gives a closed curve with one strobe point for each of its drive periods. Without a drive there are no strobe
     points, and the displacement is that from the spring's far end, so that a limit cycle is a closed curve. Of a machine of several
     bodies there is one curve for each.
 
@@ -222,7 +222,7 @@ def phase(
     labels : list of str, optional
         Names of the runs; their laws' names if not given.
     duration : float, optional
-        How much of the end of the runs to show [s], for a mechanism that nothing drives; all if not given.
+        How much of the end of the runs to show [s], for an autonomous mechanism; all if not given.
     x, y : str, optional
         Of a run of a `SwitchingFlow` the states to draw against each other; the first two if not given.
 
@@ -275,7 +275,7 @@ def _strobe_word() -> Any:
 
 
 def _shown(run: Any) -> int | None:
-    """One motion period, or what there is of 16 drive periods if none was found; None where nothing drives."""
+    """One motion period, or what there is of 16 drive periods if none was found; None without a drive."""
     if run.model.period is None:
         return None
     return period_number(run) or max(min(LONGEST_PERIOD, len(run.strobe_times) - 1 - int(run.settle)), 1)
@@ -292,7 +292,7 @@ def _orbits(runs: list[Any], names: list[str], spans: list[tuple[float, float]])
 
 
 def _orbit(run: Any, span: tuple[float, float], body: int | None = None) -> tuple[Any, Any, Any, Any]:
-    """Displacement without drift and velocity over a span, and both at the strobe times, of which there are none where nothing drives."""
+    """Displacement without drift and velocity over a span, and both at the strobe times, of which there are none without a drive."""
     start, end = span
     own = (...,) if body is None else (..., body)
     if run.model.period is None:
@@ -324,7 +324,7 @@ def forces(run: Run, periods: float | None = None, ax: Ax = None, duration: floa
     ax : matplotlib Axes, optional
         Where to draw; a new figure if not given.
     duration : float, optional
-        How much of the end of the run to show [s], instead of `periods`. Where nothing drives, all of it is shown if not given.
+        How much of the end of the run to show [s], instead of `periods`. Without a drive, all of it is shown if not given.
 
     Returns
     -------

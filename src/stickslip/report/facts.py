@@ -80,7 +80,7 @@ def _status(run: Any) -> str:
 
 
 def _of_bench(run: Any) -> list[tuple[str, str]]:
-    """Of a mechanism that nothing drives."""
+    """Of an autonomous mechanism."""
     from stickslip.analysis.energy import energy
     from stickslip.analysis.segments import shares
     from stickslip.analysis.steady import mean_velocity

@@ -16,7 +16,7 @@ _DIGITS = 6
 
 
 def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]:
-    """Everything that moves over the last motion period, or over a whole run that nothing drives.
+    """Everything that moves over the last motion period, or over the whole run of an autonomous system.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
     Returns
     -------
     dict
-        t from the start of the span in `unit` (ms, or s where nothing drives); bodies with name, mass [kg], place (which stands on the
+        t from the start of the span in `unit` (ms, or s without a drive); bodies with name, mass [kg], place (which stands on the
         track from left to right, and how far above), displacement x [mm] and velocity v [mm/s], None of an inner mass, and lift, how
         high a body is above its track [mm], None of one that cannot fly; rows with the
         name of a contact or stop, its stretches (from, to, sign; sign 2 is a stop that is pressed, 3 flight) and hits, or landings; links,
@@ -51,7 +51,7 @@ def moments(run: Any, span: tuple[float, float] | None = None) -> dict[str, Any]
 
 
 def shown_span(run: Any) -> tuple[float, float]:
-    """The last motion period of a run, the last drive periods if it does not repeat soon; the whole run where nothing drives."""
+    """The last motion period of a run, the last drive periods if it does not repeat soon; the whole run without a drive."""
     from stickslip.analysis.steady import period_number
 
     if run.model.period is None or not len(run.strobe_times) > 1:

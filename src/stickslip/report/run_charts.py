@@ -13,7 +13,7 @@ __all__ = ["forces", "velocity"]
 
 
 def velocity(run: Any) -> dict[str, Any]:
-    """Velocity over three drive periods [mm/s over ms], shaded where the only contact sticks; over the whole run [s] where nothing drives.
+    """Velocity over three drive periods [mm/s over ms], shaded where the only contact sticks; over the whole run [s] without a drive.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def _by_part(names: Any, columns: Any) -> list[Any]:
 
 
 def forces(run: Any) -> dict[str, Any]:
-    """Drive force, if there is one, and friction force over two drive periods [mN over ms]; over the whole run [s] where nothing drives."""
+    """Drive force, if there is one, and friction force over two drive periods [mN over ms]; over the whole run [s] without a drive."""
     names = ("friction_force", "drive_force") if machine_of(run.model).drive is not None else ("friction_force",)
     t, found, shade, across = _columns(run, 2, names)
     shown = "over two drive periods" if run.model.period is not None else "over the run"
@@ -50,7 +50,7 @@ def forces(run: Any) -> dict[str, Any]:
 
 
 def _clock(run: Any) -> tuple[float, str]:
-    """The unit of the time axis: milliseconds of drive periods, seconds where nothing drives."""
+    """The unit of the time axis: milliseconds of drive periods, seconds without a drive."""
     return (1e3, "ms") if run.model.period is not None else (1.0, "s")
 
 

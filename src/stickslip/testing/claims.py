@@ -152,7 +152,7 @@ def _finite(probe: Probe) -> Claim:
 
 
 def _rest(probe: Probe) -> Claim | None:
-    """A contact that does not move does not change; what rest can bear contains no force at all, and what sliding takes."""
+    """A contact at rest does not change; its static friction limits enclose zero and the friction of sliding."""
     if probe.law.dynamic:
         if not probe.law.states:
             return None

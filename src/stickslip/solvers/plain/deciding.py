@@ -111,7 +111,7 @@ def decide(
     beta : array (k,)
         Rates w' without any of these forces [m/s^2].
     lo, hi : sequences of float
-        Forces that rest can bear [N]; infinite where there is no limit.
+        Static friction limits [N]; infinite where there is none.
     slide : pair of sequences, optional
         Forces of sliding backwards and forwards [N], where they are not the limits.
     forced : dict, optional

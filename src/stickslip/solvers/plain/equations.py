@@ -181,7 +181,7 @@ class Equations:
         return [max(load, 1e-12 * first, TINY) for load, first in zip(found, self.first_loads, strict=True)]
 
     def limits(self, loads: Floats) -> list[tuple[float, float]]:
-        """What rest can bear in each row [N]; a dynamic law's never rests."""
+        """Static friction limits in each row [N]; a contact under a dynamic law never rests."""
         own = [(0.0, 0.0) if law.dynamic else _floats(law.breakaway(load)) for law, load in zip(self.laws, loads, strict=True)]
         return [*own, *((-math.inf, 0.0) for _ in self.stops)]
 
