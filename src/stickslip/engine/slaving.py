@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stickslip.engine.graphs import Substituted
-from stickslip.engine.symbols import STATE, Graph, Sym, _is_sign
+from stickslip.engine.symbols import STATE, Graph, Sym, is_sign
 from stickslip.engine.system import System
 from stickslip.engine.values import needed_by
 
@@ -78,7 +78,7 @@ def _quotient(a: Sym, b: Sym) -> Sym:
     for node in above:
         found = found * node
     for node in below:
-        found = found * (node if _is_sign(node) else node.args[0] if node.op == "reciprocal" else graph.constant(1.0) / node)
+        found = found * (node if is_sign(node) else node.args[0] if node.op == "reciprocal" else graph.constant(1.0) / node)
     return found
 
 
