@@ -25,8 +25,8 @@ from stickslip.solvers.tables import CaseTable
 EIGHT = slaved.SERIES[0][1]
 
 
-def drawn(count, seed):
-    """Random rigs with LuGre friction, each number from one to two decades."""
+def drawn(count, seed, only=slice(None)):
+    """Random rigs with LuGre friction, each number from one to two decades; all, or some of them."""
     rng = np.random.default_rng(seed)
 
     def over(low, high):
@@ -36,10 +36,11 @@ def drawn(count, seed):
     mu0 = over(0.012, 0.4) + np.tan(np.radians(tilt))
     f0, omega, rig = mu0 * rng.uniform(1.0, 1.8, count), over(100.0, 1000.0), ss.presets.piezo_rig(tilt_deg=1.7, amplitude=1e-4)
     amplitude = 9.81 * mu0 * over(0.5, 12.0) / (float(rig.mass_ratio) * omega**2)
-    return ss.presets.piezo_rig(
+    numbers = dict(
         tilt_deg=tilt, amplitude=amplitude, omega=omega, mu0=mu0, f0=f0, sigma0=over(5e4, 5e6), sigma1=over(5.0, 300.0),
         sigma2=rng.uniform(0.0, 2.0, count), v_s=over(2e-4, 1e-2),
     )  # fmt: skip
+    return ss.presets.piezo_rig(**{name: values[only] for name, values in numbers.items()})
 
 
 #: Rigs whose velocity falls from many Stribeck velocities through zero within a long step.
@@ -166,13 +167,10 @@ def test_an_exponential_that_is_nothing_where_a_step_begins_is_foreseen():
 
 
 def test_velocities_that_dip_through_zero_within_a_step_are_seen():
-    """A drive that just turns the body over: v dips below zero and back, deeper and deeper over the batch."""
-    robot = ss.presets.piezo_rig(tilt_deg=0.0, amplitude=np.linspace(2.5e-4, 4.5e-4, 200), mu0=0.05)
-    mapped = Mapped(robot)
-    found, other = mapped.by(EIGHT, 1e-5), mapped.by(tableaux.RODAS5P, 1e-9)
-    assert mapped.apart(found, other).max() < 1e-3 and (other.v_min < 0).any()
-    low = np.minimum(other.v_min, other.v_max)
-    assert np.max(abs(found.v_min - low)) < 1e-3 * np.max(mapped.units[:, 1])
+    """Rigs whose velocity is on its side at both ends of a long step and not between: unseen, the map was wrong by up to 5 %."""
+    mapped = Mapped(drawn(4000, 5, only=[641, 1238, 1123, 2934]))
+    found, other = mapped.by(slaved.SERIES[1][1], 1e-7), mapped.by(tableaux.RODAS5P, 1e-10)
+    assert mapped.apart(found, other).max() < 1e-5
 
 
 @pytest.mark.slow
