@@ -65,6 +65,14 @@ for m in range(2, 7):
 for j in range(4, 4):
     _total = 77.0
 _last = _r[6]
+_around = 0.0
+for j in each(1, 4):
+    for m in outwards(1, j + 3):
+        _around = fma(_r[m], _small, 0.5 * _around)
+for m in halves(1, 6):
+    _around = fma(_r[m], _r[6 - m], _around)
+for m in middle(1, 6):
+    _around = fma(_r[m], _r[m], _around + _around)
 """.strip().splitlines()
 BRANCH = ["_twice = 1.0", "if _a > 0.0:", "    _within = 2.0 * _a", "    _twice = _within + _twice if _a > 0.0 else _twice"]
 BRANCH += ["_after = _twice + _a"]
@@ -93,7 +101,7 @@ def as_float(i):
 def plain(lines, given):
     """The same lines by Python itself, for one lane; numbers divide as processors do."""
     known = {"fma": fma, "as_bits": as_bits, "as_float": as_float, "math": math, "np": np, "rtol": 0.25, "budget": 8.0}
-    known |= {"row": lambda length: [math.nan] * length, "_held": [math.nan] * 5}
+    known |= emit.ROUNDS | {"row": lambda length: [math.nan] * length, "_held": [math.nan] * 5}
     known |= {f"_{name}": np.float64(value) for name, value in given.items()}
     with np.errstate(all="ignore"):
         exec("\n".join(lines), known)
@@ -154,6 +162,23 @@ def test_lanes_jump_over_what_none_of_them_asks_for():
     assert act(given | {"a": np.array([-1.0, -1.0, -1.0, -1.0, -1.0, 1.0, -1.0, -1.0])})["c"].tolist() == [1.0] * 4 + [2.0] * 4
 
 
+def test_of_two_parts_the_one_that_more_lanes_ask_for_is_done():
+    """All lanes of a group are counted, those of all its vectors; where none asks, nothing is done."""
+    lines = ["_c = 1.0", "if more(_a > 0.0, _b > 0.0):", "    _c = 2.0"]
+    act = compiled(lines, 8, 8, 4)
+    given = {name: np.zeros(8) for name in ("c0", "small")}
+    for these, those in ((1, 2), (2, 2), (5, 4), (0, 0)):
+        found = act(given | {"a": np.arange(8.0) > 7.5 - these, "b": np.arange(8.0) < those})
+        assert found["c"].tolist() == [2.0 if these >= those > 0 else 1.0] * 8
+
+
+def test_rounds_of_sums_begin_in_the_middle():
+    """What the outermost terms need is ready last."""
+    rounds = {name: list(order(1, 7)) for name, order in emit.ROUNDS.items()}
+    assert rounds == {"each": [1, 2, 3, 4, 5, 6], "outwards": [3, 4, 2, 5, 1, 6], "halves": [3, 2, 1], "middle": []}
+    assert emit.ROUNDS["middle"](1, 6) == [3] and sorted(emit.ROUNDS["halves"](1, 6)) == [1, 2]
+
+
 def test_vectors_that_do_not_fit_into_registers_lie_within_lines_of_the_cache():
     """The attribute is written: llvmlite leaves it out of a function that has no other."""
     module = ir.Module()
@@ -165,7 +190,7 @@ def test_the_lines_above_hold_every_operation_there_is():
     nodes = {type(node) for node in ast.walk(ast.parse("\n".join(LINES + BRANCH)))}
     assert nodes >= {*emit.REAL, *emit.WHOLE, *emit.COMPARE, *emit.JOIN}
     calls = {ast.unparse(node.func) for node in ast.walk(ast.parse("\n".join(LINES))) if isinstance(node, ast.Call)}
-    assert calls == {*emit.FUNCTIONS, *emit.CASTS, "row", "range"}
+    assert calls == {*emit.FUNCTIONS, *emit.CASTS, "row", "range", *emit.ROUNDS}
     visited = {name.removeprefix("visit_") for name in vars(emit._Vector) if name.startswith("visit_")}
     assert visited | {"For"} <= {node.__name__ for node in nodes}
 

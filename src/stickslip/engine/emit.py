@@ -5,9 +5,11 @@ writes the instructions itself (`steptext.py`). A kernel's file holds this text 
 
 The lines are Python and mean what Python means by them, on floats, 64-bit whole numbers and conditions: ``name = expression``, loops
 ``for m in range(first, end):``, and ``if condition:`` around what is wanted only where the condition holds: lanes jump over it together,
-if none of them asks for it. ``name = row(17)`` is 17 numbers in memory, for each lane, which are read and written by their places, as the
-rows that a lane holds are. Every decision inside an expression is one select instruction, and nothing is fused or reordered that is not
-written so: the bits do not depend on the number of lanes.
+if none of them asks for it. A loop over ``each(first, end)`` is written out round by round, and one over ``outwards(first, end)`` begins in
+the middle: sums whose outermost terms are ready last. A part that begins with ``if more(this, that):`` is done if this holds for no fewer
+lanes than that, and for some: lanes that want different things wait for one another. ``name = row(17)`` is 17 numbers in memory, for each
+lane, which are read and written by their places, as the rows that a lane holds are. Every decision inside an expression is one select
+instruction, and nothing is fused or reordered that is not written so: the bits do not depend on the number of lanes.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from llvmlite import ir
 
 REAL = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 WHOLE = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.LShift: "shl", ast.RShift: "ashr", ast.BitXor: "xor"}
+FOLDED = {ast.Add: int.__add__, ast.Sub: int.__sub__, ast.Mult: int.__mul__}  # done at once with numbers that are known
 JOIN = {ast.And: "and_", ast.Or: "or_"}
 COMPARE = {ast.Gt: ">", ast.Lt: "<", ast.GtE: ">=", ast.LtE: "<=", ast.Eq: "==", ast.NotEq: "!="}
 FUNCTIONS = {"fma": "llvm.fma", "abs": "llvm.fabs", "math.sqrt": "llvm.sqrt"}
@@ -77,7 +80,7 @@ class _Vector(ast.NodeVisitor):
         if row is None or index.type != COUNT:
             self.generic_visit(node)
         begin, apart = row
-        place = self.builder.gep(begin, [self.builder.mul(index, ir.Constant(COUNT, apart))])
+        place = self.builder.gep(begin, [self.whole_number(ast.Mult(), index, ir.Constant(COUNT, apart))])
         return self.builder.bitcast(place, self.real.as_pointer())
 
     def constant(self, kind: Any, value: Any) -> Any:
@@ -102,32 +105,8 @@ class _Vector(ast.NodeVisitor):
         if not isinstance(length, ir.Constant) or length.type != COUNT:
             self.generic_visit(node)
         with self.builder.goto_entry_block():
-            return self.builder.alloca(self.real, size=length), 1
-
-    def visit_If(self, node: ast.If) -> None:
-        """A branch, taken if any lane asks for it, for all; a name that had a value before has one of two after it."""
-        test = self.visit(node.test)
-        if test.type != self.truth or node.orelse:
-            self.generic_visit(node)
-        condition, before, start = self.anywhere(test), self.known, self.builder.block
-        self.known = dict(before)
-        with self.builder.if_then(condition):
-            for statement in node.body:
-                self.visit(statement)
-            end = self.builder.block
-        within, self.known = self.known, before
-        for name in [name for name, value in before.items() if within[name] is not value]:
-            joined = self.builder.phi(before[name].type)
-            joined.add_incoming(before[name], start)
-            joined.add_incoming(within[name], end)
-            self.known[name] = joined
-
-    def anywhere(self, test: Any) -> Any:
-        """Whether a condition holds for a lane."""
-        if self.lanes == 1:
-            return test
-        bits = ir.IntType(self.lanes)
-        return self.builder.icmp_unsigned("!=", self.builder.bitcast(test, bits), ir.Constant(bits, 0))
+            room = self.builder.alloca(ir.ArrayType(self.real, length.constant))
+            return self.builder.bitcast(room, self.real.as_pointer()), 1
 
     # ---- expressions ----
     def visit_Constant(self, node: ast.Constant) -> Any:
@@ -159,8 +138,16 @@ class _Vector(ast.NodeVisitor):
         a, b = self.alike(node, self.visit(node.left), self.visit(node.right))
         if isinstance(node.op, ast.Div):
             a, b = self.as_real(node, a), self.as_real(node, b)
+        if a.type == COUNT and type(node.op) in FOLDED:
+            return self.whole_number(node.op, a, b)
         name = {self.real: REAL, NUMBER: REAL, self.whole: WHOLE, COUNT: WHOLE}.get(a.type, {}).get(type(node.op))
         return getattr(self.builder, name)(a, b) if name else self.generic_visit(node)
+
+    def whole_number(self, op: ast.operator, a: Any, b: Any) -> Any:
+        """What is counted with: places in rows that are written out are known, so that such rows need no memory."""
+        if isinstance(a, ir.Constant) and isinstance(b, ir.Constant):
+            return ir.Constant(COUNT, FOLDED[type(op)](a.constant, b.constant))
+        return getattr(self.builder, WHOLE[type(op)])(a, b)
 
     def visit_Compare(self, node: ast.Compare) -> Any:
         a, b = map(self.spread, self.alike(node, self.visit(node.left), self.visit(node.comparators[0])))
@@ -260,15 +247,81 @@ def write_plain(context: Any, builder: Any, kinds: Any, args: Any, names: str, t
 def _write_all(builder: Any, vectors: list[_Vector], statements: list[ast.stmt]) -> None:
     for statement in statements:
         if isinstance(statement, ast.For):
-            _loop(builder, vectors, statement)
+            (_loop if ast.unparse(statement.iter).startswith("range") else _rounds)(builder, vectors, statement)
+        elif isinstance(statement, ast.If):
+            _branch(builder, vectors, statement)
         else:
             for vector in vectors:
                 vector.visit(statement)
 
 
+def _branch(builder: Any, vectors: list[_Vector], node: ast.If) -> None:
+    """A branch, taken for all lanes if one of them asks for it; a name that had a value before has one of two after it."""
+    if node.orelse:
+        vectors[0].generic_visit(node)
+    condition = _condition(builder, vectors, node.test)
+    before, start = [vector.known for vector in vectors], builder.block
+    for vector in vectors:
+        vector.known = dict(vector.known)
+    with builder.if_then(condition):
+        _write_all(builder, vectors, node.body)
+        end = builder.block
+    for vector, known in zip(vectors, before, strict=True):
+        within, vector.known = vector.known, known
+        for name in [name for name, value in known.items() if within[name] is not value]:
+            joined = builder.phi(known[name].type)
+            joined.add_incoming(known[name], start)
+            joined.add_incoming(within[name], end)
+            known[name] = joined
+
+
+def _condition(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
+    """Whether something holds for a lane, or, ``more(this, that)``, for some lanes and for no fewer than something else."""
+    if isinstance(test, ast.Call) and ast.unparse(test.func) == "more" and len(test.args) == 2:
+        these, those = (_count(builder, vectors, each) for each in test.args)
+        return builder.and_(builder.icmp_signed(">=", these, those), builder.icmp_signed(">", these, ir.Constant(COUNT, 0)))
+    return builder.icmp_signed(">", _count(builder, vectors, test), ir.Constant(COUNT, 0))
+
+
+def _count(builder: Any, vectors: list[_Vector], test: ast.expr) -> Any:
+    """For how many lanes something holds."""
+    found = ir.Constant(COUNT, 0)
+    for vector in vectors:
+        holds = vector.visit(test)
+        if holds.type != vector.truth:
+            vector.generic_visit(test)
+        bits = builder.zext(builder.bitcast(holds, ir.IntType(vector.lanes)), COUNT)
+        found = builder.add(found, builder.ctpop(bits))
+    return found
+
+
+def _rounds(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
+    """A loop that is written out, round by round, its number known in each; names go on from round to round."""
+    name, ends = _counted(vectors[0], node, *ROUNDS)
+    if not all(isinstance(end, ir.Constant) for end in ends):
+        vectors[0].generic_visit(node)
+    for k in ROUNDS[ast.unparse(node.iter.func)](*(end.constant for end in ends)):  # type: ignore[attr-defined]
+        for vector in vectors:
+            vector.known[name] = ir.Constant(COUNT, k)
+        _write_all(builder, vectors, node.body)
+
+
+def _outwards(first: int, end: int) -> list[int]:
+    return sorted(range(first, end), key=lambda k: (abs(2 * k - first - end + 1), k))
+
+
+#: Loops that are written out, by what they are over, and their rounds in order: all, from the middle, from there down, the middle itself.
+ROUNDS = {
+    "each": range,
+    "outwards": _outwards,
+    "halves": lambda first, end: [k for k in _outwards(first, end) if 2 * k < first + end - 1],
+    "middle": lambda first, end: [k for k in range(first, end) if 2 * k == first + end - 1],
+}
+
+
 def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     """One loop for all vectors; a name that had a value before takes its new one to the next round, and is known after the last."""
-    name, (first, end) = _range(vectors[0], node)
+    name, (first, end) = _counted(vectors[0], node, "range")
     start, head, body, after = builder.block, *(builder.append_basic_block(part) for part in ("rounds", "round", "after"))
     builder.branch(head)
     builder.position_at_end(head)
@@ -293,12 +346,12 @@ def _loop(builder: Any, vectors: list[_Vector], node: ast.For) -> None:
     builder.position_at_end(after)
 
 
-def _range(vector: _Vector, node: ast.For) -> tuple[str, list[Any]]:
+def _counted(vector: _Vector, node: ast.For, *over: str) -> tuple[str, list[Any]]:
     """The name that counts, its first value and the one after its last."""
     called = node.iter
     if not isinstance(node.target, ast.Name) or node.orelse or not isinstance(called, ast.Call) or len(called.args) != 2:
         vector.generic_visit(node)
-    if ast.unparse(called.func) != "range" or called.keywords:
+    if ast.unparse(called.func) not in over or called.keywords:
         vector.generic_visit(node)
     ends = [vector.visit(a) for a in called.args]
     return (node.target.id, ends) if all(end.type == COUNT for end in ends) else vector.generic_visit(node)

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 from importlib import resources
 from typing import Any
 
-from stickslip.engine import cache, driver, taylor
+from stickslip.engine import cache, driver, slaved, taylor
 from stickslip.engine.checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.remembered import Remembered
 from stickslip.engine.rosenbrock import Step, write_step
+from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau
 from stickslip.engine.texts import emit_text
@@ -115,7 +116,7 @@ _layouts: Remembered[tuple[StateLayout, tuple[int, ...]]] = Remembered()
 
 
 def kernel_of(
-    model: Any, tableau: Tableau | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
+    model: Any, tableau: Tableau | Series | None, record: bool, observe: Observed = (), made: Callable[[System], System] | None = None,
     noted: bool = False,
 ) -> Kernel:  # fmt: skip
     """The compiled kernel of a model's kind, by Rosenbrock steps or (no tableau: set-valued laws) Taylor steps.
@@ -139,9 +140,9 @@ def kernel_of(
     return _kernels((kind_of(model), tableau and tableau.name, record, observe, made, noted), compiled)
 
 
-def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Kernel:
+def kernel(eq: System, tableau: Tableau | Series | None, label: str, record: bool) -> Kernel:
     """The compiled kernel of a traced model: eight lanes twice, or one lane that keeps its dense output."""
-    step = taylor.write_step(eq) if tableau is None else write_step(eq, tableau, record)
+    step = _step_of(eq, tableau, record)
     method = "Taylor" if tableau is None else tableau.name
     lanes = 1 if record else LANES
     source = _source(eq, step, lanes, f"{label}, {method}")
@@ -167,6 +168,13 @@ def kernel(eq: System, tableau: Tableau | None, label: str, record: bool) -> Ker
         has_arms(eq),
         eq.signs + len(eq.modes) + len(eq.clocks),
     )
+
+
+def _step_of(eq: System, method: Tableau | Series | None, record: bool) -> Step:
+    """The written step of a method."""
+    if method is None:
+        return taylor.write_step(eq)
+    return slaved.write_step(eq, method, record) if isinstance(method, Series) else write_step(eq, method, record)
 
 
 def ordered(k: Kernel, order: int) -> Kernel:
@@ -349,7 +357,7 @@ def run(
     S = _aligned((k.fields + 2 * bodies) * k.lanes)
     lane_numbers = np.zeros((k.lanes, 8 + parts), dtype=np.int64)
     lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 17)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))
+    lane_floats, ring, xs = np.zeros((k.lanes, 19)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))
     lane_parts = np.zeros((k.lanes, signals + bodies, 3))
     held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
     cursor = np.array([0, cases, 0], dtype=np.int64)

@@ -24,14 +24,25 @@ def write_rows(y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Wri
     Returns the names of their rows by the numbers of the nodes; what does not vary has none. A row's place 0 is left as it is: an
     expression's value is among the lines before the loop.
     """
-    return _Rows(y, f, wanted, w, start, order).rows
+    rows = Rows(y, f, wanted, w, start, order)
+    rows.write()
+    return rows.rows
 
 
-class _Rows:
-    def __init__(self, y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Writer, start: dict[str, str], order: int):
-        self.graph, self.w, self.start, self.order = y[0].graph, w, start, order
+class Rows:
+    """The same in two parts: values at the start of the step, which are written at once, and the coefficients, where `write` is called.
+
+    `known` are expressions that have their rows already. Written `out`, the loop is one round after another, and its rows need no memory.
+    """
+
+    def __init__(
+        self, y: Sequence[Sym], f: Sequence[Sym], wanted: Iterable[Sym], w: Writer, start: dict[str, str], order: int,
+        known: dict[int, str] | None = None, out: bool = False,
+    ):  # fmt: skip
+        self.graph, self.w, self.start, self.order, self.out = y[0].graph, w, start, order, out
         self._states = {state.number: i for i, state in enumerate(y)}
-        self.rows: dict[int, str] = {}
+        self._given = known or {}
+        self.rows: dict[int, str] = dict(self._given)
         self._rates: dict[int, str] = {}  # rows of m times the coefficient
         self._sums: dict[tuple[str, str], str] = {}  # of products of two rows
         self._lines: dict[int, list[tuple[str, str]]] = {}  # of an order, by the node whose coefficient they end with
@@ -41,12 +52,13 @@ class _Rows:
         for node in kept:
             self._row(node)
         nodes = self._needed([*kept, *f])
+        self._fused = self._to_be_fused(nodes, f) if out else set()
         for node in nodes:
             self._lines.setdefault(node.number, [])
             self._names[node.number] = self._rule(node)(node)
         for i, slope in enumerate(f):
             self._carried[f"_f{i}"] = self._value(slope), self._coefficient(slope)
-        self._write(nodes)
+        self._nodes = nodes
 
     # ---- what there is to write ----
     def _varies(self, node: Sym) -> bool:
@@ -62,6 +74,19 @@ class _Rows:
                 found[node.number] = node
                 waiting += self._made_of(node)
         return [found[number] for number in sorted(found)]
+
+    def _to_be_fused(self, nodes: list[Sym], f: Sequence[Sym]) -> set[int]:
+        """The products by a number that are part of one sum and of nothing else: they are added in one operation."""
+        users: dict[int, list[Sym]] = {slope.number: [slope, slope] for slope in f}
+        for node in nodes:
+            for arg in self._made_of(node):
+                users.setdefault(arg.number, []).append(node)
+        scaled = [n for n in nodes if n.op == "multiply" and sum(map(self._varies, n.args)) == 1 and n.number not in self.rows]
+        sums = ("add", "subtract")
+        return {n.number for n in scaled if [user.op in sums for user in users.get(n.number, [])] == [True] and not self._is_minus(n)}
+
+    def _is_minus(self, node: Sym) -> bool:
+        return any(arg.op == "constant" and arg.value == -1.0 for arg in node.args)
 
     def _made_of(self, node: Sym) -> list[Sym]:
         """The expressions whose coefficients its own are made of."""
@@ -111,22 +136,39 @@ class _Rows:
     def _variable(self, node: Sym) -> str:
         if node.number in self._states:
             return self._line(node, f"_inverse * _f{self._states[node.number]}")
+        if node.number in self._given:
+            return self._line(node, f"1.0 * {self._given[node.number]}[m]")
         self._carried[f"_n{node.number}"] = "1.0", ZERO  # time
         return f"_n{node.number}"
 
     def _add(self, node: Sym) -> str:
         a, b = map(self._coefficient, node.args)
-        return b if a == ZERO else a if b == ZERO else self._line(node, f"{a} + {b}")
+        return b if a == ZERO else a if b == ZERO else self._line(node, self._total(node, "", f"{a} + {b}"))
 
     def _subtract(self, node: Sym) -> str:
         a, b = map(self._coefficient, node.args)
-        return a if b == ZERO else self._line(node, f"-{b}" if a == ZERO else f"{a} - {b}")
+        return a if b == ZERO else self._line(node, f"-{b}" if a == ZERO else self._total(node, "-", f"{a} - {b}"))
+
+    def _total(self, node: Sym, sign: str, plain: str) -> str:
+        """A sum or difference, with a product that is a part of nothing else in the same operation."""
+        a, b = node.args
+        if b.number in self._fused:
+            factor, c = self._scaled(b)
+            return f"fma({sign}{factor}, {c}, {self._coefficient(a)})"
+        if a.number in self._fused:
+            factor, c = self._scaled(a)
+            return f"fma({factor}, {c}, {sign}{self._coefficient(b)})"
+        return plain
+
+    def _scaled(self, node: Sym) -> tuple[str, str]:
+        """Of a product by a number, this number and the coefficient of the rest."""
+        factor, other = node.args if self._varies(node.args[1]) else reversed(node.args)
+        return self._value(factor), self._coefficient(other)
 
     def _multiply(self, node: Sym) -> str:
         a, b = node.args
         if not (self._varies(a) and self._varies(b)):
-            factor, other = (a, b) if self._varies(b) else (b, a)
-            held, c = self._value(factor), self._coefficient(other)
+            held, c = self._scaled(node)
             return self._line(node, f"-{c}" if held == "(-1.0)" else f"{held} * {c}")
         between = self._sum(self._row(a), self._row(b))
         ends = f"fma({self._value(b)}, {self._coefficient(a)}, {between})"
@@ -173,16 +215,18 @@ class _Rows:
         return s if node is sine else c
 
     # ---- the loop ----
-    def _write(self, nodes: list[Sym]) -> None:
+    def write(self) -> None:
+        """Write the coefficients."""
         w = self.w
         for row in (*self.rows.values(), *self._rates.values()):
-            w.line(row, f"row({self.order + 1})")
+            if row not in self._given.values():
+                w.line(row, f"row({self.order + 1})")
         for name, (first, _) in self._carried.items():
             w.line(name, f"1.0 * {first}")
-        w.begin(f"for m in range(1, {self.order + 1})")
+        w.begin(f"for m in {'each' if self.out else 'range'}(1, {self.order + 1})")
         w.line("_inverse", "1 / m")
         self._write_sums()
-        for node in nodes:
+        for node in self._nodes:
             for name, text in self._lines[node.number]:
                 w.line(name, text)
             self._keep(node)
@@ -196,15 +240,24 @@ class _Rows:
         w = self.w
         for name in self._sums.values():
             w.line(name, ZERO)
-        if self._sums:
-            w.begin("for j in range(1, m)")
-            for (first, second), name in self._sums.items():
+        squares = {rows: name for rows, name in self._sums.items() if rows[0] == rows[1] and self.out}
+        self._write_products("outwards" if self.out else "range", {k: name for k, name in self._sums.items() if k not in squares})
+        self._write_products("halves", squares)
+        for name in squares.values():
+            w.line(name, f"{name} + {name}")
+        self._write_products("middle", squares)
+
+    def _write_products(self, over: str, sums: dict[tuple[str, str], str]) -> None:
+        w = self.w
+        if sums:
+            w.begin(f"for j in {over}(1, m)")
+            for (first, second), name in sums.items():
                 w.line(name, f"fma({first}[j], {second}[m - j], {name})")
             w.end()
 
     def _keep(self, node: Sym) -> None:
         name = self._names[node.number]
-        if node.number in self.rows:
+        if node.number in self.rows and node.number not in self._given:
             self.w.line(f"{self.rows[node.number]}[m]", name)
         if node.number in self._rates:
             self.w.line(f"{self._rates[node.number]}[m]", f"m * {name}")

@@ -14,7 +14,7 @@ from typing import Any
 from stickslip import maths
 from stickslip.errors import StickslipError
 
-__all__ = ["FUNCTIONS", "Condition", "Graph", "Sym", "TraceError", "slope_of"]
+__all__ = ["FUNCTIONS", "Condition", "Graph", "Sym", "TraceError", "is_sign", "slope_of"]
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
 _BLUNT_LESS = 1e-32  # the same where slopes alone are wanted, also of deflections of a nanometre
@@ -292,7 +292,7 @@ class Graph:
         for whole, part in ((a, b), (b, a)):  # v / abs(v) is the side of v, also where v is zero
             if part.level == STATE and whole.op == "multiply" and any(part is x for x in whole.args):
                 other = whole.args[0] if whole.args[1] is part else whole.args[1]
-                return other if whole is a or _is_sign(other) else self._node("reciprocal", (other,))
+                return other if whole is a or is_sign(other) else self._node("reciprocal", (other,))
         if b.op == "multiply" and b.args[0].level < STATE <= b.args[1].level:
             return self.multiply(self.divide(self.constant(1.0), b.args[0]), self.divide(a, b.args[1]))
         return self.multiply(a, self._node("reciprocal", (b,)))
@@ -383,7 +383,7 @@ class Graph:
         if a.op == "reciprocal" or a.op in _ODD:
             return self.sign(a.args[0])
         if not self.varies(a) or self.at_once:
-            return a if _is_sign(a) else self.select(a, self.constant(1.0), self.constant(-1.0))
+            return a if is_sign(a) else self.select(a, self.constant(1.0), self.constant(-1.0))
         if self.varies(a) == {"t"} and not self.varies(self.derivative(a, self.variable("t"))):
             return self._clock(a)
         if a.op == "subtract" and a.args[0].number > a.args[1].number:  # b - a has the opposite sign of a - b: one guard
@@ -433,7 +433,7 @@ class Graph:
         return d[0] * slope_of(node)
 
 
-def _is_sign(a: Sym) -> bool:
+def is_sign(a: Sym) -> bool:
     """Whether a node is a flag of value +1 or -1."""
     return a.op == "flag" and not a.name.startswith("mode")
 

@@ -131,9 +131,19 @@ def _traced(model: Any, cyclic: bool, observe: Observed, noted: bool = False) ->
         free_velocity=_velocity_scale(m, m.machine.free_velocity, speed),
         scales=((None,) * n if m.single else (scale,) * n) + (*parts.scales, *m.held_scales, *(distance for _ in places)),
         cyclic=cyclic, mass=m.lift(m.equations.masses[0]), shares=_shares(m), offered=_offered(m) if m.single else None,
-        free=m.accelerations({})[0], inertia=_inertia(m), **_of_controllers(m, held),
+        free=m.accelerations({})[0], inertia=_inertia(m), apart=_apart(m, parts), **_of_controllers(m, held),
     )  # fmt: skip
     return eq if m.single and not observe and not noted else with_signals(eq, parts, observe)
+
+
+def _apart(m: Symbolic, parts: Assembly) -> tuple[Sym, Sym] | None:
+    """What brakes one body by its law's inner state and that state's rate, as if they were two variables: where one state is all."""
+    law = m.laws[0]
+    if not m.single or not law.dynamic or law.states != 1 or law.modes or law.needs_applied:
+        return None
+    conditions, rate = len(m.graph.guards), m.graph.variable("zdot")
+    braked = m.accelerations({0: law.force(m.slips[0], tuple(parts.inner), (rate,), m.loads[0], (), None)})[0]
+    return (braked, rate) if len(m.graph.guards) == conditions else None
 
 
 def _of_controllers(m: Symbolic, held: range) -> dict[str, Any]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stickslip.summary import Summary
     from stickslip.trajectory import Trajectory
 
-__all__ = ["ALL", "METHODS", "ClosedArcs", "Judge", "Method", "Rosenbrock", "RungeKutta", "TaylorSteps", "method_for"]
+__all__ = ["ALL", "METHODS", "ClosedArcs", "Judge", "Method", "Rosenbrock", "RungeKutta", "TaylorSeries", "TaylorSteps", "method_for"]
 
 
 class Method(Protocol):
@@ -116,6 +116,31 @@ class Rosenbrock:
 
 
 @dataclass(frozen=True)
+class TaylorSeries:
+    """One body on one contact under a law with one inner state: series of order 8, 12 or 18, on the slow manifold while it slips.
+
+    It is not taken by itself: at loose tolerances, and where friction falls much with speed, Rosenbrock steps cost less
+    (docs/decisions/2026-11-23-taylor-series-on-the-slow-manifold.md).
+    """
+
+    title: str = "Taylor series"
+    names: tuple[str, ...] = ("taylor",)
+    observes: bool = False
+
+    def accepts(self, model: Any) -> str | None:
+        """Laws whose inner state relaxes with a rate that grows with the velocity, asked of the traced equations."""
+        from stickslip.solvers.series import lacks
+
+        return _of_laws(model, dynamic=True) or lacks(model)
+
+    def run(self, todo: Request) -> Trajectory | Summary:
+        """Steps held to the tolerance."""
+        from stickslip.solvers import series, stepping
+
+        return stepping.run(todo, *series.method(todo.rtol))
+
+
+@dataclass(frozen=True)
 class RungeKutta:
     """The naive judge: steps of fixed length."""
 
@@ -164,7 +189,7 @@ class Judge:
 
 _BLIND = "it evaluates no functions of the state: observe is for the compiled methods"
 #: In the order in which they are asked.
-ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), Rosenbrock(), RungeKutta(), Judge())
+ALL: tuple[Method, ...] = (ClosedArcs(), TaylorSteps(), Rosenbrock(), TaylorSeries(), RungeKutta(), Judge())
 #: Names for `method=`; "auto" takes the exact solver for set-valued laws, else Rodas4 or Rodas5P by tolerance.
 METHODS = tuple(dict.fromkeys(name for method in ALL for name in method.names))
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.engine import checks, lanes
+from stickslip.engine.slaved import Series
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.friction.adapter import law_of
@@ -32,8 +33,8 @@ BUDGET_WITH_STOPS, LEAST_WITH_STOPS = 2_000, 100_000
 CHUNK = 4096
 
 
-def run(todo: Request, tableau: Tableau | None, rtol: float) -> Trajectory | Summary:
-    """Solve as asked, by Rosenbrock steps or (no tableau) Taylor steps."""
+def run(todo: Request, tableau: Tableau | Series | None, rtol: float) -> Trajectory | Summary:
+    """Solve as asked, by Rosenbrock steps, Taylor series of laws with an inner state, or (no tableau) Taylor steps."""
     check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, todo.cases == 1, todo.observe)
     method, job = _method(tableau), _job(todo, rtol)
@@ -72,7 +73,7 @@ def _state(todo: Request, end: Any, table: CaseTable, layout: StateLayout) -> st
     return ", ".join(f"{name} = {value:.9g}" for name, value in zip(["x [m]", "v [m/s]", *z], values, strict=True))
 
 
-def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
+def run_to_end(todo: Request, tableau: Tableau | Series | None, rtol: float) -> tuple[Summary, Any, Any, Any, Any]:
     """The summary of a batch, and of every case at its end x, v (cases,), the law's inner states (cases, states) and its memories."""
     check_period(todo.model)
     kernel = lanes.kernel_of(todo.model, tableau, record=False)
@@ -83,7 +84,7 @@ def run_to_end(todo: Request, tableau: Tableau | None, rtol: float) -> tuple[Sum
     return summary, results.end[:, 0], v[:, 0], z, results.memory
 
 
-def _method(tableau: Tableau | None) -> str:
+def _method(tableau: Tableau | Series | None) -> str:
     return "exact" if tableau is None else tableau.name
 
 

@@ -5,8 +5,9 @@
 # each contact how many segments there are
 CASE, DONE, RECORDING, TARGET, NUMBER, FRESH, CLOSING, STATUS, SEGMENTS = range(9)
 # columns of K (lane): the last two observed points, window, work of friction while recording and how long,
-# displacement approached, extremes at the ends of the steps in the window
-TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN = range(17)
+# displacement approached, extremes at the ends of the steps in the window; part of the last step after which slip begins or ends;
+# acceleration before a break of the drive at the last point (NaN: it has no break)
+TQ, VQ, AQ, RQ, BQ, TP, VP, BP, VMAX, VMIN, DISPLACEMENT, WINDOW, WORK, LASTED, LIMIT, WIDE_MAX, WIDE_MIN, PART, BEFORE = range(19)
 SEGS = 32
 
 # FOUND[lane] has for each signal an integral or a count, the largest and the smallest value (reducing.py), and after the signals for

@@ -41,6 +41,7 @@ def take(lane, case, S, N, K, PARAM, START, D):
         N[lane, j] = 0
     for j in range(K.shape[1]):
         K[lane, j] = 0.0
+    K[lane, PART], K[lane, BEFORE] = -1.0, math.nan
     K[lane, LIMIT], K[lane, WIDE_MAX], K[lane, WIDE_MIN] = math.nan, -math.inf, math.inf
     N[lane, CASE] = case
 
@@ -49,6 +50,8 @@ def take(lane, case, S, N, K, PARAM, START, D):
 def pass_instant(lane, slip_ratio, S, N, K, PARAM, SEGT, SEGC, D):
     """At a known instant: what was observed ends before an impulse, and begins anew after it."""
     if not is_thrown(lane, S, D):
+        if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1 and D[SIGNALS] == 0:
+            K[lane, BEFORE] = rate_before(lane, S, D)
         return
     if N[lane, RECORDING] == 1 and N[lane, FRESH] == 1:
         observe(lane, 0.0, K[lane, RQ], slip_ratio, S[D[F_C] + D[PERIOD] * D[LANES] + lane], N, K, SEGT, SEGC, D)
@@ -102,6 +105,13 @@ def finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D):
     N[lane, CASE] = -1
 
 
+@njit(void(int64, f1, i1), **OPTIONS)
+def want_extremes(lane, S, D):
+    """From here on steps that find their extremes look for them."""
+    if D[F_TOP] >= 0 and D[F_LOOKED] >= 0:
+        S[D[F_LOOKED] + lane] = max(S[D[F_LOOKED] + lane], 0.25)
+
+
 @njit(int64(int64, int64, int64, int64, float64, f1, i2, f2, f3, f3, f3, f2, i1), **ALLOCATING)
 def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT, D):
     """Book-keeping at the end of a drive period. Returns 1 when only the last observation is wanting."""
@@ -124,6 +134,8 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
         scale[i] = max(size, 1e-300)
     for m in range(D[KEPT_MODES]):
         RING[lane, k % KEPT, 1 + D[STATES] + m] = S[D[F_MODE] + m * L + lane]
+    if k == settle:
+        want_extremes(lane, S, D)
     if k >= settle and k < settle + LONGEST:
         keep_places(lane, k - settle, S, XS, D)
     count = min(k - 1, KEPT - 1)  # the start is not among them
@@ -169,14 +181,16 @@ def end_period(lane, periods, settle, auto, rtol, S, N, K, RING, XS, FOUND, OUT,
     return 0
 
 
-@njit(boolean(int64, int64, int64, f1, i2, f2, f3, f2, f3, i1, f2, f2, i1), **OPTIONS)
-def next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+@njit(boolean(int64, int64, int64, int64, f1, i2, f2, f3, f2, f3, i1, f2, f2, i1), **OPTIONS)
+def next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
     """Put the next case into an idle lane, if there is one."""
     if CURSOR[0] >= CURSOR[1]:
         return False
     take(lane, CURSOR[0], S, N, K, PARAM, START, D)
     CURSOR[0] += 1
     keep_places(lane, 0, S, XS, D)
+    if settle == 0:
+        want_extremes(lane, S, D)
     if D[SIGNALS] > 0:
         call_begin_parts(D[AT_BEGIN_PARTS], lane, S, HELD, FOUND, D)
     if periods == 1 and not auto:
@@ -239,6 +253,8 @@ def watch(slip_ratio, S, N, K, HELD, FOUND, ROOM, PARAM, SEGT, SEGC, D):
             if N[lane, CLOSING] == 1:
                 S[D[F_STAT] + lane] = 7.0
                 continue
+        if D[F_TOP] >= 0 and D[SET_VALUED] == 0 and S[D[F_HH] + lane] > 0.0:
+            K[lane, PART] = turned(lane, slip_ratio, S, D)
         if S[D[F_T] + lane] != K[lane, TP] or S[D[F_SIGN] + lane] != K[lane, BP]:
             K[lane, TP], K[lane, VP], K[lane, BP] = S[D[F_T] + lane], S[D[F_Y] + lane], S[D[F_SIGN] + lane]
             N[lane, FRESH] = 1
@@ -286,7 +302,7 @@ def advance(
     recording = 0
     pieces_wanted = PIECES.shape[0] > 0
     for lane in range(L):
-        if N[lane, CASE] >= 0 or next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+        if N[lane, CASE] >= 0 or next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
             active += 1
             recording += N[lane, RECORDING]
     for _ in range(calls):
@@ -333,7 +349,7 @@ def advance(
                     N[lane, i] = 0
             recording -= N[lane, RECORDING]
             finish(lane, S, N, K, RING, FOUND, OUT, COUNT, NOTED, D)
-            if next_case(lane, periods, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
+            if next_case(lane, periods, settle, auto, S, N, K, XS, HELD, FOUND, CURSOR, PARAM, START, D):
                 recording += N[lane, RECORDING]
             else:
                 active -= 1

@@ -23,6 +23,33 @@ def begin_record(lane, N, K, FOUND, S, D):
     K[lane, LASTED] = 0.0
 
 
+@njit(boolean(int64, float64, float64, f1, i1), **OPTIONS)
+def slipping(lane, theta, slip_ratio, S, D):
+    """Whether the slip ratio 1 - (dz/dt)/v of one inner state is above its limit within a step, on the step's polynomials."""
+    L, degree, first = D[LANES], D[DEGREE], D[F_K] + lane
+    v, rise = S[first + degree * L], 0.0
+    for m in range(degree - 1, -1, -1):
+        v = fma(v, theta, S[first + m * L])
+    for m in range(degree, 0, -1):
+        rise = fma(rise, theta, m * S[first + (degree + 1 + m) * L])
+    return (1.0 - slip_ratio) * abs(v) >= math.copysign(rise, rise * v) / S[D[F_HH] + lane]
+
+
+@njit(float64(int64, float64, f1, i1), **OPTIONS)
+def turned(lane, slip_ratio, S, D):
+    """The part of a step after which slip begins or ends, where its polynomials are as good as its ends; -1 where it does not."""
+    low, high, slips = 0.0, 1.0, S[D[F_RATIO] + lane] >= slip_ratio
+    if slipping(lane, high, slip_ratio, S, D) == slips:
+        return -1.0
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if slipping(lane, middle, slip_ratio, S, D) == slips:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
 @njit(void(int64, float64, float64, float64, float64, i2, f2, f2, b2, i1), **OPTIONS)
 def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
     """The stretch from the last observed point Q to the new one P, whose slopes are known only now."""
@@ -33,15 +60,19 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
         slips = rq >= slip_ratio
         side = np.int64(bq)
         if b == bq and v != 0.0 and (ratio >= slip_ratio) != slips:
-            part = (slip_ratio - rq) / (ratio - rq)
+            part = K[lane, PART]
+            if part < 0.0:
+                part = (slip_ratio - rq) / (ratio - rq)
             add_segment(lane, 0, 2 * side if slips else side, part * dt, N, SEGT, SEGC)
             add_segment(lane, 0, side if slips else 2 * side, (1.0 - part) * dt, N, SEGT, SEGC)
         else:
             add_segment(lane, 0, 2 * side if slips else side, dt, N, SEGT, SEGC)
         top = v
-        aq = K[lane, AQ]
-        if D[F_TOP] < 0 and aq * acceleration < 0.0:  # an extremum of v between: the cubic's
-            d0, d1, rise = aq * dt, acceleration * dt, v - K[lane, VQ]
+        aq, ap = K[lane, AQ], K[lane, BEFORE]
+        if ap != ap:
+            ap = acceleration
+        if D[F_TOP] < 0 and aq * ap < 0.0:  # an extremum of v between: the cubic's
+            d0, d1, rise = aq * dt, ap * dt, v - K[lane, VQ]
             a, bb = 3.0 * (d0 + d1 - 2.0 * rise), 2.0 * (3.0 * rise - 2.0 * d0 - d1)
             root = math.sqrt(max(bb * bb - 4.0 * a * d0, 0.0))
             q = -0.5 * (bb + (root if bb >= 0.0 else -root))
@@ -54,7 +85,17 @@ def observe(lane, acceleration, ratio, slip_ratio, period, N, K, SEGT, SEGC, D):
         K[lane, VMIN] = min(K[lane, VMIN], min(v, top))
     K[lane, TQ] = 0.0 if t >= period else t  # the end of a period is the beginning of the next
     K[lane, VQ], K[lane, AQ], K[lane, RQ], K[lane, BQ] = v, acceleration, ratio, b
+    K[lane, BEFORE] = math.nan
     N[lane, FRESH] = 0
+
+
+@njit(float64(int64, f1, i1), **OPTIONS)
+def rate_before(lane, S, D):
+    """The acceleration with which the last step ended, by its polynomial: behind a break of the drive it is another."""
+    L, rate = D[LANES], 0.0
+    for m in range(1, D[DEGREE] + 1):
+        rate += m * S[D[F_K] + lane + m * L]
+    return rate / S[D[F_HH] + lane]
 
 
 @njit(float64(int64, int64, f1, i1), **OPTIONS)

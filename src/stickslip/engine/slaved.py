@@ -1,0 +1,376 @@
+"""One step of one body under a law with one inner state, as Taylor series: explicit near rest, on the slow manifold while it slips.
+
+Friction of this sort is stiff only while it slips. The inner state z relaxes with the rate a = |dz'/dz|, which grows with |v|: near rest a
+is small and an explicit series of (v, z) takes long steps. In slip z is *slaved* to v. With z' = p(v, t) + J(v, t) z it is
+
+    z = (z' - p) / J,
+
+where z' is small beside p, and follows from the series of z itself: beginning with z' = 0, each *sweep* makes the series of v with the z'
+of the one before, and that of z from the line above, and gains a factor of about |v'| / (a |v|). The series of v alone is not stiff. Sweeps
+are a fixed number, so that a lane does not depend on its neighbours; a step after which two sweeps still differ, or whose z at the start is
+not yet slaved, is refused, and an explicit one is made instead. Of the lanes that step together those make a step whose sort more of them
+want; the others wait, which they do not notice.
+
+The same writer of series as for laws that rest exactly makes the coefficients from the traced equations (`rows.py`). The length of a step
+follows from the last two coefficients, and from what they cannot foresee: an exponential that is next to nothing where the step begins may
+come up within it, so that its argument may rise in a step by no more than the order can bear.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stickslip.engine.rosenbrock import Step, sides
+from stickslip.engine.rows import Rows
+from stickslip.engine.slaving import Slaving, slaving
+from stickslip.engine.steptext import bound
+from stickslip.engine.symbols import Sym
+from stickslip.engine.system import System
+from stickslip.engine.unforeseen import active
+from stickslip.engine.write import LOG_OF_BITS, Writer, horner, literal
+from stickslip.status import Status
+
+__all__ = ["SERIES", "Series", "write_step"]
+
+
+@dataclass(frozen=True)
+class Series:
+    """A method of this sort: its order, and when z counts as slaved."""
+
+    name: str
+    order: int
+    sweeps: int
+    slaved: float  # |v'| / (a |v|) below which the series of v alone is tried
+    velocity_floor: float = 0.3  # error of v: tolerance (floor times the velocity without friction + |v|)
+    inner_floor: float = 5.0  # error of z: tolerance (floor times its scale + |z|)
+    slow: float = 0.3  # the same while z is slaved, where errors last, as a part
+    longest: float = 0.15  # of a period
+    rise: float = 0.7  # of an exponential's argument in a step, for each order
+    waits: float = 2.0  # steps after one that was refused
+
+
+#: From which tolerance on (of the steps) each is used.
+SERIES = ((9e-7, Series("Taylor8", 8, 4, 0.014)), (1e-9, Series("Taylor12", 12, 5, 0.01)), (0.0, Series("Taylor18", 18, 8, 0.004)))
+
+ROUNDS = 60  # of a search for a zero: bisection from a period to rounding, if nothing is faster
+CUTS = 20  # of a step in which an exponential rises too far
+TINY = 1e-14  # of the velocity scale: below it a velocity is zero
+
+
+def write_step(eq: System, method: Series, record: bool) -> Step:
+    """The lines of one step; with `record` the dense output's coefficients are kept always, else while a lane is looked at."""
+    found = slaving(eq)
+    if isinstance(found, str):
+        raise TypeError(found)
+    return _StepWriter(eq, method, found, record).write()
+
+
+class _StepWriter:
+    def __init__(self, eq: System, method: Series, law: Slaving, record: bool):
+        self.eq, self.k, self.law, self.record, self.w = eq, method, law, record, Writer()
+        self.n = method.order
+        self.start = bound(eq)
+        self.rising = list(active(eq, "exp"))
+        self.w.count_uses([*eq.f, law.braked, law.z, law.slope, *self.rising])
+
+    def write(self) -> Step:
+        """All lines in order."""
+        self._begin()
+        self._slaved()
+        self._explicit()
+        self._end()
+        orders = range(self.n + 1)
+        fields = ["t", "tend", "x", "y0", "y1", "b0", "m1", *(f"clk{k}" for k in range(len(self.eq.clocks)))]
+        fields += ["stat", "nacc", "nrej", "ratio", "acc", "t0", "hh", "top", "ban"]
+        fields += [f"k{i}_{m}" for i in (0, 1) for m in orders]
+        fields += ["x0", *sides(self.eq)] if self.record else ["looked"]
+        return Step(tuple(self.w.lines), tuple(fields), tuple(self.w.case_nodes), self.n)
+
+    def _value(self, node: Sym, bind: dict[str, str] | None = None) -> str:
+        return self.w.value(node, bind or self.start)
+
+    # ---- what both sorts of steps need ----
+    def _begin(self) -> None:
+        """Rates and tolerances at the start; whether z is slaved."""
+        w, eq, k = self.w, self.eq, self.k
+        self.f = [self._value(f) for f in eq.f]
+        w.line("_acc", f"1.0 * {self.f[0]}")
+        w.line("_still", f"{literal(TINY)} * {self._value(eq.velocity_scale)}")
+        small = "abs(_y0) < 100.0 * _still"
+        w.line("_ratio", f"0.0 if {small} else 1.0 - {self.f[1]} / (1.0 if {small} else _y0)")
+        w.line("_tv", f"rtol * fma({literal(k.velocity_floor)}, {self._value(eq.free_velocity)}, fma(1e-290, 1.0, abs(_y0)))")
+        scale = self._value(self.law.deflection if eq.scales[1] is None else eq.scales[1])
+        w.line("_wz", f"_tv / (rtol * fma({literal(k.inner_floor)}, {scale}, abs(_y1)) + 1e-290)")
+        w.line("_period", f"1.0 * {self._value(eq.period)}")
+        w.line("_longest", f"{literal(k.longest)} * _period")
+        w.line("_rem", "_tend - _t")
+        w.line("_fast", f"abs({self._value(self.law.slope)}) * abs(_y0)")
+        w.line("_idle", "_tend > 1e29")
+        w.line("_slow", f"not _idle and abs({self.f[0]}) < {literal(k.slaved)} * _fast and _ban < 0.5 and _y0 * _b0 > 0.0")
+        self.before = [self._value(node.args[0]) for node in self.rising]
+        for i, before in enumerate(self.before):  # how far an exponential may rise: as the order bears, or to where it is still nothing
+            w.line(f"_low{i}", f"fma(as_bits(rtol) * 1.0, {literal(float(LOG_OF_BITS) * 0.6931)}, -709.09) - {before}")
+            w.line(f"_low{i}", f"_low{i} if _low{i} > {literal(k.rise * self.n)} else {literal(k.rise * self.n)}")
+        self.outer = [self._value(node) for node in self.law.not_of_rate(self.eq.graph)]
+        self.explicit = Rows(eq.y, eq.f, [], w, self.start, self.n, out=True)
+        for name in ("hh", "v", "z", "dx", "d1", "fall"):
+            w.line(f"_{name}", "0.0")
+        for name in ("cross", "wrong", "last", "done"):
+            w.line(f"_{name}", "False")
+        w.line("_top", "1.0 * _y0")
+
+    def _wish(self, rows: list[tuple[str, str]], tolerance: str) -> None:
+        """_h: where the last two terms of some series fall to what is tolerated; each is multiplied by its weight."""
+        w = self.w
+        w.line("_h", "1.0 * _longest")
+        w.line("_bits", f"as_bits({tolerance})")
+        for m in (self.n - 1, self.n):
+            w.line("_term", " ".join([f"abs({rows[0][0]}[{m}])"]))
+            for row, weight in rows[1:]:
+                w.line("_other", f"{weight} * abs({row}[{m}])")
+                w.line("_term", "_term if _term > _other else _other")
+            w.line("_power", f"{literal(1 / m)} * ((_bits - as_bits(_term)) * {LOG_OF_BITS})")
+            w.line("_power", "_power if _power < 900.0 else 900.0")
+            w.line("_wish", "as_float(np.int64((_power + 1022.957) * 4503599627370496.0))")
+            w.line("_h", "_h if _h < _wish else _wish")
+        w.line("_ends", "_rem <= _h * 1.0000001")
+        w.line("_h", "_rem if _ends else _h")
+
+    def _at(self, row: str, first: str, h: str) -> str:
+        return horner([first, *(f"{row}[{m}]" for m in range(1, self.n + 1))], h)
+
+    def _rate_at(self, row: str, h: str) -> str:
+        return horner([f"{row}[1]", *(f"{m}.0 * {row}[{m}]" for m in range(2, self.n + 1))], h)
+
+    def _ahead(self, row: str, site: str) -> None:
+        """_ve, _de: velocity and its rate at _h; _far: whether an exponential rises too far on the way; _part: how much of _h is good."""
+        w = self.w
+        w.line("_ve", self._at(row, "_y0", "_h"))
+        w.line("_de", self._rate_at(row, "_h"))
+        if not self.rising:
+            return
+        w.line("_least", "_ve * _b0")
+        w.line("_turns", f"{self.f[0]} * _b0 < 0.0 and _de * _b0 > 0.0")
+        w.begin("if _turns")
+        w.line("_lt", f"_h * ({self.f[0]} / ({self.f[0]} - _de))")
+        w.line("_lt", self._at(row, "_y0", "_lt"))
+        w.line("_least", "_lt * _b0 if (_turns and _lt * _b0 < _least) else _least")
+        w.end()
+        nearest = w.line(f"_near{site}", "(_least if _least > 0.0 else 0.0) * _b0")
+        end = self.start | {"v": nearest, "t": w.line(f"_then{site}", "_t + _h")}
+        w.line("_far", "False")
+        w.line("_part", "1.0")
+        for i, (node, before) in enumerate(zip(self.rising, self.before, strict=True)):
+            w.line("_rise", f"{self._value(node.args[0], end)} - {before}")
+            w.line("_over", f"_rise > _low{i}")
+            w.line("_bend", f"1.0 + _low{i} / ({before} if {before} < -1.0 else -1.0)")  # a Gaussian's argument is a square
+            w.line("_good", "1.0 - math.sqrt(_bend if _bend > 0.0 else 0.0)")
+            w.line("_good", "_good * (_y0 / (_y0 - _ve)) if _over else 1.0")
+            w.line("_part", "_good if (_over and _good < _part) else _part")
+            w.line("_far", "_far or _over")
+
+    def _foresee(self, row: str, site: str, mine: str) -> None:
+        """Shorten a step in which an exponential would rise too far."""
+        w = self.w
+        self._ahead(row, f"{site}a")
+        if not self.rising:
+            return
+        w.line("_far", f"_far and {mine}")
+        w.begin(f"for q in range(0, {CUTS})")
+        w.begin("if _far")
+        w.line("_part", "_part if _part < 0.8 else 0.8")
+        w.line("_part", "_part if _part > 0.1 else 0.1")
+        w.line("_h", "_h * _part if _far else _h")
+        w.line("_ends", "_ends and not _far")
+        self._ahead(row, f"{site}b")
+        w.line("_far", f"_far and {mine}")
+        w.end()
+        w.end()
+
+    # ---- z slaved ----
+    def _slaved(self) -> None:
+        """The step of lanes in which z is slaved, where it succeeds: then they are _done."""
+        w, law, n = self.w, self.law, self.n
+        w.line("_mine", "not _slow and not _idle")
+        w.begin("if more(_slow, _mine)")
+        w.line("_mine", "False")
+        w.line("_zr", f"row({n + 1})")
+        w.line("_dz", f"row({n + 1})")
+        w.begin(f"for m in each(0, {n + 1})")
+        w.line("_zr[m]", "0.0")
+        w.end()
+        for name in ("_brake", "_brake1", "_zs"):
+            w.line(name, "0.0")
+        w.begin(f"for sweep in range(0, {self.k.sweeps})")
+        w.begin(f"for m in each(0, {n})")
+        w.line("_dz[m]", "(m + 1) * _zr[m + 1]")
+        w.end()
+        w.line(f"_dz[{n}]", "0.0")
+        bind = self.start | {law.rate.name: w.line("_dz0", "1.0 * _dz[0]")}
+        rows = Rows([self.eq.y[0]], [law.braked], [law.z], w, bind, n, {law.rate.number: "_dz"}, out=True)
+        rows.write()
+        w.line("_brake1", "1.0 * _brake")
+        w.line("_brake", f"1.0 * {w.value(law.braked, bind)}")
+        w.line("_zs", f"1.0 * {w.value(law.z, bind)}")
+        w.begin(f"for m in each(1, {n + 1})")
+        w.line("_zr[m]", f"1.0 * {rows.rows[law.z.number]}[m]")
+        w.end()
+        w.end()
+        row = rows.rows[self.eq.y[0].number]
+        w.line("_ts", f"{literal(self.k.slow)} * _tv")
+        self._wish([(row, ""), ("_zr", "_wz")], "_ts")
+        self._foresee(row, "s", "_slow")
+        w.line("_sped", horner(["_zr[1]", *(f"{m}.0 * _zr[{m}]" for m in range(2, n + 1))], "_h"))  # z' at the end, and as the sweep had it
+        w.line("_was", horner([f"_dz[{m}]" for m in range(n + 1)], "_h"))
+        end = self.start | {"v": w.line("_vs", "1.0 * _ve"), "t": w.line("_tn", "_t + _h"), law.rate.name: "_sped"}
+        first, last = self._value(law.weight), w.value(law.weight, end)
+        w.line("_zn", f"1.0 * {w.value(law.z, end)}")
+        same = ["_slow", "_ve * _b0 > 0.0", "abs(_brake - _brake1) * _h <= _ts", f"abs({last} * (_sped - _was)) * _h <= _ts"]
+        w.line("_done", " and ".join([*same, f"abs({first} * (_y1 - _zs)) <= _ts"]))
+        self._gone("_done", row, "_zr", "_y0", "_zs", "_zn")
+        w.line("_refused", "_slow and not _done")
+        w.line("_ban", f"{literal(self.k.waits)} if _refused else _ban")
+        w.line("_nrej", "_nrej + (1.0 if _refused else 0.0)")
+        w.end()
+
+    # ---- explicit ----
+    def _explicit(self) -> None:
+        """The step of all other lanes: to the end of what the series bears, or to where v passes zero."""
+        w = self.w
+        v, z = (self.explicit.rows[y.number] for y in self.eq.y)
+        w.begin("if _mine")
+        self.explicit.write()
+        self._wish([(v, ""), (z, "_wz")], "_tv")
+        self._foresee(v, "f", "_mine")
+        self._crossing(v)
+        w.line("_zn", self._at(z, "_y1", "_h"))
+        self._gone("_mine", v, z, "_y0", "_y1", "_zn")
+        w.line("_ban", "_ban - 1.0 if _mine else _ban")
+        w.end()
+
+    def _crossing(self, v: str) -> None:
+        """Where v leaves its side: _h is shortened to there. A lane whose v begins at zero and goes to the other side is _wrong."""
+        w = self.w
+        w.line("_d0", f"{self.f[0]} * _b0")
+        w.line("_out", "_ve * _b0 < -_still and _mine")
+        w.line("_dip", "_d0 < 0.0 and _de * _b0 > 0.0 and not _out and _mine")
+        w.line("_dip", "_dip and fma(_d0, _h, _y0 * _b0) < 0.0")
+        w.line("_any", "_out or _dip")
+        w.begin("if _any")
+        w.line("_lo", "0.0")
+        w.line("_hi", "1.0 * _h")
+        w.begin("if _dip")
+        w.line("_a", "0.0")
+        w.line("_c", "1.0 * _h")
+        w.begin("for q in range(0, 40)")
+        w.line("_mid", "0.5 * (_a + _c)")
+        w.line("_falls", f"({self._rate_at(v, '_mid')}) * _b0 < 0.0")
+        w.line("_a", "_mid if _falls else _a")
+        w.line("_c", "_c if _falls else _mid")
+        w.end()
+        w.line("_deep", f"_dip and ({self._at(v, '_y0', '_a')}) * _b0 < -_still")
+        w.line("_hi", "_a if _deep else _hi")
+        w.line("_out", "_out or _deep")
+        w.end()
+        w.line("_wrong", f"_out and _y0 * _b0 <= 0.0 and (_d0 < 0.0 or (_d0 == 0.0 and {v}[2] * _b0 < 0.0))")
+        w.line("_cross", "_out and not _wrong")
+        w.line("_vh", f"({self._at(v, '_y0', '_hi')}) * _b0")
+        w.line("_gap", "_y0 * _b0 - _vh")
+        w.line("_th", "_hi * (_y0 * _b0) / (_gap if _gap > 0.0 else 1.0)")  # from a start at zero: the zero after it, from the far end
+        w.line("_th", "_th if _d0 < 0.0 else 0.5 * _hi")
+        self._search(v)
+        w.line("_h", "_th if _cross else (0.0 if _wrong else _h)")
+        w.line("_ends", "_ends and not _out")
+        w.line("_ve", "0.0 if _cross else (_y0 if _wrong else _ve)")
+        w.line("_de", self._rate_at(v, "_h"))
+        w.end()
+
+    def _search(self, v: str) -> None:
+        """Newton's method in a bracket, or bisection; a lane that has converged is left alone."""
+        w = self.w
+        w.line("_todo", "_cross and _cross")
+        w.begin(f"for q in range(0, {ROUNDS})")
+        w.begin("if _todo")
+        w.line("_in", "_th > _lo and _th < _hi")
+        w.line("_th", "0.5 * (_lo + _hi) if (_todo and not _in) else _th")
+        w.line("_vt", f"({self._at(v, '_y0', '_th')}) * _b0")
+        w.line("_dt", f"({self._rate_at(v, '_th')}) * _b0")
+        w.line("_up", "_vt > 0.0")
+        w.line("_lo", "_th if (_todo and _up) else _lo")
+        w.line("_hi", "_th if (_todo and not _up) else _hi")
+        w.line("_tn", "_th - _vt / (_dt if _dt < 0.0 else -1e-290)")
+        w.line("_near", "_tn >= _lo and _tn <= _hi")
+        w.line("_close", "abs(_vt) <= 0.01 * _tv and _near or _hi - _lo <= 1e-15 * _h")
+        w.line("_tn", "_tn if _near else 0.5 * (_lo + _hi)")
+        w.line("_th", "_tn if _todo else _th")
+        w.line("_todo", "_todo and not _close")
+        w.end()
+        w.end()
+
+    # ---- after the step ----
+    def _gone(self, mine: str, v: str, z: str, v0: str, z0: str, z1: str) -> None:
+        """Take what a step came to for the lanes that made it."""
+        w, n = self.w, self.n
+        w.line("_way", f"_h * {horner([v0, *(f'{literal(1 / (m + 1))} * {v}[{m}]' for m in range(1, n + 1))], '_h')}")
+        for name, value in (("hh", "_h"), ("v", "_ve"), ("z", z1), ("dx", "_way"), ("d1", "_de")):
+            w.line(f"_{name}", f"{value} if {mine} else _{name}")
+        w.line("_last", f"_ends if {mine} else _last")
+        self._extremum(mine, v)
+        kept = [("_k0", v, v0), ("_k1", z, z0)]
+        if not self.record:
+            w.begin("if _looked > 0.5")
+        w.line("_pw", "1.0 * _h")
+        for name, _, first in kept:
+            w.line(f"{name}[0]", f"{first} if {mine} else {name}[0]")
+        w.begin(f"for m in each(1, {n + 1})")
+        for name, row, _ in kept:
+            w.line(f"{name}[m]", f"_pw * {row}[m] if {mine} else {name}[m]")
+        w.line("_pw", "_pw * _h")
+        w.end()
+        if not self.record:
+            w.end()
+
+    def _extremum(self, mine: str, v: str) -> None:
+        """_top: the largest or smallest velocity within the step, where it turns; else that at its end."""
+        w, first = self.w, self.f[0]
+        w.line("_top", f"_ve if {mine} else _top")
+        looked = "" if self.record else " and _looked > 0.1"
+        w.line("_peak", f"{mine} and {first} * _de < 0.0{looked}")
+        w.begin("if _peak")
+        w.line("_pa", "0.0")
+        w.line("_pc", "1.0 * _h")
+        w.line("_pt", f"_h * ({first} / ({first} - _de))")
+        w.begin("for q in range(0, 6)")
+        w.line("_pd", self._rate_at(v, "_pt"))
+        w.line("_pp", horner([f"2.0 * {v}[2]", *(f"{m * (m - 1)}.0 * {v}[{m}]" for m in range(3, self.n + 1))], "_pt"))
+        w.line("_same", f"_pd * {first} > 0.0")
+        w.line("_pa", "_pt if _same else _pa")
+        w.line("_pc", "_pc if _same else _pt")
+        w.line("_go", "_pd / (_pp if _pp != 0.0 else 1.0)")
+        w.line("_pt", "_pt - _go")
+        w.line("_within", "(_pt > _pa and _pt < _pc) or abs(_go) < 1e-8 * _h")  # what has converged is left where it is
+        w.line("_pt", "_pt if _within else 0.5 * (_pa + _pc)")
+        w.end()
+        w.line("_top", f"({self._at(v, '_y0', '_pt')}) if _peak else _top")
+        w.end()
+
+    def _end(self) -> None:
+        """New state of the lanes that made a step; others wait."""
+        w, eq = self.w, self.eq
+        offset = self._value(eq.offset)
+        w.line("_made", "_done or _mine")
+        w.line("_t0", "1.0 * _t")
+        if self.record:
+            w.line("_x0", "1.0 * _x")
+            w.line(f"_{sides(eq)[0]}", "1.0 * _b0")
+        w.line("_x", "_x + _dx" if offset == "0.0" else f"_x + fma({offset}, _hh, _dx)")
+        w.line("_y0", "_v if _made else _y0")
+        w.line("_y1", "_z if (_made and not _wrong) else _y1")
+        w.line("_m1", "abs(_y1) if abs(_y1) > _m1 else _m1")
+        w.line("_b0", "-_b0 if (_cross or _wrong) else _b0")
+        w.line("_nacc", "_nacc + (1.0 if _made else 0.0)")
+        w.line("_short", "_hh < fma(_t, 4.5e-16, 1e-25 * _period) and _made and not (_last or _wrong or _cross)")
+        w.line("_t", "_tend if _last else _t + _hh")
+        w.line("_stat", f"1.0 if _last else ({Status.TOO_SMALL}.0 if _short else _stat)")
+        w.line("_stat", f"{Status.NOT_A_NUMBER}.0 if (_y0 != _y0 or _y1 != _y1) else _stat")
+        w.line("_stat", f"{Status.BUDGET}.0 if (_nacc + _nrej > budget and _stat < 0.5) else _stat")
