@@ -51,6 +51,13 @@ class Certificate:
     margins : dict of str to float
         By how much the applied force stays within, or goes beyond, the limits of rest at least, in units of the drive's force; by the
         condition and the number of the arc.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rest = ss.certify(ss.periodic_orbit(ss.presets.coulomb_robot(1.2, 1.5)))
+    >>> rest.proved, rest.pattern, round(rest.margins["rest within its limits, 0"], 6)
+    (True, '0', 0.5)
     """
 
     proved: bool
@@ -111,7 +118,7 @@ def certify(orbit: Any, digits: int = 20) -> Certificate:
     >>> proof = ss.certify(ss.periodic_orbit(robot))
     >>> proof.proved, proof.pattern, proof.multiplier.high < 1e-300
     (True, '0+-', True)
-    >>> abs(float(proof.mean_velocity) - ss.mean_velocity(robot)) < 1e-16
+    >>> abs(float(proof.mean_velocity) - ss.periodic_mean_velocity(robot)) < 1e-16
     True
     """
     _check(orbit, digits)
