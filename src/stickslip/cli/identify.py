@@ -85,7 +85,7 @@ def act(command: str, words: list[str]) -> int:
     with recorded.in_words_of_the_shell():
         records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
         fit = identify(records, make, free=job["free"], progress=show.progress("starts"), **job["options"], **job["arguments"])
-    method = "profile" if asked.profile else "covariance"
+    method = "profile" if asked.profile else "auto"
     intervals = {name: fit.interval(name, asked.level, method) for name in fit.values}
     if report is not None:
         fit.report(report)
@@ -95,7 +95,8 @@ def act(command: str, words: list[str]) -> int:
         print(recorded.typed(fit.report()))
         if asked.profile or asked.level != 0.95:
             for name, (low, high) in intervals.items():
-                ends = NOT_DETERMINED if name in fit.undetermined else f"{100 * asked.level:g} % {low:.6g} to {high:.6g} ({method})"
+                how = " (profile)" if asked.profile else ""
+                ends = NOT_DETERMINED if name in fit.undetermined else f"{100 * asked.level:g} % {low:.6g} to {high:.6g}{how}"
                 print(f"  {name}: {ends}")
         if report is not None:
             print(f"written to {report}")

@@ -67,8 +67,8 @@ def _told(fit: Any) -> dict[str, Any]:
     from stickslip import plot
     from stickslip.faces import rounded
     from stickslip.identifying.words import (
-        NOT_DETERMINED,
         cost_lines,
+        error_text,
         parameter_rows,
         sensor_lines,
         unit_of_parameter,
@@ -80,7 +80,7 @@ def _told(fit: Any) -> dict[str, Any]:
             "name": n,
             "unit": unit_of_parameter(fit, n),
             "value": rounded(v, e),
-            "error": f"{e:.2g}" if n not in lost else NOT_DETERMINED,
+            "error": error_text(fit, n),
             "low": rounded(a, e) if n not in lost else "–",
             "high": rounded(b, e) if n not in lost else "–",
             "bounds": (free[n].low, free[n].high),

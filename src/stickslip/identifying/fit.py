@@ -205,8 +205,15 @@ class Fit(Face):
 
     @property
     def undetermined(self) -> tuple[str, ...]:
-        """Parameters that the data do not determine: others can change with them so that nothing measured changes."""
-        return tuple(name for name, error in self.errors.items() if not np.isfinite(error))
+        """Parameters that the data do not determine: any value between their bounds fits as well, others following perhaps."""
+        return tuple(name for name, error in self.errors.items() if not np.isfinite(error) or name in self.open)
+
+    @cached_property
+    def open(self) -> tuple[str, ...]:
+        """Parameters whose interval reaches from bound to bound, though the curvature at the best place tells a standard error."""
+        from stickslip.identifying.uncertainty import open_parameters
+
+        return tuple(open_parameters(self))
 
     @property
     def slopes(self) -> NDArray[np.float64]:
@@ -466,11 +473,17 @@ class Fit(Face):
         return f"Fit of {self.law}"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        from stickslip.identifying.words import parameter_rows, unit_of_parameter
+        from stickslip.identifying.words import error_text, parameter_rows, unit_of_parameter
 
         head = ("parameter", "value", "standard error", "95 % interval", "unit")
         rows = [
-            (name, rounded(value, error), sure(error), f"{rounded(low, error)} to {rounded(high, error)}", unit_of_parameter(self, name))
+            (
+                name,
+                rounded(value, error),
+                error_text(self, name),
+                f"{rounded(low, error)} to {rounded(high, error)}",
+                unit_of_parameter(self, name),
+            )
             for name, value, error, low, high in parameter_rows(self)
         ]
         return [[head, *rows], [("record", "what is left"), *((q.label, q.excess) for q in self.quality)]]

@@ -82,9 +82,7 @@ def by_profile(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """Where the least sum of squares of the other parameters has risen by as much as the level allows."""
     k = fit.names.index(name)
     free = fit.problem.parameters.free[k]
-    white = fit.information.covariance(fit.scale)[k, k]
-    rise = (_quantile(fit, level) * fit.scale) ** 2 * fit.spread[k, k] / white  # coloured noise makes it rise by more
-    ends = [_profile_end(fit, k, sign, rise) for sign in (-1.0, 1.0)]
+    ends = [_profile_end(fit, k, sign, _allowed(fit, k, level)) for sign in (-1.0, 1.0)]
     return float(free.outer(ends[0])), float(free.outer(ends[1]))
 
 
@@ -172,17 +170,18 @@ def faults(fit: Fit) -> list[str]:
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are no noise."""
     found = undetermined(fit)
+    found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in fit.open]
     for k, free in enumerate(fit.problem.parameters.free):
-        if fit.information.undetermined[k]:
+        if free.name in fit.undetermined:
             continue
         if min(fit.place[k], 1 - fit.place[k]) < 1e-4:
             found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: widen the bound, or these data cannot tell it")
         elif not _inner_error(fit, k) < 0.3:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
-    if fit.bent:
+    if told := [name for name in fit.bent if name not in fit.open]:
         found.append(
-            f"the sum of squares bends away from a parabola within the interval of {listed(list(fit.bent))}: "
-            f"believe interval(name), which is by profile there, rather than the covariance or the bootstrap"
+            f"the sum of squares bends away from a parabola within the interval of {listed(told)}: "
+            f"its interval is by profile; covariance and bootstrap are not to be believed"
         )
     for q, rest in zip(fit.quality, fit._split(fit.residuals), strict=True):
         if q.suspicious:
@@ -201,6 +200,22 @@ def bent_parameters(fit: Fit) -> list[str]:
     errors = np.sqrt(np.diag(covariance))
     known = [] if fit.stopped else [k for k in range(len(fit.names)) if np.isfinite(errors[k]) and errors[k] > 0]
     return [fit.names[k] for k in known if not _parabolic(fit, np.nan_to_num(covariance[:, k]) / errors[k])]
+
+
+def open_parameters(fit: Fit, level: float = 0.95) -> list[str]:
+    """Of those the ones that may be at either bound: the sum of squares rises by less than the level allows once the others follow."""
+    names = []
+    for name in fit.bent:
+        k = fit.names.index(name)
+        if all(_risen(fit, k, bound, fit.place)[0] < _allowed(fit, k, level) for bound in (0.0, 1.0)):
+            names.append(name)
+    return names
+
+
+def _allowed(fit: Fit, k: int, level: float) -> float:
+    """By how much the sum of squares may rise within an interval; by more where noise is coloured."""
+    white = fit.information.covariance(fit.scale)[k, k]
+    return float((_quantile(fit, level) * fit.scale) ** 2 * fit.spread[k, k] / white)
 
 
 def _parabolic(fit: Fit, along: Any) -> bool:

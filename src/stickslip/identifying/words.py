@@ -13,6 +13,7 @@ __all__ = [
     "NOT_DETERMINED",
     "OVER_MOTION",
     "counted",
+    "error_text",
     "listed",
     "parameter_rows",
     "sure",
@@ -26,11 +27,18 @@ __all__ = [
 
 def parameter_rows(fit: Any, level: float = 0.95) -> list[tuple[str, float, float, float, float]]:
     """For each free parameter: name, value, standard error, and the ends of its interval."""
-    return [(name, value, fit.errors[name], *fit.interval(name, level, "covariance")) for name, value in fit.values.items()]
+    return [(name, value, fit.errors[name], *fit.interval(name, level)) for name, value in fit.values.items()]
 
 
 #: Kinds of values that are forces, or what stands for them, over a motion that was measured.
 OVER_MOTION = ("force", "applied force", "torque", "current")
+
+
+def error_text(fit: Any, name: str) -> str:
+    """The standard error of a parameter as it stands behind its value; that there is none where the sum of squares is no parabola."""
+    if name in fit.undetermined:
+        return NOT_DETERMINED
+    return "(by profile)" if name in fit.bent else sure(fit.errors[name])
 
 
 def unit_of_kind(kind: str) -> str:
@@ -125,6 +133,8 @@ def cost_lines(fit: Any) -> list[str]:
     """What the sensors cost: standard errors with them, with all their numbers known, and with those of one effect known."""
     found, lines = fit.costs, []
     for name, error in fit.errors.items():
+        if name in fit.undetermined:
+            continue
         each = [
             f"{sure(without[name])} with its {what} known" for what, without in found.items() if what and _matters(error, without[name])
         ]
@@ -150,11 +160,11 @@ def told(fit: Any) -> str:
     width = max(len(name) for name in fit.names)
     for name, value, error, low, high in parameter_rows(fit):
         unit = unit_of_parameter(fit, name)
-        if not np.isfinite(error):
+        if name in fit.undetermined:
             rows.append(f"  {name:<{width}} {NOT_DETERMINED}: {f'{value:.3g} {unit}'.rstrip()} is one of many values that fit as well")
             continue
-        error_text = f"{sure(error, '.2g')} {unit}".rstrip()
-        rows.append(f"  {name:<{width}} = {rounded(value, error)} {error_text}   95 % {rounded(low, error)} to {rounded(high, error)}")
+        how_sure = f"{error_text(fit, name)} {unit}".rstrip()
+        rows.append(f"  {name:<{width}} = {rounded(value, error)} {how_sure}   95 % {rounded(low, error)} to {rounded(high, error)}")
     rows += [f"  {line}" for line in (*sensor_lines(fit), *cost_lines(fit))]
     for q in fit.quality:
         noise = f", noise {q.noise:.3g} {q.unit}" if np.isfinite(q.noise) else ""
