@@ -76,8 +76,13 @@ def _noise(fit: Fit) -> float:
 
 
 def _rows_of(fit: Fit) -> Any:
-    """Derivatives of the records so far, in standard deviations as the fit found them, numbers of their own behind the parameters."""
-    return fit.jacobian / fit.scale
+    """Derivatives of the records so far, in standard deviations as the fit found them, numbers of their own behind the parameters.
+
+    Those of a number that is flat from bound to bound are none, whatever they are where the search ended.
+    """
+    told = np.ones(fit.jacobian.shape[1])
+    told[: len(fit.names)] = [name not in fit.open for name in fit.names]
+    return fit.jacobian * told / fit.scale
 
 
 def _expected(fit: Fit, rows: Any, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> tuple[Experiment, tuple[float, float]]:
@@ -124,7 +129,7 @@ def _driven(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int)
     curve, (main, nuisances), period = _sensitivity(of, dict(fit.values), 0, using, samples, fit.problem.model.rtol)
     target = _target(curve, using, noise, period)
     numbers, _ = _numbers(fit, how["sensor"], target)
-    parts: list[Any] = [(target, target.y, {}, np.zeros(target.count, bool))]
+    parts: list[Any] = [(target, target.y, {})]
     sensors = [of_records(number, parts)[:, None] for number in numbers]
     slopes = np.concatenate([main * fit.slopes, nuisances, *sensors], axis=1) / noise
     return np.concatenate([slopes, _known_rows(numbers, slopes.shape[1])])
