@@ -123,10 +123,15 @@ def _of(fit: Fit, chosen: dict[str, Any]) -> Any:
     return replace(of, fixed=({**of.fixed[0], **own, **set_here},))
 
 
+def _values(fit: Fit) -> dict[str, float]:
+    """Values of the parameters; the middle between its bounds for one that may be anywhere between them."""
+    return fit.values | {f.name: float(f.outer(0.5)) for f in fit.problem.parameters.free if f.name in fit.open}
+
+
 def _driven(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> Any:
     """Derivatives of a record of steady motion by the parameters, the phase, and the numbers of its sensor."""
     of, using, noise = _of(fit, chosen), how["using"], float(how["noise"])
-    curve, (main, nuisances), period = _sensitivity(of, dict(fit.values), 0, using, samples, fit.problem.model.rtol)
+    curve, (main, nuisances), period = _sensitivity(of, _values(fit), 0, using, samples, fit.problem.model.rtol)
     target = _target(curve, using, noise, period)
     numbers, _ = _numbers(fit, how["sensor"], target)
     parts: list[Any] = [(target, target.y, {})]
