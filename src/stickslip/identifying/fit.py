@@ -363,9 +363,9 @@ class Fit(Face):
         A body that never rests says nothing of static friction.
 
         >>> import stickslip as ss
-        >>> rig = ss.presets.piezo_rig
-        >>> rec = ss.virtual_rig(rig(tilt_deg=1.7, amplitude=3e-3, law="coulomb", f0=0.25), noise=1e-4, seed=1)
-        >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, tilt_deg=1.7, amplitude=3e-3, law="coulomb", starts=4)
+        >>> rig, how = ss.presets.piezo_rig, {"tilt_deg": 1.7, "amplitude": 3e-3, "law": "coulomb-static"}
+        >>> rec = ss.virtual_rig(rig(**how, f0=0.25), noise=1e-4, seed=1)
+        >>> fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3), "f0": (0.2, 0.35)}, starts=4, **how)
         >>> fit.undetermined
         ('f0',)
         >>> plan = fit.next_experiment({"amplitude": [2.5e-3, 6e-4]})
