@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import stickslip as ss
-from stickslip.dynamics.mapping import strobe_map
+from stickslip.dynamics.stroboscopic.strobe_maps import strobe_map
 
 RIG = dict(tilt_deg=1.7, amplitude=6e-4)
 SCIPY_POINTS, SETTLE, POINTS = 4, 100, 32

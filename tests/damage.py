@@ -29,7 +29,7 @@ def bases(folder):
     import xarray as xr
     from scipy.io import savemat
 
-    from test_read import T, V, rows, uff
+    from records.test_read import T, V, rows, uff
 
     short, comma, bare = ("".join(text.splitlines(True)[:60]) for text in (rows(), rows(";", ","), rows("\t", head="")))
     made = {"a.csv": short.encode(), "b.csv": comma.encode(), "a.txt": bare.encode(), "utf16.csv": short.encode("utf-16")}

@@ -10,7 +10,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.flow import is_flow
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.maths import cos, pi, sin
 
 SHAKEN = ss.Robot(

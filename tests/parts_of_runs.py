@@ -8,7 +8,7 @@ import numpy as np
 
 import stickslip as ss
 from stickslip.fields import leaves, replace_leaf
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 SAMPLES, NODES = 4001, 12
 

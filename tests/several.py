@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.dense_output import PolynomialPieces
 from stickslip.layout import BodyStates, ContactStates, StateLayout
-from stickslip.pieces import PolynomialPieces
 from stickslip.trajectory import Trajectory
 
 T = np.array([0.0, 0.5, 0.75, 1.0])

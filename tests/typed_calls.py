@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import stickslip as ss
-from stickslip.dynamics.cycles import LimitCycle
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle
 
 robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4)
 run = ss.solve(robot, keep="trajectory")

@@ -44,6 +44,11 @@ say = functools.partial(print, file=sys.__stderr__, flush=True)  # standard outp
 SLOWEST, PATIENCE = 1.0, 300  # seconds of processor time of a test and of a mutant; one that runs without end counts as killed
 
 
+def _file_of(name: str) -> str:
+    """Where the tests of one thing are."""
+    return str(next((ROOT / "tests").rglob(f"test_{name}.py")).relative_to(ROOT))
+
+
 class NoCompiler(importlib.abc.MetaPathFinder):
     """A Python without Numba."""
 
@@ -129,7 +134,7 @@ class Mutants:
         if mutant is not None:
             signal.setitimer(signal.ITIMER_PROF, PATIENCE)
             items = items if change(mutant) else []  # what reaches no test survives
-            near = tuple(f"tests/test_{name}.py" for name in NEAR.get(mutant.file.partition("/")[0], ("tracks", "drives")))
+            near = tuple(_file_of(name) for name in NEAR.get(mutant.file.partition("/")[0], ("tracks", "drives")))
             items = sorted(items, key=lambda i: 0 if i.nodeid.startswith(f"src/stickslip/{mutant.file}") else 2 - i.nodeid.startswith(near))
         for item, after in pairwise([*items, None]):
             item.config.hook.pytest_runtest_protocol(item=item, nextitem=after)
@@ -152,7 +157,7 @@ def main() -> int:
     known = json.loads((ROOT / "verification" / "mutants.json").read_text(encoding="utf-8"))
     wanted = [m for m in every() if given.only in m.name and (names is None or m.name in names)]
     mutants = Mutants(wanted[: given.count], known, given.workers)
-    files = [f"tests/test_{name}.py" for name in TESTS] + [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
+    files = [_file_of(name) for name in TESTS] + [str(p.relative_to(ROOT)) for g in FORMULAS for p in SOURCE.glob(g)]
     began = time.perf_counter()
     pytest.main([*files, "-q", "-p", "no:cacheprovider", "--tb=no", "--capture=no"], plugins=[mutants])
     say(f"{'; '.join(f'{n} {verdict}' for verdict, n in mutants.ends.items())}, in {time.perf_counter() - began:.0f} s")

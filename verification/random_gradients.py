@@ -30,11 +30,11 @@ from machine_draws.kinds import SORTS, kinds as machine_kinds
 
 import stickslip as ss
 from stickslip.batch import some_of
-from stickslip.dynamics.closing import Closing
-from stickslip.dynamics.mapping import coordinates
-from stickslip.dynamics.sensitivity import directions_of
+from stickslip.dynamics.derivatives.sensitivity import directions_of
+from stickslip.dynamics.periodic.steady_motions import Closing
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.fields import leaves, replace_leaf
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.optimising.gradients import steady_motion
 from stickslip.optimising.results import moved_by
 

@@ -21,7 +21,7 @@ from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.trace import trace
 from stickslip.engine.values import needed_by
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 __all__ = ["TracedRun", "trace_differs"]
 

@@ -1,6 +1,6 @@
 """The Python on a page as one script: its blocks run in order, each with what it prints and draws.
 
-The build of the docs (``executed.py``) and the tests (``tests/test_docs_examples.py``) run pages by this module alone, as a reader
+The build of the docs (``executed.py``) and the tests (``tests/docs/test_docs_examples.py``) run pages by this module alone, as a reader
 would who types one block after the other.
 """
 

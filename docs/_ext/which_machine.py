@@ -1,4 +1,4 @@
-"""The table of the page on which machine goes through which door: made from what tests/test_every_machine.py tries.
+"""The table of the page on which machine goes through which door: made from what tests/properties/test_every_machine.py tries.
 
 ``python docs/_ext/which_machine.py`` tries every machine at every door and writes docs/which-machine.md anew.
 """

@@ -20,15 +20,15 @@ from .analysis.motion import (
     Motion as Motion,
     motion as motion,
 )
-from .analysis.steady import (
-    mean_velocity as mean_velocity,
-    periodic_mean_velocity as periodic_mean_velocity,
-)
-from .analysis.tracks import (
+from .analysis.moving_tracks import (
     Hops as Hops,
     hops as hops,
     step_per_cycle as step_per_cycle,
     throw_index as throw_index,
+)
+from .analysis.steady import (
+    mean_velocity as mean_velocity,
+    periodic_mean_velocity as periodic_mean_velocity,
 )
 from .benching import (
     Bench as Bench,
@@ -56,56 +56,56 @@ from .drives import (
     VerticalVibration as VerticalVibration,
     cantilever_eigenvalues as cantilever_eigenvalues,
 )
-from .dynamics.attractors import (
+from .dynamics.attractors.attractor_continuation import attractors as attractors
+from .dynamics.attractors.basins import (
     Basins as Basins,
     basins as basins,
 )
-from .dynamics.balls import Enclosure as Enclosure
-from .dynamics.branches import (
+from .dynamics.attractors.bifurcation_diagrams import bifurcation as bifurcation
+from .dynamics.attractors.period_maps import chaos_map as chaos_map
+from .dynamics.continuation.branches import (
     Branch as Branch,
     continuation as continuation,
 )
-from .dynamics.certify import (
-    Certificate as Certificate,
-    certify as certify,
-)
-from .dynamics.curves import (
+from .dynamics.continuation.two_parameters import (
     Curve as Curve,
     special_curve as special_curve,
 )
-from .dynamics.diagrams import bifurcation as bifurcation
-from .dynamics.exponents import (
+from .dynamics.derivatives.sensitivity import (
+    Sensitivity as Sensitivity,
+    sensitivity as sensitivity,
+)
+from .dynamics.exponents.general_exponents import (
+    Lyapunov as Lyapunov,
+    lyapunov_of_flow as lyapunov_of_flow,
+    lyapunov_of_map as lyapunov_of_map,
+)
+from .dynamics.exponents.motion_exponents import (
     Verdict as Verdict,
     largest_exponents as largest_exponents,
     lyapunov as lyapunov,
     verdict as verdict,
 )
-from .dynamics.flow_orbits import (
+from .dynamics.flows.flow_orbits import (
     FlowOrbit as FlowOrbit,
     flow_orbit as flow_orbit,
     switching_flow as switching_flow,
 )
-from .dynamics.generic import (
-    Lyapunov as Lyapunov,
-    lyapunov_of_flow as lyapunov_of_flow,
-    lyapunov_of_map as lyapunov_of_map,
+from .dynamics.flows.flow_stretches import passage as passage
+from .dynamics.periodic.balls import Enclosure as Enclosure
+from .dynamics.periodic.certify import (
+    Certificate as Certificate,
+    certify as certify,
 )
-from .dynamics.maps import chaos_map as chaos_map
-from .dynamics.orbits import (
+from .dynamics.periodic.periodic_orbits import (
     PeriodicOrbit as PeriodicOrbit,
     periodic_orbit as periodic_orbit,
 )
-from .dynamics.sections import (
+from .dynamics.stroboscopic.sections import (
     poincare as poincare,
     spectrum as spectrum,
     strobe as strobe,
 )
-from .dynamics.sensitivity import (
-    Sensitivity as Sensitivity,
-    sensitivity as sensitivity,
-)
-from .dynamics.switched import passage as passage
-from .dynamics.tracked import attractors as attractors
 from .engine.latex import latex as latex
 from .errors import (
     InputError as InputError,

@@ -16,10 +16,10 @@ from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Face
-from stickslip.machine import is_machine, machine_of
+from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import rk4, solve
-from stickslip.solvers.arcs import handles
+from stickslip.solvers.closed_arcs import handles
 
 __all__ = ["Check", "Judge", "check"]
 

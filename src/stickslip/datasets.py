@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves
 from stickslip.jsontext import plain
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.status import STATUS
 from stickslip.steadiness import STEADINESS
 from stickslip.variables import VARIABLES, unit_of

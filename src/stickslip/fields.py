@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.maths import is_symbol
-from stickslip.named import numbers_meant
+from stickslip.number_names import numbers_meant
 from stickslip.quantities import allowed_in, example_of, told_inside
 from stickslip.typed_numbers import in_unit
 

@@ -12,7 +12,7 @@ from stickslip.contact_forces import columns_of_parts
 from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves
 from stickslip.friction.adapter import TINY, adapted, is_law, law_of
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 
 __all__ = [

@@ -9,7 +9,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of, mirrored as mirrored_law
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.track_profiles import mirrored_track
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from stickslip.arguments import described_arguments
 from stickslip.fields import is_record, leaves, told_by_field
-from stickslip.named import numbers_meant
+from stickslip.number_names import numbers_meant
 from stickslip.quantities import axis_in, quantity
 
 __all__ = ["axis_of", "described", "example_for"]

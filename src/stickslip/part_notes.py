@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.status import Status
 
 __all__ = ["APART", "notes_of_cases", "shared_at_rest"]

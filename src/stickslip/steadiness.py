@@ -10,7 +10,7 @@ import numpy as np
 from stickslip import recurrence
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.part_notes import APART
 from stickslip.position import knows_position

@@ -21,6 +21,7 @@ import numpy as np
 
 from stickslip import hdf5
 from stickslip.datasets import attributes, dims_of, flat_columns, headed, names_of, trajectory_columns, write_csv
+from stickslip.dense_output import kind_of, pieces_from_arrays
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
 from stickslip.friction.adapter import adapted
@@ -28,7 +29,6 @@ from stickslip.jsontext import plain
 from stickslip.layout import StateLayout
 from stickslip.mechanics import lists_parts
 from stickslip.mechanisms import MECHANISMS
-from stickslip.pieces import kind_of, pieces_from_arrays
 from stickslip.robot import Robot
 from stickslip.tables import document_of
 from stickslip.unpacking import Allowance

@@ -11,15 +11,15 @@ import numpy as np
 from stickslip import forces
 from stickslip.arguments import Numbers, explains_arguments
 from stickslip.contact_forces import held_by_controllers
+from stickslip.dense_output import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.errors import InputError
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
 from stickslip.faces import Drawn
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.part_notes import shared_at_rest
 from stickslip.part_runs import BodyRun, ContactRun, ControllerRun
-from stickslip.pieces import HarmonicArcs, Pieces, PolynomialPieces, inner_rates
 from stickslip.run_files import RunFiles
 from stickslip.sealing import sealed
 from stickslip.status import Status

@@ -265,7 +265,7 @@ def periodic(alpha_plus: Array, alpha_minus: Array, static: tuple[Array, Array] 
 def _by_arcs(rows: Array, workers: int) -> dict[str, Array]:
     """Periodic motions from the mode machine, started at rest."""
     from stickslip.segments import type_of
-    from stickslip.solvers.exact import solve_rows
+    from stickslip.solvers.set_valued import solve_rows
 
     parts = []
     for i in range(0, len(rows), _CHUNK):

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.motion import DWELL, SLIP_RATIO
-from stickslip.analysis.segments import Watched, WatchedOf, clipped, elastic_segments
-from stickslip.machine import machine_of
+from stickslip.analysis.run_segments import Watched, WatchedOf, clipped, elastic_segments
+from stickslip.machine_adapter import machine_of
 
 __all__ = ["FLIGHT", "PRESSED", "Stretch", "contact_modes", "hits", "landings", "pressed_stops", "stop_rows", "watched_contacts"]
 

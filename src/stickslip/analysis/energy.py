@@ -11,9 +11,9 @@ from stickslip import forces
 from stickslip.analysis import works as works_of_parts
 from stickslip.analysis.steady import needs_run
 from stickslip.arguments import Run, explains_arguments
+from stickslip.dense_output import HarmonicArcs
 from stickslip.faces import Face
-from stickslip.machine import machine_of
-from stickslip.pieces import HarmonicArcs
+from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 
 __all__ = ["Energy", "energy"]

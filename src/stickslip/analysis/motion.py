@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.analysis.segments import Segments, Watched, WatchedOf, clipped, intervals_of, raw_segments, type_of
+from stickslip.analysis.run_segments import Segments, Watched, WatchedOf, clipped, intervals_of, raw_segments, type_of
 from stickslip.analysis.steady import needs_run, period_number
 from stickslip.arguments import Run, explains_arguments
 from stickslip.errors import InputError
@@ -17,7 +17,7 @@ from stickslip.faces import Drawn
 from stickslip.fields import everywhere
 from stickslip.friction import Coulomb
 from stickslip.friction.adapter import adapted, law_of
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.summary import Summary
 
 __all__ = ["DWELL", "SLIP_RATIO", "Motion", "Motions", "coulomb_twin", "motion", "threshold_table"]
@@ -297,7 +297,7 @@ def coulomb_twin(model: Any) -> Any:
 
     A robot whose motion is made of closed arcs already, by its equations, is its own twin.
     """
-    from stickslip.solvers.arcs import handles
+    from stickslip.solvers.closed_arcs import handles
 
     law = model.friction
     if handles(model) is None:
@@ -322,7 +322,7 @@ def _twin_type(run: Any) -> str | None:
     """The twin's type, from the exact borders where they apply; else it is solved."""
     from stickslip.analysis.closed_form import coulomb_type
     from stickslip.solvers import solve
-    from stickslip.solvers.arcs import handles, reduced
+    from stickslip.solvers.closed_arcs import handles, reduced
 
     twin = coulomb_twin(run.model)
     if twin is None:

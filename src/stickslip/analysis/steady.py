@@ -261,7 +261,7 @@ def closed_mean_velocity(model: Any) -> Any:
     """
     from stickslip.analysis.closed_form import periodic
     from stickslip.batch import shape_of
-    from stickslip.solvers.arcs import handles, reduced
+    from stickslip.solvers.closed_arcs import handles, reduced
 
     if handles(model) is not None:
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 __all__ = ["RK4", "certain_digits", "naive", "sentence"]
 

@@ -1,6 +1,6 @@
 """The bench: what a law does, alone."""
 
-from stickslip.benching.records import Bench, Benches, Curve, Experiment, Quantity
-from stickslip.benching.running import EXPERIMENTS, bench
+from stickslip.benching.experiments_run import EXPERIMENTS, bench
+from stickslip.benching.findings import Bench, Benches, Curve, Experiment, Quantity
 
 __all__ = ["EXPERIMENTS", "Bench", "Benches", "Curve", "Experiment", "Quantity", "bench"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stickslip.benching.contact import Contact, swing
-from stickslip.benching.records import Curve, Experiment, Quantity
+from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import HELD, Setup
 
 __all__ = ["dissipation", "hysteresis"]

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.benching.records import Curve, Experiment, Quantity
-from stickslip.benching.seen import seen
+from stickslip.benching.envelopes import seen
+from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import FAST, HELD, Setup, shorter
 from stickslip.mechanisms import PulledMass
 

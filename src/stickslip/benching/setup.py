@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.benching.contact import Contact, steady
+from stickslip.benching.findings import Experiment
 from stickslip.benching.probe import Probe
-from stickslip.benching.records import Experiment
 from stickslip.errors import SolveError
 from stickslip.solvers import solve
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-from stickslip.benching.records import Curve, Experiment, Quantity
+from stickslip.benching.findings import Curve, Experiment, Quantity
 from stickslip.benching.setup import Setup
 
 __all__ = ["lag", "shown", "steady_friction"]

@@ -103,7 +103,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("STICKSLIP_TRACEBACK"):
             raise
-        from stickslip.cli.blame import in_your_code
+        from stickslip.cli.user_errors import in_your_code
 
         if yours := in_your_code(error):
             return _say(yours, 2)

@@ -221,7 +221,7 @@ class Subject:
 
     def robot(self) -> Any:
         """The robot itself."""
-        from stickslip.machine import is_machine
+        from stickslip.machine_adapter import is_machine
 
         made = _builder(self.make)(self.arguments)
         if not is_machine(made):
@@ -280,7 +280,7 @@ def subject(
 
 def _takes(make: Any, known: Sequence[str], name: str) -> bool:
     """Whether a maker knows a name; one for the numbers of several parts is one for `replace`, and so for no function."""
-    from stickslip.named import numbers_meant
+    from stickslip.number_names import numbers_meant
 
     return name in known or (not callable(make) and bool(numbers_meant(name, known)))
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import check_driven, parser, subject, units_of, values
-from stickslip.cli.kept import Outcome, add_targets, finish, targets
+from stickslip.cli.outputs import Outcome, add_targets, finish, targets
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError, Problems
@@ -42,7 +42,7 @@ def act(command: str, typed: list[str]) -> int:
 
 def _one(study: Any, starts: dict[str, Any]) -> Outcome:
     """One robot: which start goes where."""
-    from stickslip.dynamics.attractors import basins
+    from stickslip.dynamics.attractors.basins import basins
 
     found = basins(study.robot(), progress=watcher(), **study.options, **starts)
 
@@ -62,7 +62,7 @@ def _one(study: Any, starts: dict[str, Any]) -> Outcome:
 
 def _along(study: Any, ranges: list[str], starts: dict[str, Any]) -> Outcome:
     """Robots along a number: what becomes of the attractors."""
-    from stickslip.dynamics.tracked import attractors
+    from stickslip.dynamics.attractors.attractor_continuation import attractors
 
     if len(ranges) > 1:
         raise InputError(

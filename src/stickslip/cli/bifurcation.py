@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from stickslip.cli.arguments import Subject, check_driven, parser, subject
-from stickslip.cli.kept import Outcome, add_targets, finish, targets
+from stickslip.cli.outputs import Outcome, add_targets, finish, targets
 from stickslip.cli.sweep import watcher
 from stickslip.errors import InputError
 
@@ -31,7 +31,7 @@ def act(command: str, words: list[str]) -> int:
     study = subject(asked.robot, asked.settings, many=True, solver=known, strict=False)
     parameter, values, fixed = _split(command, study.arguments)
 
-    from stickslip.dynamics.diagrams import bifurcation
+    from stickslip.dynamics.attractors.bifurcation_diagrams import bifurcation
 
     options = {**study.options, **fixed}
     diagram = bifurcation(study.make, parameter=parameter, values=values, follow=not asked.batch, progress=watcher(), **options)
@@ -51,7 +51,7 @@ def _split(command: str, arguments: dict[str, Any]) -> tuple[str, list[float], d
 
 def _followed(make: Any, parameter: str, values: list[float], period: int, fixed: dict[str, Any]) -> list[Any]:
     """The branch from the last value down to the first, and the doubled one of its first flip."""
-    from stickslip.dynamics.branches import continuation
+    from stickslip.dynamics.continuation.branches import continuation
 
     branch = continuation(make, parameter=parameter, start=max(values), stop=min(values), period=period, **fixed)
     return [branch, *([branch.doubled()] if any(s.kind == "flip" for s in branch.special) else [])]

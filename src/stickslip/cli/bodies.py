@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.cli import show
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
 __all__ = ["record", "told"]

@@ -47,8 +47,8 @@ def _opened(robot: str, words: list[str]) -> tuple[str, Any]:
     study = subject(robot, words, strict=False)
     made = study.robot()
 
+    from stickslip.explorer.from_robot import hash_of, state_of
     from stickslip.explorer.machines import Shown
-    from stickslip.explorer.opened import hash_of, state_of
 
     try:
         return hash_of(state_of(made)), None

@@ -80,7 +80,7 @@ def act(command: str, words: list[str]) -> int:
     make = _maker(job["make"])
 
     from stickslip.identifying import identify
-    from stickslip.identifying.words import NOT_DETERMINED
+    from stickslip.identifying.fit_text import NOT_DETERMINED
 
     with recorded.in_words_of_the_shell():
         records = [recorded.opened(path, asked) for path in job["records"]] or job["means"]
@@ -106,7 +106,7 @@ def act(command: str, words: list[str]) -> int:
 def _numbers(fit: Any, intervals: dict[str, Any], level: float, method: str) -> dict[str, Any]:
     from dataclasses import asdict
 
-    from stickslip.identifying.words import NOT_DETERMINED
+    from stickslip.identifying.fit_text import NOT_DETERMINED
 
     lost = dict.fromkeys(fit.undetermined, NOT_DETERMINED)
     sensor = {name: [value, error if isfinite(error) else NOT_DETERMINED] for name, (value, error) in fit.sensor.items()}

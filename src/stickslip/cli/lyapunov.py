@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import check_driven, parser, subject, value
-from stickslip.cli.kept import Outcome, add_targets, finish, targets
+from stickslip.cli.outputs import Outcome, add_targets, finish, targets
 from stickslip.cli.study_files import found as in_file
 from stickslip.cli.sweep import watcher
 
@@ -43,7 +43,7 @@ def _several(asked: Any) -> bool:
 
 # ---- one motion ----
 def _one(asked: Any) -> Outcome:
-    from stickslip.dynamics.exponents import verdict
+    from stickslip.dynamics.exponents.motion_exponents import verdict
     from stickslip.plot import convergence
 
     settle, rest = _settle(asked.settings)
@@ -93,7 +93,7 @@ def _convergence(found: Any, title: str) -> Any:
 
 # ---- a map ----
 def _map(asked: Any) -> Outcome:
-    from stickslip.dynamics.maps import chaos_map
+    from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.plot import chaos_map as draw
 
     settle, rest = _settle(asked.settings)

@@ -89,7 +89,7 @@ def _found(grid: Any) -> dict[str, Any]:
     """How much of the plane moves how, and where it is fastest."""
     import numpy as np
 
-    from stickslip.sweeps.columns import is_of_cases
+    from stickslip.sweeps.result_columns import is_of_cases
 
     types, counts = np.unique(grid["motion_type"].values if is_of_cases(grid, "motion_type") else [], return_counts=True)
     shares = {str(t): int(n) / int(counts.sum()) for t, n in zip(types, counts, strict=True)}

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser, subject
-from stickslip.cli.kept import is_run
+from stickslip.cli.outputs import is_run
 from stickslip.errors import InputError, as_path
 
 __all__ = ["act"]

@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from stickslip.cli import bodies, show, timed
+from stickslip.cli import aperiodic_runs as timed, bodies, show
 from stickslip.cli.arguments import parser, subject
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 __all__ = ["DATA", "act", "written_to"]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import parser
-from stickslip.cli.kept import FILES, is_run
+from stickslip.cli.outputs import FILES, is_run
 from stickslip.cli.run import DATA, written_to
 from stickslip.errors import as_path
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.cli import show
 from stickslip.cli.arguments import SOLVER, Parser, Subject, parser, subject, units_of
-from stickslip.cli.kept import FILES
+from stickslip.cli.outputs import FILES
 from stickslip.cli.resuming import remembered
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, StickslipError, as_path
@@ -186,7 +186,7 @@ def _headed(grid: Any, name: str) -> str:
 
 def _told(grid: Any, study: Any, written: str | None) -> str:
     """The first rows of the grid, and how its cases ended."""
-    from stickslip.sweeps.columns import is_of_cases
+    from stickslip.sweeps.result_columns import is_of_cases
 
     axes = _axes(grid)
     varying = [str(n) for n in grid.coords if n not in axes and set(grid[n].dims) & set(axes)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.drives.cantilever import cantilever_eigenvalues, mode_shape
-from stickslip.drives.couple import modal_amplitudes
+from stickslip.drives.patch_moment import modal_amplitudes
 
 __all__ = ["FREQUENCY", "SLOPE", "VOLTAGE", "largest_slope", "of_beam", "of_use"]
 

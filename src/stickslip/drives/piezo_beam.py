@@ -9,8 +9,8 @@ from stickslip.arguments import Numbers, explains_arguments
 from stickslip.drives import beam_notes
 from stickslip.drives.beam_input import given, record, take_damping, together
 from stickslip.drives.cantilever import cantilever_eigenvalues
-from stickslip.drives.couple import tip_by_modes, tip_participation
 from stickslip.drives.harmonic import Harmonic
+from stickslip.drives.patch_moment import tip_by_modes, tip_participation
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen, describe, everywhere, is_array
 from stickslip.maths import pi, sqrt

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.drives.adapter import drive_of
-from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
+from stickslip.drives.wrapper import Around
 from stickslip.maths import where, wrapped
 from stickslip.quantities import between, quantity
 

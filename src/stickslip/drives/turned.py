@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.drives.adapter import drive_of
-from stickslip.drives.around import Around
 from stickslip.drives.two_phase import TwoPhase
+from stickslip.drives.wrapper import Around
 
 __all__ = ["Reversed"]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.drives.adapter import drive_of
-from stickslip.drives.around import Around
 from stickslip.drives.harmonic import Harmonic
+from stickslip.drives.wrapper import Around
 from stickslip.errors import Problems
 from stickslip.maths import pi, sin
 from stickslip.quantities import PHASE, at_least, quantity

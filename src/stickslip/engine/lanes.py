@@ -15,11 +15,11 @@ from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache, driver, slaved, taylor
-from stickslip.engine.checks import check_numbers
+from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
 from stickslip.engine.remembered import Remembered
-from stickslip.engine.rosenbrock import Step, write_step
+from stickslip.engine.rosenbrock_step import Step, write_step
 from stickslip.engine.slaved import Series
 from stickslip.engine.steptext import Layout, step_text
 from stickslip.engine.tableaux import Tableau

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from stickslip.arguments import LawOrModel, explains_arguments
-from stickslip.engine.formulas import symbol
 from stickslip.engine.latex_laws import lines_of_law
 from stickslip.engine.latex_motion import lines_of_motion
+from stickslip.engine.letters import symbol
 from stickslip.engine.tex import letters_of, text_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import is_law
-from stickslip.machine import is_machine
+from stickslip.machine_adapter import is_machine
 
 __all__ = ["latex", "written"]
 

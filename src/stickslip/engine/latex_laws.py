@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.formulas import Formula, symbol
+from stickslip.engine.letters import Formula, symbol
 from stickslip.engine.tex import subscripted, text_of
 from stickslip.friction.adapter import LawAdapter, adapted
 

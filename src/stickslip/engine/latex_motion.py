@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.engine.formulas import Cases, Extreme, Formula, Letter, formula, spread, symbol
 from stickslip.engine.latex_laws import lines_of_law
+from stickslip.engine.letters import Cases, Extreme, Formula, Letter, formula, spread, symbol
 from stickslip.engine.tex import Letters, indices, letters_of, subscripted, text_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import Numbers, OneBody
 from stickslip.several_bodies import SeveralBodies
 

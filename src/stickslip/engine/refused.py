@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine import MachineAdapter, machine_of
+from stickslip.machine_adapter import MachineAdapter, machine_of
 
 __all__ = ["groups_of", "refusal_of", "refused"]
 

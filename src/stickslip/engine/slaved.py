@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.engine.rosenbrock import Step, sides
+from stickslip.engine.rosenbrock_step import Step, sides
 from stickslip.engine.rows import Rows
 from stickslip.engine.slaving import Slaving, slaving
 from stickslip.engine.steptext import bound

@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stickslip.engine.rosenbrock import Step
+from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.system import System
 
 __all__ = ["Layout", "bound", "held", "step_text", "straight", "used"]

@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.engine.symbols import STATE, Graph, Sym
 from stickslip.fields import leaves, replace_leaf
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 __all__ = ["SPAN", "Symbolic", "numbers_of"]
 

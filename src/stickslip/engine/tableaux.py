@@ -6,7 +6,7 @@ Transformed form (Hairer and Wanner 1996, section IV.7): with W = I/(h gamma) - 
 
 The last stage of each method is y_new = (last argument of f) + u_s, and u_s is the error estimate. `dense` gives the
 continuous extension: y(theta) = (1 - theta) y + theta (y_new + (1 - theta) (k_0 + theta (k_1 + theta k_2))).
-Their order conditions are verified in tests/test_tableaux.py.
+Their order conditions are verified in tests/engine/test_tableaux.py.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ step, dips between the looks included. What the coefficients cannot foresee is i
 from __future__ import annotations
 
 from stickslip.engine.coupled import SLIP
-from stickslip.engine.rosenbrock import Step, ended_by, sides
+from stickslip.engine.rosenbrock_step import Step, ended_by, sides
 from stickslip.engine.rows import write_rows
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import CASE, Sym

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from stickslip.engine.formulas import (
+from stickslip.engine.letters import (
     Atom,
     Both,
     Call,

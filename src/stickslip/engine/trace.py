@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.engine.checks import explained
-from stickslip.engine.contacts import Assembly, add_contacts, add_stop
+from stickslip.engine.contact_equations import Assembly, add_contacts, add_stop
+from stickslip.engine.law_checks import explained
 from stickslip.engine.observed import Observed, with_signals
 from stickslip.engine.refused import refused
 from stickslip.engine.sums import terms_of
@@ -18,7 +18,7 @@ from stickslip.engine.system import Switch, System
 from stickslip.engine.values import values_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.maths import maximum, pi
 from stickslip.mechanics import lists_parts
 from stickslip.position import knows_position

@@ -9,7 +9,7 @@ has been taken its polynomial is held against the equation, at its end and betwe
 
 from __future__ import annotations
 
-from stickslip.engine.rosenbrock import Step
+from stickslip.engine.rosenbrock_step import Step
 from stickslip.engine.steptext import bound, held, straight
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.system import System

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from stickslip.explorer.asked import State
+from stickslip.explorer.requests import State
 
 __all__ = ["python", "spelled"]
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from stickslip.explorer.limits import Limits
+from stickslip.explorer.client_limits import Limits
 
 __all__ = ["Connections", "Watched"]
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.friction.adapter import LawAdapter
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import Mechanics
 
 __all__ = ["RTOL", "affordable", "effort", "too_much"]

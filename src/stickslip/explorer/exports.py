@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.explorer.answers import run_of
-from stickslip.explorer.asked import State
 from stickslip.explorer.code import python
 from stickslip.explorer.models import FRICTION
-from stickslip.explorer.parameters import PARAMETERS
+from stickslip.explorer.requests import State
+from stickslip.explorer.responses import run_of
+from stickslip.explorer.sliders import PARAMETERS
 
 __all__ = ["EXPORTS", "Export"]
 

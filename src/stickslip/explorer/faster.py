@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError, did_you_mean
-from stickslip.explorer.around import PATIENCE, Stop, Stopped
-from stickslip.explorer.asked import Message
 from stickslip.explorer.kernels import Kernels, compiling
 from stickslip.explorer.machines import OF_A_ROBOT, Shown
-from stickslip.explorer.parameters import PARAMETERS, Parameter
+from stickslip.explorer.requests import Message
+from stickslip.explorer.sliders import PARAMETERS, Parameter
+from stickslip.explorer.surroundings import PATIENCE, Stop, Stopped
 from stickslip.optimising.candidates import Candidates, Stopped as Ended
+from stickslip.optimising.constraints import Limit
 from stickslip.optimising.findings import values_of
-from stickslip.optimising.limits import Limit
 from stickslip.optimising.peaks import LIMITS
 from stickslip.optimising.searching import search
 from stickslip.optimising.unknowns import Unknowns, Varied

@@ -13,8 +13,8 @@ from urllib.parse import SplitResult, parse_qs, urlsplit
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 
+from stickslip.explorer.client_limits import LIMITS, Limits
 from stickslip.explorer.connections import Connections
-from stickslip.explorer.limits import LIMITS, Limits
 
 __all__ = ["COOKIE", "Guard", "is_loopback"]
 

@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from stickslip.errors import StickslipError
-from stickslip.explorer.asked import DEFAULT, State, state
 from stickslip.explorer.machines import Shown
 from stickslip.explorer.models import DRIVES, FRICTION
+from stickslip.explorer.requests import DEFAULT, State, state
 from stickslip.fields import leaves
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 __all__ = ["Kernels", "compiling", "main", "warm"]
 

@@ -10,9 +10,9 @@ from typing import Any
 
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.explorer.effort import RTOL, affordable
-from stickslip.explorer.parameters import Parameter
+from stickslip.explorer.sliders import Parameter
 from stickslip.fields import leaves, told_by_field
-from stickslip.machine import is_machine, machine_of
+from stickslip.machine_adapter import is_machine, machine_of
 
 __all__ = ["OF_A_ROBOT", "Shown", "numbers_of", "picture", "report", "study"]
 

@@ -255,7 +255,7 @@ def robot(drive: str, track: str, contact: str, law: str, values: Values) -> Rob
 
     Examples
     --------
-    >>> from stickslip.explorer.parameters import PARAMETERS
+    >>> from stickslip.explorer.sliders import PARAMETERS
     >>> import stickslip as ss
     >>> made = robot("harmonic", "folded", "isotropic", "lugre", {name: p.default for name, p in PARAMETERS.items()})
     >>> made == ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)

@@ -21,17 +21,17 @@ from starlette.websockets import WebSocket
 
 from stickslip.drives.within import drives_within
 from stickslip.errors import InputError, StickslipError
-from stickslip.explorer.asked import DEFAULT, KEPT, MOST_HARMONICS, State, machine_numbers, state
+from stickslip.explorer.client_limits import LIMITS, Limits
 from stickslip.explorer.connections import Watched
 from stickslip.explorer.exports import EXPORTS, export
 from stickslip.explorer.guard import Guard, is_loopback
 from stickslip.explorer.kernels import Kernels
-from stickslip.explorer.limits import LIMITS, Limits
 from stickslip.explorer.machines import Shown, report, study
 from stickslip.explorer.models import CONTACTS, DRIVES, FRICTION, TRACKS, active
 from stickslip.explorer.paper_figures import GROUPS, PRESETS
-from stickslip.explorer.parameters import PARAMETERS
+from stickslip.explorer.requests import DEFAULT, KEPT, MOST_HARMONICS, State, machine_numbers, state
 from stickslip.explorer.sessions import MESSAGE_BYTES, Session, Workshop
+from stickslip.explorer.sliders import PARAMETERS
 from stickslip.explorer.uploads import Uploads
 from stickslip.optimising.peaks import LIMITS as LIMITS_OF_DRIVES
 from stickslip.optimising.results import quantities

@@ -14,12 +14,12 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from stickslip.errors import InputError
-from stickslip.explorer.answers import Stopped, answer
-from stickslip.explorer.asked import CHANNELS, Message, message
+from stickslip.explorer.client_limits import LIMITS, Limits
 from stickslip.explorer.frames import read, written
 from stickslip.explorer.kernels import Kernels
-from stickslip.explorer.limits import LIMITS, Limits
 from stickslip.explorer.machines import Shown
+from stickslip.explorer.requests import CHANNELS, Message, message
+from stickslip.explorer.responses import Stopped, answer
 
 __all__ = ["MESSAGE_BYTES", "Session", "Workshop"]
 

@@ -8,9 +8,9 @@ from collections import Counter
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import PlainTextResponse, Response
 
-from stickslip.explorer.dropped import MOST_BYTES
-from stickslip.explorer.limits import Limits
-from stickslip.explorer.reading import Readers
+from stickslip.explorer.client_limits import Limits
+from stickslip.explorer.dropped_records import MOST_BYTES
+from stickslip.explorer.upload_reading import Readers
 
 __all__ = ["Uploads"]
 

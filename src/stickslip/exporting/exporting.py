@@ -12,7 +12,7 @@ from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.exporting.names import prefix_of
 from stickslip.fields import checked_number
 from stickslip.friction.adapter import is_law
-from stickslip.machine import is_machine, machine_of
+from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import at_least, positive
 
 __all__ = ["LANGUAGES", "ExportedLaw", "export_law"]
@@ -181,7 +181,7 @@ def _source(own: Any, language: str, name: str, *_: Any) -> ExportedLaw:
     from stickslip import __version__
     from stickslip.engine.traced_law import TracedLaw
     from stickslip.exporting.c import written_in_c
-    from stickslip.exporting.matlab import written_in_matlab
+    from stickslip.exporting.matlab_source import written_in_matlab
     from stickslip.exporting.told import head
 
     law = TracedLaw(own)

@@ -1,6 +1,6 @@
 """HDF5 files from anywhere: what is read lies within the file, and is no more than the file may unpack to."""
 
 from stickslip.hdf5.chunks import values
-from stickslip.hdf5.opening import attributes, members, opened, place_of
+from stickslip.hdf5.safe_files import attributes, members, opened, place_of
 
 __all__ = ["attributes", "members", "opened", "place_of", "values"]

@@ -120,7 +120,7 @@ class Comparison(Drawn):
         """The comparison as text; with a path as one HTML file."""
         if path is None:
             return Text(str(self))
-        from stickslip.identifying.doors import write_report
+        from stickslip.identifying.fit_pages import write_report
 
         return write_report(path, [], comparison=self)
 

@@ -11,12 +11,12 @@ import numpy as np
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.faces import Face
+from stickslip.identifying.fit_text import NOT_DETERMINED
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.sensed import of_records
 from stickslip.identifying.sensors import sensors_of
 from stickslip.identifying.steady_curves import steady_curve
 from stickslip.identifying.targets import Target
-from stickslip.identifying.words import NOT_DETERMINED
 from stickslip.information import Information
 from stickslip.sealing import sealed
 

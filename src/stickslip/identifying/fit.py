@@ -13,8 +13,8 @@ import numpy as np
 from stickslip.arguments import Ax, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean, is_whole
 from stickslip.faces import Face, Text, drawn_on, rounded, sure
+from stickslip.identifying.fit_text import OVER_MOTION
 from stickslip.identifying.spread import information_of
-from stickslip.identifying.words import OVER_MOTION
 from stickslip.sealing import sealed
 
 if TYPE_CHECKING:
@@ -372,7 +372,7 @@ class Fit(Face):
         >>> plan.best.settings[0], bool(plan.best.errors["f0"] < 0.01)
         ({'amplitude': 0.0006}, True)
         """
-        from stickslip.identifying.following import next_experiment
+        from stickslip.identifying.next_experiment import next_experiment
 
         return next_experiment(self, experiments, noise, samples, using, sensor)
 
@@ -455,17 +455,17 @@ class Fit(Face):
     def report(self, path: str | Path | None = None) -> str | Path:
         """The fit as text; with a path as one HTML file with data, fit, residuals, uncertainties and provenance (its path is returned)."""
         if path is None:
-            from stickslip.identifying.words import told
+            from stickslip.identifying.fit_text import told
 
             return Text(told(self))
-        from stickslip.identifying.doors import write_report
+        from stickslip.identifying.fit_pages import write_report
 
         return write_report(path, [self])
 
     @explains_arguments
     def plot(self, record: int = 0, ax: Ax = None) -> Axes:
         """Record and fit over one drive period; returns the axes."""
-        from stickslip.identifying.doors import plot_fit
+        from stickslip.identifying.fit_pages import plot_fit
 
         return plot_fit(self, record, ax)
 
@@ -473,7 +473,7 @@ class Fit(Face):
         return f"Fit of {self.law}"
 
     def _tables(self) -> list[list[tuple[str, ...]]]:
-        from stickslip.identifying.words import error_text, parameter_rows, unit_of_parameter
+        from stickslip.identifying.fit_text import error_text, parameter_rows, unit_of_parameter
 
         head = ("parameter", "value", "standard error", "95 % interval", "unit")
         rows = [
@@ -495,7 +495,7 @@ class Fit(Face):
         return drawn_on(self._draw_both, (8.0, 2.2))
 
     def _draw_both(self, figure: Any) -> None:
-        from stickslip.identifying.doors import plot_fit, plot_residuals
+        from stickslip.identifying.fit_pages import plot_fit, plot_residuals
 
         left, right = figure.subplots(1, 2)
         plot_fit(self, 0, left)

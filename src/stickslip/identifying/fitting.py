@@ -18,6 +18,7 @@ from stickslip.friction.adapter import LawAdapter, adapted
 from stickslip.identifying.benches import bench_of, takes_records
 from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit import Fit
+from stickslip.identifying.fit_text import counted, listed
 from stickslip.identifying.means import MeansProblem
 from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
@@ -29,8 +30,7 @@ from stickslip.identifying.sensors import EFFECTS, sensors_of
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
 from stickslip.identifying.targets import target
 from stickslip.identifying.weighting import loss_of, outlier_notes, robust_scale, robust_weights, weighted
-from stickslip.identifying.words import counted, listed
-from stickslip.machine import is_machine, machine_of
+from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import between
 from stickslip.records import Record
 

@@ -10,7 +10,7 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.drives import Harmonic, MultiHarmonic
 from stickslip.errors import Problems, is_one_of
 from stickslip.fields import checked_number
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.quantities import between
 from stickslip.records import Channel, Record
 from stickslip.solvers import solve

@@ -8,8 +8,8 @@ import numpy as np
 
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems
+from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
 from stickslip.identifying.spread import determined_spread, effective
-from stickslip.identifying.words import unit_of_parameter, unit_of_values
 
 if TYPE_CHECKING:
     import xarray as xr

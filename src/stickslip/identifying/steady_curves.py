@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.mapping import coordinates, strobe_states
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_states
 from stickslip.errors import SolveError
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.solvers import solve
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.identifying.fit_text import listed, undetermined, unit_of_values
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import effective, neighbours, spread_of
-from stickslip.identifying.words import listed, undetermined, unit_of_values
 
 if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality

@@ -12,7 +12,7 @@ from stickslip.drives.shifted import begun_at
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere, replace_leaf
 from stickslip.forces import offered_force
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.machines.bodies import Bodies
 from stickslip.machines.checks import periods_differ
 from stickslip.machines.machine import Machine

@@ -106,7 +106,7 @@ class Machine(Frozen):
 
     def mirrored(self) -> Any:
         """The machine with forwards and backwards exchanged; bodies and contacts keep their names."""
-        from stickslip.machines.turned import Turned
+        from stickslip.machines.mirrored import Turned
 
         return Turned(self)
 

@@ -1,6 +1,6 @@
 """The best drive and the best machine, and how they depend on their numbers."""
 
-from stickslip.optimising.columns import derivative
+from stickslip.optimising.derivative_columns import derivative
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.optimise import optimise
 from stickslip.optimising.optimum import Optimum, Search

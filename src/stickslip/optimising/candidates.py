@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives.within import drives_within
-from stickslip.dynamics.closing import Closing
-from stickslip.dynamics.mapping import coordinates
-from stickslip.dynamics.orbits import PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.tangents import not_followed
+from stickslip.dynamics.derivatives.tangents import not_followed
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.steady_motions import Closing
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.errors import StickslipError
-from stickslip.optimising.exact import exactly
-from stickslip.optimising.limits import KEPT, Limit
-from stickslip.optimising.resting import nearness
+from stickslip.optimising.constraints import KEPT, Limit
+from stickslip.optimising.exact_derivatives import exactly
+from stickslip.optimising.rest_margin import nearness
 from stickslip.optimising.results import results_of
-from stickslip.optimising.uncertain import sampled
+from stickslip.optimising.uncertainty_samples import sampled
 from stickslip.optimising.unknowns import Unknowns
 
 __all__ = ["Candidates", "Stopped"]

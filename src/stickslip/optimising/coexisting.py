@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.mapping import at_rest, coordinates, spread_over, strobe_map
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map
 from stickslip.errors import StickslipError
 from stickslip.fields import leaves
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.optimising.results import results_of
 
 __all__ = ["continued", "from_other_starts"]

@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from stickslip.batch import numbers_by_name
-from stickslip.dynamics.mapping import Coordinates, columns_of
-from stickslip.dynamics.orbits import PeriodicOrbit
-from stickslip.dynamics.tangents import Follower
+from stickslip.dynamics.derivatives.tangents import Follower
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, columns_of
 from stickslip.engine.graphs import Along
 from stickslip.engine.observed import LEAST, MOST
 from stickslip.engine.observing import WAY
@@ -25,9 +25,9 @@ from stickslip.engine.system import System
 from stickslip.engine.tangent import PART, part_in, tangent_until
 from stickslip.engine.trace import trace
 from stickslip.engine.values import needed_by, values_of
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
-from stickslip.optimising.exact import OWN
+from stickslip.optimising.exact_derivatives import OWN
 
 __all__ = ["Looked", "extreme_of"]
 

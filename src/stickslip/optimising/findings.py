@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives.within import drives_within
-from stickslip.dynamics.mapping import spread_over
-from stickslip.dynamics.sensitivity import directions_of
+from stickslip.dynamics.derivatives.sensitivity import directions_of
+from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import StickslipError
 from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.coexisting import continued, from_other_starts
+from stickslip.optimising.constraints import KEPT, Limit
 from stickslip.optimising.gradients import Gradient, gradient
-from stickslip.optimising.limits import KEPT, Limit
 from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import results_of

@@ -9,16 +9,16 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import labels_of, spread
-from stickslip.dynamics.closing import Closed, Closing, settled
-from stickslip.dynamics.mapping import Coordinates, at_rest, coordinates, spread_over, strobe_map
-from stickslip.dynamics.orbits import RTOL, PeriodicOrbit, periodic_orbit
-from stickslip.dynamics.sensitivity import directions_of, notes_of, seeds_of
-from stickslip.dynamics.tangents import creeps, has_corners_of, not_followed
+from stickslip.dynamics.derivatives.sensitivity import directions_of, notes_of, seeds_of
+from stickslip.dynamics.derivatives.tangents import creeps, has_corners_of, not_followed
+from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
+from stickslip.dynamics.periodic.steady_motions import Closed, Closing, settled
+from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, spread_over, strobe_map
 from stickslip.errors import InputError, SolveError, did_you_mean
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
 from stickslip.optimising.beside import moves_of, sides_of, sizes_of, words_of
-from stickslip.optimising.exact import OWN, STATE, Exact, exactly
+from stickslip.optimising.exact_derivatives import OWN, STATE, Exact, exactly
 from stickslip.optimising.extremes import Looked, extreme_of
 from stickslip.optimising.results import PERIODS, check_quantity, moved_by, results_of
 

@@ -10,13 +10,13 @@ from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, StickslipError, is_whole
 from stickslip.optimising.candidates import Candidates, Stopped
+from stickslip.optimising.constraints import KEPT, checked_limits, scales_within
 from stickslip.optimising.findings import told
-from stickslip.optimising.limits import KEPT, checked_limits, scales_within
 from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.results import check_quantity
 from stickslip.optimising.searching import search as searched
 from stickslip.optimising.starts import closed_starts
-from stickslip.optimising.uncertain import checked_spread, sample_of
+from stickslip.optimising.uncertainty_samples import checked_spread, sample_of
 from stickslip.optimising.unknowns import Unknowns, Varied, checked_over
 
 __all__ = ["optimise"]

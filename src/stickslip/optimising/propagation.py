@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Fitted, Model, explains_arguments
-from stickslip.dynamics.mapping import spread_over
+from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
 from stickslip.errors import InputError, Problems
 from stickslip.faces import Drawn, Face, rounded, sure
 from stickslip.fields import leaves
 from stickslip.optimising.results import check_quantity, results_of
-from stickslip.optimising.uncertain import Spread, checked_spread, sampled, sobol
+from stickslip.optimising.uncertainty_samples import Spread, checked_spread, sampled, sobol
 from stickslip.sealing import sealed
 
 __all__ = ["Indices", "Propagated", "propagate"]

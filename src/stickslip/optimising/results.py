@@ -9,10 +9,10 @@ import numpy as np
 
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves, replace_leaf
-from stickslip.machine import machine_of
-from stickslip.sweeps.columns import COLUMNS, dim_of, part_columns
+from stickslip.machine_adapter import machine_of
+from stickslip.sweeps.models_of_points import Group
 from stickslip.sweeps.planning import SOLVER
-from stickslip.sweeps.robots import Group
+from stickslip.sweeps.result_columns import COLUMNS, dim_of, part_columns
 from stickslip.sweeps.solving import columns_of_group
 
 __all__ = ["check_quantity", "moved_by", "quantities", "results_of"]

@@ -9,8 +9,8 @@ import numpy as np
 from stickslip.drives.adapter import drive_of
 from stickslip.errors import StickslipError
 from stickslip.friction.adapter import law_of
-from stickslip.machine import machine_of
-from stickslip.optimising.limits import Limit
+from stickslip.machine_adapter import machine_of
+from stickslip.optimising.constraints import Limit
 from stickslip.tracks import grip_of
 
 __all__ = ["small_friction_limit"]

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.drives.adapter import lacking
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
-from stickslip.named import numbers_meant
+from stickslip.number_names import numbers_meant
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 
 __all__ = ["Unknowns", "Varied", "checked_over"]

@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip.paper.borders import exact_types, longest, stretches
 from stickslip.paper.cases import AMPLITUDE_5, CASES, EXPERIMENTS, Experiment, rig
-from stickslip.paper.following import Followed, followed
-from stickslip.paper.runs import Tell, batch
+from stickslip.paper.followed_motions import Followed, followed
+from stickslip.paper.solved_runs import Tell, batch
 
 __all__ = ["ROUNDING", "Amplitudes", "Bracket", "Candidates", "Interval", "infer"]
 
@@ -155,7 +155,7 @@ def _types(A: Any, **changes: Any) -> Any:
 
 def _motions(A: Any) -> list[dict[str, Any]]:
     """The LuGre motions at mu0 = 0.04: periodic where Newton's method finds a stable orbit, else by the largest exponent."""
-    from stickslip.dynamics.maps import chaos_map
+    from stickslip.dynamics.attractors.period_maps import chaos_map
     from stickslip.presets import piezo_rig
 
     seen = chaos_map(piezo_rig, amplitude=A, mu0=0.04, f0=0.21, tilt_deg=1.7, settle=300, periods=300, rtol=1e-7)
@@ -163,7 +163,7 @@ def _motions(A: Any) -> list[dict[str, Any]]:
 
 
 def _judged(A: float, period: float, exponent: float, error: float) -> dict[str, Any]:
-    from stickslip.dynamics.orbits import periodic_orbit
+    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
     from stickslip.errors import SolveError
 
     kind, multiplier = "chaotic" if period == 0 and exponent > 3 * error else "undecided", None

@@ -10,9 +10,9 @@ import numpy as np
 
 from stickslip.drives import PiezoBeam
 from stickslip.drives.cantilever import modal_mass, mode_shape
-from stickslip.drives.couple import modal_amplitudes, tip_by_modes, tip_in_closed_form
+from stickslip.drives.patch_moment import modal_amplitudes, tip_by_modes, tip_in_closed_form
 from stickslip.paper.cases import EXPERIMENTS, OMEGA
-from stickslip.paper.runs import Runs
+from stickslip.paper.solved_runs import Runs
 
 __all__ = ["VOLTAGE", "Beam"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.paper.beam import VOLTAGE
 from stickslip.paper.cases import CASES, EXPERIMENTS, OMEGA
-from stickslip.paper.claims import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
+from stickslip.paper.claims_page import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
 from stickslip.paper.words import listed, percent, plain
 
 __all__ = ["sinusoidal_tip", "sum_of_modes"]

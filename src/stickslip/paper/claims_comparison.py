@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.cases import EXPERIMENTS, rig
-from stickslip.paper.claims import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
-from stickslip.paper.runs import batch
+from stickslip.paper.claims_page import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import listed, millimetres, percent, plain, speed
 
 __all__ = [

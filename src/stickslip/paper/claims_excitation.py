@@ -8,9 +8,9 @@ import numpy as np
 
 from stickslip.paper.borders import exact_types, stretches, told
 from stickslip.paper.cases import AMPLITUDE_5, CASES, OMEGA, rig
-from stickslip.paper.claims import CONFIRMED, Claim, Part, Study, verdict
-from stickslip.paper.following import followed
-from stickslip.paper.runs import batch
+from stickslip.paper.claims_page import CONFIRMED, Claim, Part, Study, verdict
+from stickslip.paper.followed_motions import followed
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import listed, millimetres, percent, plain
 
 __all__ = ["all_types_by_amplitude", "always_periodic", "harmonic", "omega_as_amplitude"]

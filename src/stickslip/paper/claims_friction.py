@@ -9,8 +9,8 @@ import numpy as np
 
 from stickslip.paper.borders import exact_types, stretches, told
 from stickslip.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.paper.claims import CONFIRMED, Claim, Part, Study, verdict
-from stickslip.paper.runs import batch
+from stickslip.paper.claims_page import CONFIRMED, Claim, Part, Study, verdict
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import listed, millimetres, plain
 
 __all__ = ["all_types_by_kinetic", "kinetic_range", "only_three_and_four", "ratios_above_one"]

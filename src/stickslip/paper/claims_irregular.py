@@ -6,10 +6,10 @@ import dataclasses
 from typing import Any
 
 from stickslip.paper.cases import CASES, rig
-from stickslip.paper.claims import Claim, Part, Study, verdict
-from stickslip.paper.following import Followed, followed
-from stickslip.paper.motions import Motion
-from stickslip.paper.runs import batch
+from stickslip.paper.claims_page import Claim, Part, Study, verdict
+from stickslip.paper.followed_motions import Followed, followed
+from stickslip.paper.section5_motions import Motion
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import grouped, listed, millimetres, percent, plain, speed
 
 __all__ = ["period_two", "quasi_periodic", "rk4_ladder"]

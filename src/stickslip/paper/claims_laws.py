@@ -12,7 +12,7 @@ from stickslip.benching.velocity import steady_friction
 from stickslip.friction import Bristle, Coulomb, Dahl
 from stickslip.mechanics import normal_load
 from stickslip.paper.cases import EXPERIMENTS, rig
-from stickslip.paper.claims import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
+from stickslip.paper.claims_page import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
 from stickslip.paper.words import grouped, percent, plain, speed
 from stickslip.solvers import solve
 

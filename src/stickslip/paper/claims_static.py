@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.cases import AMPLITUDE_5, CASES, rig
-from stickslip.paper.claims import Claim, Part, Study, verdict
+from stickslip.paper.claims_page import Claim, Part, Study, verdict
 from stickslip.paper.coexistence import STARTS, Coexistence, Range
-from stickslip.paper.runs import batch
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.words import listed, millimetres, plain
 
 __all__ = ["all_types_by_static", "static_map"]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.paper.cases import CASES, OMEGA, rig
-from stickslip.paper.following import Followed, followed
-from stickslip.paper.runs import batch
+from stickslip.paper.followed_motions import Followed, followed
+from stickslip.paper.solved_runs import batch
 
 __all__ = ["STARTS", "Coexistence", "Range", "coexistence"]
 

@@ -6,9 +6,9 @@ from collections import Counter
 from typing import Any
 
 from stickslip.paper.amplitudes import Bracket, Interval
-from stickslip.paper.around import FULL
 from stickslip.paper.cases import CASES
-from stickslip.paper.claims import CONFIRMED, NOT_CONFIRMED
+from stickslip.paper.claims_page import CONFIRMED, NOT_CONFIRMED
+from stickslip.paper.parameter_map import FULL
 from stickslip.paper.words import listed, millimetres, percent, plain, speed
 
 __all__ = ["content"]

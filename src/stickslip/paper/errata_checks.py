@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.paper.amplitudes import ROUNDING, Amplitudes
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
 from stickslip.paper.errata import Erratum
-from stickslip.paper.runs import batch
+from stickslip.paper.solved_runs import batch
 from stickslip.paper.table import Row
 from stickslip.paper.words import listed, millimetres, percent, plain, speed
 

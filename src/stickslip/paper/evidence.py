@@ -10,11 +10,11 @@ import numpy as np
 
 from stickslip.paper import beam_figure
 from stickslip.paper.amplitudes import ROUNDING, Amplitudes, Bracket
-from stickslip.paper.around import Around
 from stickslip.paper.cases import AMPLITUDE_5, CASES
-from stickslip.paper.claims import Claim, Study
+from stickslip.paper.claims_page import Claim, Study
 from stickslip.paper.coexistence import STARTS, Coexistence
 from stickslip.paper.drawing import COULOMB, LUGRE, Picture, render
+from stickslip.paper.parameter_map import Around
 from stickslip.paper.words import listed, millimetres, percent, plain, speed
 from stickslip.plot.style import INK
 

@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.paper.amplitudes import ROUNDING
 from stickslip.paper.cases import CASES, EXPERIMENTS, FAST_FIGURES, PRINTED, Case, Experiment
 from stickslip.paper.drawing import COULOMB, LUGRE, MEASURED, Picture, curve, render, shade_rest
-from stickslip.paper.motions import Motion
-from stickslip.paper.runs import Runs, Tell
+from stickslip.paper.section5_motions import Motion
+from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
 from stickslip.paper.words import listed, millimetres, percent, plain, power, speed
 from stickslip.plot.style import INK, SHADE, legend_above

@@ -15,13 +15,13 @@ from stickslip.paper import (
     claims_static as static,
 )
 from stickslip.paper.amplitudes import Amplitudes
-from stickslip.paper.around import around
 from stickslip.paper.beam import Beam
-from stickslip.paper.claims import Claim, Study
+from stickslip.paper.claims_page import Claim, Study
 from stickslip.paper.claims_static import static_map
 from stickslip.paper.coexistence import coexistence
-from stickslip.paper.motions import motions
-from stickslip.paper.runs import Runs, Tell
+from stickslip.paper.parameter_map import around
+from stickslip.paper.section5_motions import motions
+from stickslip.paper.solved_runs import Runs, Tell
 from stickslip.paper.table import Row
 
 __all__ = ["claims", "study_of"]

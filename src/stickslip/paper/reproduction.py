@@ -14,17 +14,17 @@ from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError
 from stickslip.jsontext import strict
 from stickslip.paper.amplitudes import Amplitudes, infer
-from stickslip.paper.around import Around
 from stickslip.paper.cases import CASES, EXPERIMENTS, rig
-from stickslip.paper.claims import VERDICTS, Claim, Study
+from stickslip.paper.claims_page import VERDICTS, Claim, Study
 from stickslip.paper.coexistence import Coexistence
 from stickslip.paper.drawing import Picture
 from stickslip.paper.equations import Equation, equations
 from stickslip.paper.errata import Erratum
 from stickslip.paper.errata_checks import errata
 from stickslip.paper.judging import claims, study_of
-from stickslip.paper.motions import Motion
-from stickslip.paper.runs import Runs, Tell, solve_all
+from stickslip.paper.parameter_map import Around
+from stickslip.paper.section5_motions import Motion
+from stickslip.paper.solved_runs import Runs, Tell, solve_all
 from stickslip.paper.table import Row, rows
 from stickslip.paper.words import speed
 

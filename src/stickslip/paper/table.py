@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.paper.cases import EXPERIMENTS, Experiment
-from stickslip.paper.runs import Runs
+from stickslip.paper.solved_runs import Runs
 
 __all__ = ["Row", "rows"]
 

@@ -1,17 +1,17 @@
 """Pictures of runs, records, benches and maps, and of what becomes of motions along a parameter. They take what was computed before."""
 
-from stickslip.plot.benches import bench
+from stickslip.plot.attractors_along import attractors
+from stickslip.plot.bench_figures import bench
 from stickslip.plot.chaos import chaos_map
 from stickslip.plot.contacts import contacts, pattern
 from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
-from stickslip.plot.flows import states
+from stickslip.plot.flow_runs import states
 from stickslip.plot.maps import motion_map, velocity_map
 from stickslip.plot.records import autocorrelation, comparison, fitted, record_spectrum, residuals
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
-from stickslip.plot.tracked import attractors
-from stickslip.plot.uncertain import tornado
+from stickslip.plot.tornado_chart import tornado
 
 __all__ = [
     "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence",

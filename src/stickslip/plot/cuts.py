@@ -13,7 +13,7 @@ from stickslip.fields import masked_in
 from stickslip.plot.maps import DARK, TYPE_COLOURS, plain_label, scaled
 from stickslip.plot.spacing import logarithmic
 from stickslip.plot.style import COLOURS, DASHES, INK, axes, prefix, publication
-from stickslip.sweeps.columns import is_of_cases
+from stickslip.sweeps.result_columns import is_of_cases
 
 __all__ = ["line_cut"]
 

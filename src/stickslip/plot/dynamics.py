@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.arguments import Ax, Basin, Exponents, Grid, Ways, explains_arguments
 from stickslip.errors import InputError, is_whole
 from stickslip.flow import is_flow
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.plot.spacing import logarithmic
 from stickslip.plot.style import COLOURS, INK, axes, labelled, legend_above, named, publication, scaled
 

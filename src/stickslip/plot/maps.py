@@ -14,7 +14,7 @@ from stickslip.errors import InputError
 from stickslip.plot.spacing import edges, logarithmic, places
 from stickslip.plot.style import INK, axes, legend_above, prefix, publication, symbols
 from stickslip.steadiness import STEADINESS, UNSETTLED
-from stickslip.sweeps.columns import column_of, is_of_cases
+from stickslip.sweeps.result_columns import column_of, is_of_cases
 
 __all__ = ["DARK", "TYPE_COLOURS", "motion_map", "plain_label", "scaled", "velocity_map"]
 

@@ -15,9 +15,9 @@ from stickslip.errors import InputError
 from stickslip.flow import is_flow
 from stickslip.friction.adapter import law_of
 from stickslip.layout import of_one_contact
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
-from stickslip.plot.flows import flow_phase
+from stickslip.plot.flow_runs import flow_phase
 from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, prefix, publication
 from stickslip.summary import Summary
 from stickslip.variables import unit_of

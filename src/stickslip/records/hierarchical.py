@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip import hdf5
 from stickslip.errors import InputError
-from stickslip.records.matlab import vectors
+from stickslip.records.matlab_files import vectors
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
 

@@ -17,12 +17,12 @@ from stickslip.arguments import Recorded, explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
-from stickslip.records.columns import is_frame, raw_of_frame
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
 from stickslip.records.roles import OURS, remark_range, remarks, roles_of
 from stickslip.records.saving import SYNTHETIC, roles_in
 from stickslip.records.scaling import scaled
+from stickslip.records.tables_of_values import is_frame, raw_of_frame
 from stickslip.units import heading, quantity_of, unit_of
 from stickslip.unpacking import Allowance
 
@@ -157,7 +157,7 @@ def _piped(file: BinaryIO) -> bytes:
 
 def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
     """What the reader of the format finds."""
-    from stickslip.records import extras, hierarchical, matlab, spreadsheets, text, uff
+    from stickslip.records import extras, hierarchical, matlab_files as matlab, spreadsheets, text, uff
 
     if not data.strip():
         raise InputError("read", ["the file is empty"])

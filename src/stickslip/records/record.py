@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from stickslip.records.modes import Mode
-    from stickslip.records.motions import MeasuredMotion
+    from stickslip.records.motion_type import MeasuredMotion
     from stickslip.records.overview import Overview
     from stickslip.records.tones import Frequency
 
@@ -139,14 +139,14 @@ class Record:
     @explains_arguments
     def segments(self, least: int = 100) -> tuple[Record, ...]:
         """The parts between gaps, and between places where time begins anew, that have `least` samples or more: records to fit together."""
-        from stickslip.records.parts import segments
+        from stickslip.records.segments_and_masks import segments
 
         return segments(self, least)
 
     @explains_arguments
     def masked(self, start: float, end: float, channel: str | None = None) -> Record:
         """With the samples from `start` to `end` [s] missing (NaN), in all channels or in one, by name or role."""
-        from stickslip.records.parts import masked
+        from stickslip.records.segments_and_masks import masked
 
         return masked(self, start, end, channel)
 
@@ -164,7 +164,7 @@ class Record:
         """
         from stickslip.fields import checked_number
         from stickslip.quantities import positive
-        from stickslip.records.parts import averaged
+        from stickslip.records.segments_and_masks import averaged
 
         problems = Problems("averaged")
         checked_number("rate", rate, problems, positive, "a positive number [Hz]", "rate=1e4")
@@ -174,7 +174,7 @@ class Record:
     @explains_arguments
     def joined(self, other: Measured, delay: float = 0.0) -> Record:
         """With the channels of another record too, sampled as they are there; its times are later by `delay` [s]."""
-        from stickslip.records.parts import joined
+        from stickslip.records.segments_and_masks import joined
 
         return joined(self, other, delay)
 
@@ -256,8 +256,8 @@ class Record:
 
     @explains_arguments
     def motion(self, frequency: float | None = None, threshold: float | None = None, dwell: float = 0.03) -> MeasuredMotion:
-        """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.motions.motion`."""
-        from stickslip.records.motions import motion
+        """Motion type, pattern and stick intervals, judged on the mean cycle; see `stickslip.records.motion_type.motion`."""
+        from stickslip.records.motion_type import motion
 
         return motion(self, frequency, threshold, dwell)
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.records.columns import parse_json
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
 from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
+from stickslip.records.tables_of_values import parse_json
 from stickslip.units import heading, unit_of
 from stickslip.unpacking import Allowance
 

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
 __all__ = ["facts", "mean_of", "tables"]
@@ -82,7 +82,7 @@ def _status(run: Any) -> str:
 def _of_bench(run: Any) -> list[tuple[str, str]]:
     """Of an autonomous mechanism."""
     from stickslip.analysis.energy import energy
-    from stickslip.analysis.segments import shares
+    from stickslip.analysis.run_segments import shares
     from stickslip.analysis.steady import mean_velocity
 
     balance, counts = energy(run), Counter(e.kind for e in run.events)

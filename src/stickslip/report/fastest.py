@@ -53,7 +53,7 @@ def _robot(case: Any) -> Any:
     import json
 
     from stickslip.fields import leaves
-    from stickslip.named import numbers_meant
+    from stickslip.number_names import numbers_meant
     from stickslip.presets import PRESETS
     from stickslip.storage import from_text
 

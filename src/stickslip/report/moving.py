@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.variables import unit_of
 
 __all__ = ["moments", "shown_span", "stage"]
@@ -135,7 +135,7 @@ def _body(part: dict[str, Any], x: Any, v: Any, at: dict[str, Any]) -> dict[str,
 
 def _lifts(run: Any, at: dict[str, Any]) -> dict[str, list[float]]:
     """How high each body that can fly is above its track [mm]."""
-    from stickslip.analysis.tracks import gaps
+    from stickslip.analysis.moving_tracks import gaps
 
     mechanics: Any = machine_of(run.model).mechanics
     return {mechanics.joints[name].body: _plain(1e3 * gap) for name, gap in gaps(run, at).items()}

@@ -114,7 +114,7 @@ def _varied(best: Any) -> tuple[str, Any, list[Any]]:
 
 def _named(leaf: str, name: str) -> bool:
     """Whether a number is one of those that were typed."""
-    from stickslip.named import numbers_meant
+    from stickslip.number_names import numbers_meant
 
     return bool(numbers_meant(name, [leaf]))
 

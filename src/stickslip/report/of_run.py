@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.fields import leaves, told_by_field
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.quantities import axis_in, pretty_unit
 from stickslip.report.charts import Figure, chart_library
 from stickslip.report.drawn import svg

@@ -11,7 +11,7 @@ from stickslip.report.moving import moments
 from stickslip.report.of_run import UNITLESS, numbers, sources
 from stickslip.report.study_charts import speeds
 from stickslip.report.study_figures import figures, plain
-from stickslip.sweeps.columns import column_of, is_of_cases
+from stickslip.sweeps.result_columns import column_of, is_of_cases
 
 __all__ = ["study_page"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.plot.runs import limits, rests, sampled, span
 from stickslip.report.charts import chart, curve
 from stickslip.variables import unit_of

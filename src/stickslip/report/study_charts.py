@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.plot.style import prefix
 from stickslip.report.charts import chart, curve
-from stickslip.sweeps.columns import is_of_cases
+from stickslip.sweeps.result_columns import is_of_cases
 
 __all__ = ["along", "chosen", "cuts", "speeds", "together", "types_of"]
 

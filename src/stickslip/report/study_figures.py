@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.report.charts import Figure
 from stickslip.report.drawn import svg
-from stickslip.sweeps.columns import is_of_cases
+from stickslip.sweeps.result_columns import is_of_cases
 
 __all__ = ["figures", "plain"]
 

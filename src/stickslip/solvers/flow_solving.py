@@ -16,7 +16,7 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_w
 from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
-from stickslip.solvers.flows import Unfollowed, followed, unknown
+from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
 from stickslip.status import Status
 from stickslip.summary import Summary
 

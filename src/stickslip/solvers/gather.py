@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.coded_words import CodedWords
 from stickslip.errors import SolveError
-from stickslip.machine import machine_of
-from stickslip.solvers.parts import RawParts, columns_of_parts, of_own_parts, typed
+from stickslip.machine_adapter import machine_of
+from stickslip.solvers.part_results import RawParts, columns_of_parts, of_own_parts, typed
 from stickslip.solvers.request import Request, provenance
 from stickslip.status import STATUS, Status
 from stickslip.steadiness import STEADY, UNKNOWN, judged, mean_tolerance

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from stickslip.engine.refused import refused
 from stickslip.errors import InputError
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 
 if TYPE_CHECKING:
     from stickslip.solvers.request import Request
@@ -65,13 +65,13 @@ class ClosedArcs:
 
     def accepts(self, model: Any) -> str | None:
         """By the traced equations, which are taken apart into a sine and constants."""
-        from stickslip.solvers.arcs import handles
+        from stickslip.solvers.closed_arcs import handles
 
         return handles(model)
 
     def run(self, todo: Request) -> Trajectory | Summary:
         """Arc by arc."""
-        from stickslip.solvers import exact
+        from stickslip.solvers import set_valued as exact
 
         return exact.solve(todo)
 
@@ -91,7 +91,7 @@ class TaylorSteps:
     def run(self, todo: Request) -> Trajectory | Summary:
         """Step by step, to the zeros of the guards."""
         from stickslip.solvers import stepping
-        from stickslip.solvers.exact import REPEAT
+        from stickslip.solvers.set_valued import REPEAT
 
         return stepping.run(todo, None, min(REPEAT / 10, todo.rtol) if todo.auto else REPEAT / 10)
 
@@ -156,7 +156,7 @@ class RungeKutta:
         why = _of_laws(model, dynamic=machine.has_inner_states)
         if why is not None:
             return why
-        from stickslip.engine.rk4 import lacks
+        from stickslip.engine.fixed_steps import lacks
         from stickslip.engine.trace import trace
 
         return lacks(trace(model)) or None

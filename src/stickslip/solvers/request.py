@@ -16,9 +16,9 @@ from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_w
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import law_of
-from stickslip.machine import is_machine, machine_of
+from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.observables import Observable, checked
-from stickslip.solvers.starts import start_of_parts
+from stickslip.solvers.initial_states import start_of_parts
 from stickslip.variables import VARIABLES, unit_of
 
 __all__ = ["LARGEST_START", "Request", "provenance", "request"]

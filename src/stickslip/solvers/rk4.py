@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import rows_of, with_row
-from stickslip.engine import rk4 as engine
+from stickslip.dense_output import PolynomialPieces
+from stickslip.engine import fixed_steps as engine
 from stickslip.errors import InputError, SolveError, is_whole
 from stickslip.friction.adapter import law_of
-from stickslip.pieces import PolynomialPieces
 from stickslip.pool import shared
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
-from stickslip.solvers.repeating import check_period
 from stickslip.solvers.request import Request
+from stickslip.solvers.time_dependence import check_period
 from stickslip.status import Status
 from stickslip.steadiness import is_steady
 from stickslip.summary import Summary

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stickslip.engine import tableaux
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.solvers import stepping
 from stickslip.solvers.request import Request
 from stickslip.summary import Summary

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.engine import checks, lanes
+from stickslip.dense_output import PolynomialPieces
+from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.slaved import Series
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
 from stickslip.friction.adapter import law_of
 from stickslip.layout import StateLayout
-from stickslip.machine import machine_of
-from stickslip.pieces import PolynomialPieces
+from stickslip.machine_adapter import machine_of
 from stickslip.pool import shared
 from stickslip.solvers.gather import Raw, gather, trajectory
-from stickslip.solvers.parts import RawParts
-from stickslip.solvers.repeating import check_period
+from stickslip.solvers.lane_tables import CaseTable
+from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
-from stickslip.solvers.tables import CaseTable
+from stickslip.solvers.time_dependence import check_period
 from stickslip.status import STATUS, Status
 from stickslip.summary import Summary
 from stickslip.trajectory import Trajectory

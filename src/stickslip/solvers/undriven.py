@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.solvers.arcs import Arcs
+from stickslip.solvers.closed_arcs import Arcs
 
 __all__ = ["arcs_of", "fill"]
 

@@ -16,9 +16,9 @@ import numpy as np
 from stickslip.errors import InputError, StickslipError
 from stickslip.jsontext import plain
 from stickslip.storage import from_text
-from stickslip.sweeps.axes import Column, Space
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
+from stickslip.sweeps.space import Column, Space
 
 __all__ = ["connected", "from_message", "message", "tiles_from", "work"]
 

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError, StickslipError, as_path
-from stickslip.sweeps.axes_file import AXES, axes_bytes, read_labels
-from stickslip.sweeps.datasets import labels_of
+from stickslip.sweeps.labelling import labels_of
 from stickslip.sweeps.manifest import FORMAT, differences, flaw, manifest
 from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.space_file import AXES, axes_bytes, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_bytes, tile_is_good
 
 __all__ = ["COMMAND", "MANIFEST", "StorageError", "Study", "put", "read_manifest", "shard_of", "unwritable"]

@@ -10,16 +10,16 @@ import numpy as np
 from stickslip.batch import spread
 from stickslip.errors import InputError
 from stickslip.friction.adapter import law_of
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
-from stickslip.solvers import exact, orbits, rosenbrock, stepping
-from stickslip.solvers.arcs import handles
+from stickslip.solvers import coulomb_orbits as orbits, rosenbrock, set_valued as exact, stepping
+from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.request import Request, request
 from stickslip.status import Status
 from stickslip.summary import Summary
-from stickslip.sweeps.columns import END, empty
+from stickslip.sweeps.models_of_points import Group, groups_of
 from stickslip.sweeps.planning import Plan, solver_arguments
-from stickslip.sweeps.robots import Group, groups_of
+from stickslip.sweeps.result_columns import END, empty
 from stickslip.sweeps.solving import columns_of_group
 
 __all__ = ["followed", "solve_to_end", "unfollowed"]

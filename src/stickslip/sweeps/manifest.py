@@ -17,9 +17,9 @@ import numpy as np
 
 from stickslip.fields import is_array, leaves
 from stickslip.jsontext import plain
-from stickslip.sweeps.columns import COLUMNS, kind_of, part_columns
-from stickslip.sweeps.datasets import about, attributes_of, maker_of, provenance_of
+from stickslip.sweeps.labelling import about, attributes_of, maker_of, provenance_of
 from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.result_columns import COLUMNS, kind_of, part_columns
 from stickslip.sweeps.seals import SEAL, of_manifest
 from stickslip.sweeps.solving import kept_columns
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
-from stickslip.sweeps.axes_file import AXES, read_labels
 from stickslip.sweeps.folder import MANIFEST, put, read_manifest, unwritable
 from stickslip.sweeps.manifest import differences
 from stickslip.sweeps.opening import open_study
+from stickslip.sweeps.space_file import AXES, read_labels
 from stickslip.sweeps.tiles import TILES, file_of, tile_is_good
 
 if TYPE_CHECKING:

@@ -13,12 +13,12 @@ from xarray.core import indexing
 from stickslip import hdf5
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, as_path
-from stickslip.sweeps.axes import Column
-from stickslip.sweeps.axes_file import read_labels
-from stickslip.sweeps.columns import COLUMNS, base_of, dim_of, from_characters, kind_of, part_columns, stacked, words
-from stickslip.sweeps.datasets import assembled, labels_of_parts, with_units
 from stickslip.sweeps.folder import read_manifest
+from stickslip.sweeps.labelling import assembled, labels_of_parts, with_units
 from stickslip.sweeps.manifest import has_checksums
+from stickslip.sweeps.result_columns import COLUMNS, base_of, dim_of, from_characters, kind_of, part_columns, stacked, words
+from stickslip.sweeps.space import Column
+from stickslip.sweeps.space_file import read_labels
 from stickslip.sweeps.tiles import notes_of, read_tile
 from stickslip.unpacking import Allowance
 

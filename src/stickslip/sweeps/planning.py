@@ -11,11 +11,11 @@ import numpy as np
 
 from stickslip.batch import Labels, shape_of, some_of, spread
 from stickslip.errors import InputError, Problems
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.observables import checked, parted
-from stickslip.sweeps.axes import Space, space_of
-from stickslip.sweeps.columns import COLUMNS, part_columns
-from stickslip.sweeps.robots import groups_of, refusals
+from stickslip.sweeps.models_of_points import groups_of, refusals
+from stickslip.sweeps.result_columns import COLUMNS, part_columns
+from stickslip.sweeps.space import Space, space_of
 from stickslip.variables import VARIABLES
 
 __all__ = ["SOLVER", "Plan", "planned", "solver_arguments"]

@@ -12,10 +12,10 @@ from stickslip.designs import Design
 from stickslip.errors import InputError, Problems
 from stickslip.flow import is_flow
 from stickslip.pool import Cancelled, shared
-from stickslip.sweeps.columns import all_failed, base_of
-from stickslip.sweeps.datasets import dataset, provenance_of
+from stickslip.sweeps.labelling import dataset, provenance_of
 from stickslip.sweeps.planning import Plan, planned
 from stickslip.sweeps.progress import Progress, Watch
+from stickslip.sweeps.result_columns import all_failed, base_of
 from stickslip.sweeps.solving import solved
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def sweep(
     ({'amplitude': 2, 'tilt_deg': 2}, ['II', 'III'])
     """
     if is_flow(make):
-        from stickslip.sweeps.flows import sweep_of_flow
+        from stickslip.sweeps.flow_sweeps import sweep_of_flow
 
         periods = None if duration is not None and periods == 200 else periods  # type: ignore[assignment]
         how = {"continue_along": continue_along, "out": out, "resume": resume, "shard": shard, "client": client}
@@ -182,7 +182,7 @@ def _in_memory(plan: Plan, tile: int | None, workers: int, client: Any, retries:
 
 def _tile_in_memory(plan: Plan, workers: int) -> int:
     """A size for threads that share what there is to do: where cases are quick, they only wait for each other over small tiles."""
-    from stickslip.solvers.arcs import handles
+    from stickslip.solvers.closed_arcs import handles
 
     robot = None if plan.sample is None else plan.sample[0]
     if plan.options["method"] in ("auto", "exact") and robot is not None and handles(robot) is None:
@@ -192,7 +192,7 @@ def _tile_in_memory(plan: Plan, workers: int) -> int:
 
 def run_plan(plan: Plan, workers: int, client: Any, retries: int, watch: Watch) -> tuple[dict[str, Array], dict[str, int]]:
     """All columns of a plan, in memory. An error that every case makes is raised."""
-    from stickslip.sweeps.columns import empty, vacant
+    from stickslip.sweeps.result_columns import empty, vacant
 
     whole, notes, left = vacant(plan.cases, plan.columns), dict[str, int](), set(range(plan.tiles))
     for k, columns, told in tiles_of(plan, range(plan.tiles), workers, client, retries, watch):

@@ -9,21 +9,21 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.batch import numbers_by_name, shape_of, some_of
-from stickslip.engine.closed import steady_force
+from stickslip.engine.closed_arcs import steady_force
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.adapter import law_of
-from stickslip.machine import MachineAdapter, machine_of
+from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.observables import parted
 from stickslip.part_notes import notes_of_cases
 from stickslip.pool import Cancelled
-from stickslip.solvers import orbits, parts
-from stickslip.solvers.arcs import handles, reduced
+from stickslip.solvers import coulomb_orbits as orbits, part_results as parts
+from stickslip.solvers.closed_arcs import handles, reduced
 from stickslip.solvers.request import request
 from stickslip.status import Status
-from stickslip.sweeps.columns import COLUMNS, END, empty, filled, flattened, joined
+from stickslip.sweeps.models_of_points import Group, groups_of
 from stickslip.sweeps.planning import Plan, solver_arguments
-from stickslip.sweeps.robots import Group, groups_of
+from stickslip.sweeps.result_columns import COLUMNS, END, empty, filled, flattened, joined
 from stickslip.variables import VARIABLES
 
 __all__ = ["columns_of", "columns_of_group", "kept_columns", "solved", "solved_points"]

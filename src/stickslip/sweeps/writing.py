@@ -14,8 +14,8 @@ from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
 from stickslip.status import STATUS
 from stickslip.storage import moved_into_place, unwritable
-from stickslip.sweeps.columns import COLUMNS, TYPES, characters, coded, described, empty, flags
 from stickslip.sweeps.opening import open_study
+from stickslip.sweeps.result_columns import COLUMNS, TYPES, characters, coded, described, empty, flags
 from stickslip.workbooks import write_workbook
 
 __all__ = ["FORMATS", "blocks_of", "export", "one_row_a_case"]

@@ -13,10 +13,10 @@ from typing import Any
 
 from stickslip.batch import cases_of
 from stickslip.errors import SolveError
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory
-from stickslip.solvers.parts import nothing as no_parts
+from stickslip.solvers.part_results import nothing as no_parts
 from stickslip.solvers.plain.marching import march
 from stickslip.solvers.plain.reduction import reduced
 from stickslip.solvers.plain.stretch import NAMES

@@ -15,8 +15,8 @@ import numpy as np
 
 from stickslip.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, Answer, blocks, decide, is_common
-from stickslip.solvers.plain.equations import Equations, Mode
 from stickslip.solvers.plain.flights import begun_aloft, turned_aloft
+from stickslip.solvers.plain.plain_equations import Equations, Mode
 
 __all__ = ["begun", "chosen"]
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.dense_output import PolynomialPieces
 from stickslip.layout import BodyStates, ContactStates, ControllerStates, StateLayout
-from stickslip.pieces import PolynomialPieces
-from stickslip.solvers.plain.equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import Equations, Mode
 
 __all__ = ["Part", "joined", "part_of"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from stickslip.solvers.plain.equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import Equations, Mode
 
 __all__ = ["begun_aloft", "landed", "taken_off", "turned_aloft"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from stickslip.solvers.plain.deciding import ROUNDING
-from stickslip.solvers.plain.equations import Equations, Mode, held
+from stickslip.solvers.plain.plain_equations import Equations, Mode, held
 
 __all__ = ["NOTHING", "Guard", "guards"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING, blocks, decide
-from stickslip.solvers.plain.equations import Equations, Mode
+from stickslip.solvers.plain.plain_equations import Equations, Mode
 
 __all__ = ["closing", "rebound", "touching"]
 

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.dense_output import PolynomialPieces
 from stickslip.errors import SolveError
-from stickslip.machine import machine_of
-from stickslip.pieces import PolynomialPieces
+from stickslip.machine_adapter import machine_of
 from stickslip.solvers.plain import hits
 from stickslip.solvers.plain.choosing import begun, chosen, conditioned
 from stickslip.solvers.plain.dense import Part, joined
-from stickslip.solvers.plain.equations import Equations
 from stickslip.solvers.plain.flights import landed, taken_off, turned_aloft
 from stickslip.solvers.plain.guards import Guard
+from stickslip.solvers.plain.plain_equations import Equations
 from stickslip.solvers.plain.stretch import integrate
 from stickslip.solvers.request import Request
 from stickslip.status import Status

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine import machine_of
-from stickslip.pieces import PolynomialPieces
+from stickslip.dense_output import PolynomialPieces
+from stickslip.machine_adapter import machine_of
 from stickslip.solvers import strobes
 from stickslip.solvers.plain.reduction_of_parts import reduced_parts
 from stickslip.solvers.request import Request

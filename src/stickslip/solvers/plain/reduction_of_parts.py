@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.machine import machine_of
+from stickslip.machine_adapter import machine_of
 from stickslip.solvers import strobes
-from stickslip.solvers.parts import RawParts
+from stickslip.solvers.part_results import RawParts
 from stickslip.solvers.request import Request
 from stickslip.steadiness import repetition_of, window_count
 from stickslip.trajectory import Trajectory

@@ -11,8 +11,8 @@ import numpy as np
 from stickslip.errors import SolveError
 from stickslip.solvers.plain.deciding import ROUNDING
 from stickslip.solvers.plain.dense import Part, part_of
-from stickslip.solvers.plain.equations import Equations, Mode
 from stickslip.solvers.plain.guards import Guard, guards
+from stickslip.solvers.plain.plain_equations import Equations, Mode
 from stickslip.solvers.request import Request
 from stickslip.status import Status
 

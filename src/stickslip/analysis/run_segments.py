@@ -1,0 +1,213 @@
+"""The raw segments of the last motion period of one trajectory, as `stickslip.segments` wants them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.forces import columns, offered_force, slip_ratio_of
+from stickslip.friction.adapter import LawAdapter, law_of
+from stickslip.layout import of_one_contact
+from stickslip.machine_adapter import machine_of
+from stickslip.mechanics import normal_load
+from stickslip.sealing import sealed
+from stickslip.segments import Intervals, intervals_of, type_of
+
+__all__ = [
+    "Intervals",
+    "Segments",
+    "Watched",
+    "WatchedOf",
+    "elastic_segments",
+    "intervals_of",
+    "raw_segments",
+    "shares",
+    "slip_ratio_at",
+    "type_of",
+]
+
+Array = Any
+_NODES = 9  # samples of the slip ratio on each piece; a crossing is then bisected
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """The segments of one case: durations in drive periods, codes, and the margin of the forces."""
+
+    time: Array
+    code: Array
+    margin_force: float
+
+    def rows(self) -> tuple[Array, Array, Array]:
+        """seg_count, seg_time and seg_code of a batch of one."""
+        return np.array([len(self.time)]), self.time[None, :], self.code[None, :]
+
+
+class Watched:
+    """The only contact of a run, as its segments are told from it."""
+
+    def __init__(self, run: Any):
+        self.run, self.modes = run, run._modes
+
+    @property
+    def law(self) -> LawAdapter:
+        """The law of the contact."""
+        return law_of(self.run.model)
+
+    def slip_ratio(self, t: Array, index: Array) -> Array:
+        """Elastic part of the friction over its steady sliding value."""
+        return slip_ratio_at(self.run, t, index)
+
+    def offered(self, t: Array) -> Array:
+        """Friction force that would hold the contact [N]."""
+        x = self.run._states_at(t, self.run._index(t))[0]
+        return np.broadcast_to(offered_force(self.run.model, t, x), t.shape)
+
+    def limits(self, t: Array) -> tuple[Array, Array]:
+        """Static friction limits backwards and forwards [N]."""
+        x = self.run._states_at(t, self.run._index(t))[0]
+        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(normal_load(self.run.model, t, x)))
+        return low, high
+
+
+class WatchedOf(Watched):
+    """One contact of several, by its number."""
+
+    def __init__(self, run: Any, number: int):
+        self.run, self.number, self.modes = run, number, run._modes[:, number]
+        self.mechanics = machine_of(run.model).mechanics
+
+    @property
+    def law(self) -> LawAdapter:
+        """The law of the contact."""
+        return self.mechanics.laws[self.number]
+
+    def slip_ratio(self, t: Array, index: Array) -> Array:
+        """Elastic part of the friction over its steady sliding value."""
+        run, i = self.run, self.number
+        column, z = run._forces_at(t, index, *(states := run._states_at(t, index))), states[2][:, i, : self.law.states]
+        side = self.modes[index]
+        slip = side * np.maximum(side * column["slip"][:, i], 1e-9 * float(machine_of(run.model).velocity_scale))
+        memory = run.pieces.memory[index][:, list(run.pieces.layout.contacts[i].memory)]
+        return 1 - np.asarray(self.law.rate(slip, tuple(z.T), column["load"][:, i], tuple(memory.T))[0]) / slip
+
+    def offered(self, t: Array) -> Array:
+        """Friction force that would hold the contact while the others do what they do [N]."""
+        return self._held(t)["friction_force"][:, self.number]
+
+    def limits(self, t: Array) -> tuple[Array, Array]:
+        """Static friction limits backwards and forwards [N]."""
+        low, high = (np.broadcast_to(limit, t.shape) for limit in self.law.breakaway(self._held(t)["load"][:, self.number]))
+        return low, high
+
+    def _held(self, t: Array) -> dict[str, Array]:
+        """The forces if this contact rests."""
+        run, index = self.run, self.run._index(t)
+        x, v, z = run._states_at(t, index)
+        mode = np.array(run._modes[index])
+        mode[:, self.number] = 0
+        rates = np.zeros_like(z)
+        memory = tuple(run.pieces.memory[index].T)
+        return columns(run.model, mode, t, x, v, np.moveaxis(z, -1, 0), np.moveaxis(rates, -1, 0), memory)
+
+
+def raw_segments(run: Any, period: int, slip_ratio: float, watched: Watched | None = None) -> Segments:
+    """Segments of the last `period` drive periods of a run: of its only contact, or of the one that is watched."""
+    watched = watched or Watched(run)
+    end = float(run.pieces.t[-1])
+    start = max(end - period * run.period_time, float(run.pieces.t[0]))
+    if watched.law.has_slip_ratio:
+        edges, code = elastic_segments(watched, start, end, slip_ratio)
+        return Segments(np.diff(edges) / run.period_time, code, np.inf)
+    edges, index = clipped(run.pieces, start, end)
+    margin = np.inf if watched.law.dynamic else _force_margin(watched, edges, index)
+    return Segments(np.diff(edges) / run.period_time, 2 * watched.modes[index].astype(int), margin)
+
+
+def shares(run: Any) -> dict[str, float]:
+    """Parts of a whole run's time in which the contact slides forwards and backwards, and in which it sticks."""
+    run = of_one_contact("shares", run, "they are the parts of one contact's time")
+    lengths, modes = np.diff(run.pieces.t), run._modes
+    return {name: float(lengths[modes == mode].sum() / lengths.sum()) for name, mode in (("forward", 1), ("backward", -1), ("stick", 0))}
+
+
+def clipped(pieces: Any, start: float, end: float) -> tuple[Array, Array]:
+    """Ends of the pieces within a span, and the number of each."""
+    first, last = int(np.searchsorted(pieces.t, start, side="right")) - 1, int(np.searchsorted(pieces.t, end, side="left"))
+    index = np.arange(max(first, 0), max(last, 1))
+    edges = np.concatenate([[start], pieces.t[index[1:]], [end]])
+    return edges, index
+
+
+# ---- dynamic laws: where does the bristle yield? ----
+def slip_ratio_at(run: Any, t: Array, index: Array) -> Array:
+    """Elastic part of the friction over its steady sliding value, 1 - (dz/dt)/v, on the side that each piece holds."""
+    x, v, z = run._states_at(t, index)
+    return slip_ratio_of(run.model, run._modes[index], t, x, v, z, tuple(run.pieces.memory[index].T))
+
+
+def elastic_segments(watched: Watched, start: float, end: float, slip_ratio: float) -> tuple[Array, Array]:
+    """Ends and codes of the segments within a span: +2, -2 slipping, +1, -1 elastic."""
+    edges, index = clipped(watched.run.pieces, start, end)
+    left, span = edges[:-1], np.diff(edges)
+    t = left[:, None] + span[:, None] * np.linspace(0.0, 1.0, _NODES)
+    above = (watched.slip_ratio(t.ravel(), np.repeat(index, _NODES)) >= slip_ratio).reshape(t.shape)
+    row, col = np.nonzero(above[:, 1:] != above[:, :-1])
+    crossings = _bisected(watched, t[row, col], t[row, col + 1], index[row], above[row, col], slip_ratio)
+    begins, yielding = np.concatenate([left, crossings]), np.concatenate([above[:, 0], above[row, col + 1]])
+    side = watched.modes[np.concatenate([index, index[row]])].astype(int)
+    order = np.argsort(begins, kind="stable")
+    times, codes = begins[order], (side * (1 + yielding))[order]
+    new = np.flatnonzero(np.diff(codes, prepend=99))
+    return np.append(times[new], end), codes[new]
+
+
+def _bisected(watched: Watched, low: Array, high: Array, index: Array, above_low: Array, slip_ratio: float) -> Array:
+    """Where the slip ratio crosses its threshold, to the last bit of t."""
+    if len(low) == 0:
+        return low
+    for _ in range(52):
+        middle = 0.5 * (low + high)
+        same = (watched.slip_ratio(middle, index) >= slip_ratio) == above_low
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return 0.5 * (low + high)
+
+
+# ---- set-valued laws: how close was the offered force to break-away? ----
+def _force_margin(watched: Watched, edges: Array, index: Array) -> float:
+    """Smallest relative distance to break-away, at reversals without rest and at extremes of the offered force during rest."""
+    mode = watched.modes[index]
+    reversals = edges[1:-1][(mode[1:] * mode[:-1]) == -1]
+    cyclic = mode[0] * mode[-1] == -1
+    times = [np.append(reversals, edges[-1]) if cyclic else reversals]
+    starts = np.flatnonzero((mode == 0) & (np.roll(mode, 1) != 0) | (mode == 0) & (np.arange(len(mode)) == 0))
+    for first in starts:
+        last = first
+        while last + 1 < len(mode) and mode[last + 1] == 0:
+            last += 1
+        times.append(_extremes(watched, edges[first], edges[last + 1]))
+    t = np.concatenate(times)
+    if not len(t):
+        return float("inf")
+    offered = watched.offered(t)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distances = [abs(offered / limit - 1) for limit in watched.limits(t)]
+    return float(np.nanmin(np.minimum(*distances), initial=np.inf))
+
+
+def _extremes(watched: Watched, start: float, end: float) -> Array:
+    """Times inside a rest at which the offered force has an extreme (parabolas, sharpened twice)."""
+    t = np.linspace(start, end, 257)
+    F = watched.offered(t)
+    rise = np.sign(np.diff(F))
+    middle, step = t[1:-1][rise[1:] * rise[:-1] < 0], t[1] - t[0]
+    for _ in range(3):
+        sides = np.stack([middle - step, middle, middle + step])
+        a, b, c = watched.offered(sides.ravel()).reshape(sides.shape)
+        bend = a - 2 * b + c
+        middle = middle + np.where(bend != 0, 0.5 * (a - c) / np.where(bend != 0, bend, 1.0), 0.0) * step
+        step = step * 0.1
+    return middle

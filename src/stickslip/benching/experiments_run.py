@@ -1,0 +1,163 @@
+"""The bench: standard experiments of the friction literature on one law, or on several side by side."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable
+from typing import Any, overload
+
+from stickslip.arguments import explains_arguments
+from stickslip.benching.drift import drift
+from stickslip.benching.findings import Bench, Benches, Experiment
+from stickslip.benching.path import dissipation, hysteresis
+from stickslip.benching.pulled import breakaway, stick_slip
+from stickslip.benching.setup import Setup
+from stickslip.benching.velocity import lag, steady_friction
+from stickslip.callbacks import told_of_progress
+from stickslip.engine.law_checks import finite
+from stickslip.errors import Problems, did_you_mean
+from stickslip.fields import is_array, leaves
+from stickslip.forces import check_law
+from stickslip.friction import LAWS
+from stickslip.friction.adapter import adapted
+
+__all__ = ["EXPERIMENTS", "bench"]
+
+#: The experiments by name, in the order of the figure.
+EXPERIMENTS: dict[str, Callable[[Setup], Experiment]] = {
+    "steady": steady_friction,
+    "lag": lag,
+    "hysteresis": hysteresis,
+    "dissipation": dissipation,
+    "breakaway": breakaway,
+    "stick_slip": stick_slip,
+    "drift": drift,
+}
+
+
+@overload
+def bench(law: list[Any] | tuple[Any, ...], *arguments: Any, **more: Any) -> Benches: ...
+@overload
+def bench(law: Any, *arguments: Any, **more: Any) -> Bench: ...
+@explains_arguments
+def bench(
+    law: Any,
+    load: float = 1.0,
+    mass: float = 1.0,
+    stiffness: float | None = None,
+    speed: float | None = None,
+    experiments: Iterable[str] | None = None,
+    progress: Callable[[str, int, int], None] | bool | None = None,
+) -> Any:
+    r"""What a law does, alone: the standard experiments of the friction literature, with their numbers and curves.
+
+    Friction against velocity, steady and while it rises and falls (frictional lag); pre-sliding hysteresis with reversal points; loss per
+    cycle; break-away force against force rate; stick-slip of a mass pulled by a spring; drift below break-away. Velocities, ways and
+    forces are chosen from what is typical of the law, and stand in ``conditions`` of each experiment.
+
+    The contact is moved as prescribed in the first four, by the law as it is written; the last three are mechanisms solved by
+    `stickslip.solve`, whose kernels are compiled once for each law that has inner states.
+
+    Parameters
+    ----------
+    law : law, its class or its name, or a list of them
+        A class or a name stands for its example.
+    load : float
+        Normal force [N].
+    mass : float
+        Mass that is pulled and pushed [kg].
+    stiffness, speed : float, optional
+        Spring [N/m] and speed of its end [m/s] of the stick-slip experiment; if not given, 2 N/m (for a law that is solved in plain
+        Python a twentieth of the contact's stiffness), and 0.05 of force / sqrt(stiffness mass).
+    experiments : list of str, optional
+        Which of `EXPERIMENTS`; all of them if not given.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with (what is done, how many are done, how many there are).
+
+    Returns
+    -------
+    Bench or Benches
+        One of them for one law, the other for a list.
+
+    References
+    ----------
+    C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, A new model for control of systems with friction,
+    IEEE Trans. Automatic Control 40 (1995) 419-425;
+    P. Dupont, V. Hayward, B. Armstrong, F. Altpeter, Single state elastoplastic friction models,
+    IEEE Trans. Automatic Control 47 (2002) 787-792.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.bench(ss.Coulomb(mu_plus=0.15, mu_minus=0.21, f_plus=0.18, f_minus=0.24))
+    >>> found.numbers["stick_slip"], found.numbers["drift"]
+    (True, 0.0)
+    >>> found["hysteresis"].numbers[1].text()
+    '1.08e-06 J'
+    """
+    many = isinstance(law, (list, tuple))
+    laws = _laws(law if many else [law])
+    names = _names(experiments)
+    _check(load, mass, stiffness, speed)
+    found: list[Bench] = []
+    progress = told_of_progress(progress, "bench")
+    whole = len(laws) * len(names)
+    for one in laws:
+        setup = Setup(one, float(load), float(mass), stiffness, speed)
+        done: list[Experiment] = []
+        for name in names:
+            if progress is not None:
+                progress(f"{type(one).__name__}: {name}", len(found) * len(names) + len(done), whole)
+            with finite(one):
+                done.append(EXPERIMENTS[name](setup))
+        notes = adapted(one).notes(float(load))
+        found.append(Bench(one, float(load), float(mass), tuple(done), tuple(notes)))
+    if progress is not None:
+        progress("measured", whole, whole)
+    return Benches(tuple(found)) if many else found[0]
+
+
+def _laws(given: Iterable[Any]) -> list[Any]:
+    """Laws from laws, classes and names; all that is wrong with them at once."""
+    problems, found = Problems("bench"), []
+    for law in given:
+        if isinstance(law, str) and law.lower() not in LAWS:
+            problems.add(f"{law!r} is no law; {did_you_mean(law.lower(), LAWS)}")
+            continue
+        law = LAWS[law.lower()] if isinstance(law, str) else law
+        law = law.example() if isinstance(law, type) and hasattr(law, "example") else law
+        check_law(law, problems, "ss.bench(ss.Coulomb(mu_plus=0.15, mu_minus=0.21))")
+        if dataclasses.is_dataclass(law) and not isinstance(law, type):
+            many = [name for name, value in leaves(law) if is_array(value)]
+            if many:
+                problems.add(f"{', '.join(many)} of {type(law).__name__} are arrays; allowed is one law, no batch; take one case of it")
+        found.append(law)
+    if not found:
+        problems.add(f"no law is given; type for example ss.bench('lugre'); known: {', '.join(LAWS)}")
+    problems.check()
+    return found
+
+
+def _names(given: Iterable[str] | None) -> list[str]:
+    """The experiments to do, in the order of `EXPERIMENTS`."""
+    if given is None:
+        return list(EXPERIMENTS)
+    asked, problems = [given] if isinstance(given, str) else list(given), Problems("bench")
+    for name in asked:
+        if name not in EXPERIMENTS:
+            problems.add(f"{name!r} is no experiment; {did_you_mean(str(name), EXPERIMENTS)}")
+    if not asked:
+        problems.add(f"experiments is empty; known: {', '.join(EXPERIMENTS)}")
+    problems.check()
+    return [name for name in EXPERIMENTS if name in asked]
+
+
+def _check(load: Any, mass: Any, stiffness: Any, speed: Any) -> None:
+    problems = Problems("bench")
+    units = {"load": (load, "N"), "mass": (mass, "kg"), "stiffness": (stiffness, "N/m"), "speed": (speed, "m/s")}
+    for name, (value, unit) in units.items():
+        if value is None and name in ("stiffness", "speed"):
+            continue
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < float("inf"):
+            problems.add(f"{name} = {value!r}; allowed is a positive number [{unit}]; type for example {name}=1.0")
+    problems.check()

@@ -1,0 +1,1 @@
+"""Which motions attract: basins, coexisting attractors along a parameter, bifurcation diagrams, maps of periods."""

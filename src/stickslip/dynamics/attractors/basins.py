@@ -1,0 +1,333 @@
+"""Coexisting attractors and what is attracted by which: basins over starts, their shares, and how sure the shares are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import some_of
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, periods_of, state_attrs, steady_velocity, whole_motions
+from stickslip.dynamics.stroboscopic.chunks import Report, shared
+from stickslip.dynamics.stroboscopic.phase_shift import shifted
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.errors import InputError, Problems, SolveError, did_you_mean
+from stickslip.faces import Drawn
+from stickslip.fields import number
+from stickslip.flow import is_flow
+from stickslip.sealing import sealed
+from stickslip.solvers.request import LARGEST_START
+from stickslip.status import Status
+
+__all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
+
+Array = Any
+_SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scales, are one
+_POINTS = 64
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Attractor:
+    """A motion that attracts starts.
+
+    Parameters
+    ----------
+    period : int
+        Drive periods until it repeats; 0 where it does not within 32.
+    mean_velocity : float
+        V [m/s]; nan of a flow, which makes no way.
+    state : array
+        A strobe state on it.
+    share : float
+        Part of the starts that it attracts.
+    interval : (float, float)
+        Of that share, at 95 % confidence (Wilson), as if the starts were drawn by chance.
+    orbit : PeriodicOrbit or None
+        The orbit by Newton's method, with its multipliers, where it is periodic.
+    """
+
+    period: int
+    mean_velocity: float
+    state: Array
+    share: float
+    interval: tuple[float, float]
+    orbit: Any
+
+    @property
+    def _bounds(self) -> str:
+        """The interval of its share, as text."""
+        return f"{self.interval[0]:.3f} to {self.interval[1]:.3f}"
+
+    def __repr__(self) -> str:
+        kind = f"period {self.period}" if self.period else "no period up to 32"
+        way = f"V = {self.mean_velocity:.7g} m/s, " if np.isfinite(self.mean_velocity) else ""
+        return f"<Attractor: {kind}, {way}share {self.share:.3f} ({self._bounds})>"
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Basins(Drawn):
+    """Which start goes to which attractor.
+
+    Parameters
+    ----------
+    model : Robot
+        What moves.
+    map : xarray.Dataset
+        Over the starts: `attractor` (number in `attractors`, -1: none), mean_velocity [m/s], period.
+    attractors : list of Attractor
+        The largest share first.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), v=[-0.01, 0.0, 0.01], settle=60)
+    >>> found.map.attractor.values.tolist(), found.attractors[0].period
+    ([0, 0, 0], 1)
+    """
+
+    model: Any
+    map: Any
+    attractors: list[Attractor]
+
+    @cached_property
+    def fractions(self) -> list[float]:
+        """The shares, the largest first."""
+        return [a.share for a in self.attractors]
+
+    _drawn_by = "basins"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("attractor", "period [drive periods]", "mean velocity [m/s]", "share of the starts", "95 %")
+        told = [(str(a.period or "none"), f"{a.mean_velocity:.7g}", f"{a.share:.3f}", a._bounds) for a in self.attractors]
+        return [[head, *((str(k), *row) for k, row in enumerate(told))]]
+
+    def __repr__(self) -> str:
+        return "<Basins: " + "; ".join(map(repr, self.attractors)) + f"; {self.map.attractor.size} starts>"
+
+
+@explains_arguments
+def basins(
+    model: Model,
+    *,
+    settle: int = 300,
+    rtol: float = 1e-7,
+    workers: int = 1,
+    progress: Report | None = None,
+    **starts: Any,
+) -> Basins:
+    """Which of several coexisting motions a robot settles on, over a grid of starts.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot.
+    settle : int
+        Drive periods to run before looking.
+    rtol : float
+        Tolerance for dynamic laws.
+    workers : int
+        Threads. The results do not depend on it.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. Starts that are not computed then
+        belong to no attractor, and are in no share.
+    **starts
+        ``v=`` [m/s], ``z=`` [m] (``z0``, ... if there are several; ``x`` with a spring; ``memory`` of a law that has one) and ``phase=``
+        (of the drive at the start, in drive periods, 0 to 1; a vertical vibration and a track's friction that varies go with it):
+        single values or arrays. If none is given: v, and z where it is one number, over twice their scales. Of a machine of several
+        bodies the names are those of ``ss.periodic_orbit(machine).names``: ``**{"v.head": [...], "v.tail": [...]}``; if none is given,
+        the velocities of all bodies. Bodies that came to rest where they happened to stop are one attractor.
+
+    Returns
+    -------
+    Basins
+        `map` (labelled Dataset), `attractors` (with shares and their confidence intervals), `fractions`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> b = ss.basins(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), v=[-0.01, 0.0, 0.01], settle=60)
+    >>> len(b.attractors), b.fractions
+    (1, [1.0])
+    """
+    needs_model("basins", model, flows=True)
+    at = coordinates(model)
+    axes = start_axes("basins", at, starts, settle, workers, model)
+    grid = np.meshgrid(*axes.values(), indexing="ij")
+    table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
+    states = on_grid(table, model)
+    batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
+    ends = settled_points(batch, states, settle, rtol, workers, progress)
+    return _gathered(model, axes, *ends, at, rtol, "phase" in table)
+
+
+def on_grid(table: dict[str, Array], model: Any) -> Array:
+    """The starts of a grid for one robot: array (starts, coordinates); what the grid does not name is as at rest."""
+    rest, count = at_rest(model)[0], len(next(iter(table.values())))
+    return np.column_stack([table.get(name, np.full(count, value)) for name, value in zip(coordinates(model).names, rest, strict=True)])
+
+
+def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers: Any, model: Any = None) -> dict[str, Array]:
+    """The axes of a grid of starts, checked."""
+    flow = is_flow(model)
+    problems, known = Problems(what), at.names[: at.smooth] if flow else (*at.names, "phase")
+    problems.whole("workers", workers, 1, example=2)
+    problems.whole("settle", settle, 1, example=300)
+    axes = {}
+    for name, value in (starts or _usual(at)).items():
+        if name not in known:
+            problems.add(f"{name!r} is no coordinate of the start; {did_you_mean(name, known)}")
+            continue
+        try:
+            axis = np.atleast_1d(np.asarray(number(value), float))
+        except (TypeError, ValueError):
+            axis = np.empty((0, 0))
+        if axis.ndim != 1 or axis.size == 0 or not np.all(abs(axis) <= LARGEST_START):
+            problems.add(f"{name} = {value!r}; allowed is a finite number or a list of them; type {name}=np.linspace(-0.05, 0.05, 41)")
+        axes[name] = axis
+    problems.check()
+    return axes
+
+
+def _usual(at: Any) -> dict[str, Array]:
+    """Over twice the scales; inner states and memories only where there is one inner state, so that the grid stays a grid.
+
+    Of several bodies over their velocities alone.
+    """
+    if at.mechanics is not None:
+        names = at.names[at.order.velocities]
+        return {n: np.linspace(-2, 2, 41) * at.speed for n in names}
+    inner = at.smooth - at.order.velocities.stop
+    return {n: np.linspace(-2, 2, 41) * s for n, s in zip(at.names[: at.smooth - (inner if inner > 1 else 0)], at.scales, strict=False)}
+
+
+def settled_points(
+    batch: Any, states: Array, settle: int, rtol: float, workers: int, progress: Report | None
+) -> tuple[Array, Array, Array]:
+    """Strobe points (cases, points, d), ways (cases, points), and which cases could be solved: 1, not: 0, were not computed: -1."""
+    cases, d = states.shape
+    points, ways, good = np.full((cases, _POINTS, d), np.nan), np.full((cases, _POINTS), np.nan), np.full(cases, UNDONE)
+
+    def ended(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array, Array]:
+        model = some_of(batch, part)
+        end = strobe_map(model, states[part], settle, rtol)
+        tell(0.5)
+        kept, made = strobe_orbit(model, end.state, _POINTS, rtol)
+        return np.moveaxis(kept, 0, 1), made.T, end.status <= Status.REPEATS
+
+    for part, found in shared(cases, ended, workers, progress):
+        points[part], ways[part], good[part] = found
+    return points, ways, good
+
+
+def _gathered(model: Any, axes: dict[str, Array], points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool) -> Basins:
+    import xarray as xr
+
+    period, V, number = told_apart(float(model.period), points, ways, good, at, rtol, by_phase)
+    shape = tuple(len(axis) for axis in axes.values())
+    members = [np.flatnonzero(number == k) for k in range(number.max() + 1)]
+    order = sorted(range(len(members)), key=lambda k: -len(members[k]))
+    rank = np.full(len(members) + 1, -1)
+    rank[order] = np.arange(len(order))
+    found = [_attractor(model, members[k], int((good != UNDONE).sum()), points, period, V, by_phase) for k in order]
+    columns = {
+        "attractor": (tuple(axes), rank[number].reshape(shape), {"long_name": "number of the attractor (-1: none)"}),
+        **({} if is_flow(model) else {"mean_velocity": (tuple(axes), V.reshape(shape), {"units": "m/s", "long_name": "mean velocity"})}),
+        "period": (
+            tuple(axes),
+            period.reshape(shape),
+            {"units": "1", "long_name": "motion period (0: none, -1: not computed)"},
+        ),
+    }
+    phase = {"long_name": "phase of the drive at the start", "units": "1"}
+    attrs_of = own_attrs if is_flow(model) else state_attrs
+    coords = {n: (n, a, phase if n == "phase" else attrs_of(n, "at the start")) for n, a in axes.items()}
+    return Basins(model, xr.Dataset(columns, coords), found)
+
+
+def told_apart(
+    T: float, points: Array, ways: Array, good: Array, at: Any, rtol: float, by_phase: bool = False
+) -> tuple[Array, Array, Array]:
+    """Period, mean velocity, and the number of its motion, of every start; -1 for what has none."""
+    period = periods_of(points, at.scales, max(1e-6, 100 * rtol))
+    V = steady_velocity(ways, period, T)
+    number = _numbers(_fingerprints(points, period, V, at, by_phase), period, good > 0)
+    period[good == UNDONE] = UNDONE
+    return period, V, number
+
+
+def _fingerprints(points: Array, period: Array, V: Array, at: Any, by_phase: bool) -> Array:
+    """Numbers that are the same for two starts on one motion, whichever of its periods they are in: means over whole ones, in scales."""
+    speed = (V / at.speed)[:, None]
+    if by_phase:  # the strobe is at another phase for each start: only what does not depend on it
+        return speed
+    count = whole_motions(points.shape[1], period)[:, None]
+    last = (np.arange(points.shape[1]) >= points.shape[1] - count)[..., None]
+    scaled = np.where(last, _without_shifts(points, at) / at.scales, 0.0)
+    return np.hstack([scaled.sum(axis=1) / count, (scaled**2).sum(axis=1) / count, speed])
+
+
+def _without_shifts(points: Array, at: Any) -> Array:
+    """Strobe points in which bodies that rest at every one of them have one place in common: where they stopped is chance.
+
+    The rests of several bodies that a spring joins come as continua, and all of one are one attractor.
+    """
+    if at.mechanics is None or at.mechanics.coordinates < 2 or at.inner_states:
+        return points
+    order, found = at.order, points.copy()
+    still = np.all(points[..., order.velocities] == 0.0, axis=1)  # (cases, coordinates)
+    first = np.argmax(still, axis=1)
+    for body, j in zip(order.kept, range(order.places.start, order.places.stop), strict=True):
+        chance = still[:, body] & (first != body if order.cyclic else True)
+        found[chance, :, j] = 0.0
+    return found
+
+
+def _numbers(prints: Array, period: Array, good: Array) -> Array:
+    """A number for each motion; all motions without a period whose means lie near each other are one."""
+    number: Array = np.full(len(prints), -1)
+    kept: list[tuple[Array, int]] = []
+    for i in np.flatnonzero(good & np.isfinite(prints).all(axis=1)):
+        for k, (like, count) in enumerate(kept):
+            near = _SAME if count else 0.2
+            if count == period[i] and np.max(abs(prints[i] - like)) < near:
+                number[i] = k
+                break
+        else:
+            kept.append((prints[i], period[i]))
+            number[i] = len(kept) - 1
+    return number
+
+
+def _attractor(model: Any, members: Array, cases: int, points: Array, period: Array, V: Array, by_phase: bool) -> Attractor:
+    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
+
+    first, count = members[0], int(period[members[0]])
+    orbit = None
+    if count and not by_phase:
+        try:
+            orbit = periodic_orbit(model, count, guess=points[first, -1])
+        except (SolveError, InputError):
+            orbit = None
+    share = len(members) / cases
+    way = np.nan if is_flow(model) else float(np.mean(V[members]))
+    return Attractor(count, way, points[first, -1], share, wilson(len(members), cases), orbit)
+
+
+def wilson(hits: int, cases: int, z: float = 1.959963984540054) -> tuple[float, float]:
+    """Confidence interval of a share (Wilson 1927).
+
+    Examples
+    --------
+    >>> [round(x, 4) for x in wilson(5, 10)]
+    [0.2366, 0.7634]
+    """
+    p, w = hits / cases, z * z / cases
+    middle, half = (p + w / 2) / (1 + w), z * np.sqrt(p * (1 - p) / cases + w / (4 * cases)) / (1 + w)
+    return float(max(middle - half, 0.0)), float(min(middle + half, 1.0))

@@ -1,0 +1,273 @@
+"""Bifurcation diagrams by brute force: what a robot does after settling, at every value of a parameter, upwards and downwards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.arguments import Maker, Numbers, explains_arguments
+from stickslip.dynamics.continuation.one_parameter import Family, family
+from stickslip.dynamics.periodic.periodic_orbits import states_of
+from stickslip.dynamics.stroboscopic.chunks import Report, shared
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, strobe_map, strobe_orbit
+from stickslip.engine.texts import recurrence
+from stickslip.errors import Problems
+from stickslip.flow import is_flow
+from stickslip.sweeps.progress import Watch
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["LONGEST", "UNDONE", "bifurcation", "checked_values", "periods_of", "seen", "steady_velocity", "strobe_attrs", "whole_motions"]
+
+Array = Any
+DIRECTIONS = ("up", "down")
+LONGEST = 32  # largest period number that is looked for
+UNDONE = -1  # period number of what was not computed
+_RETURN = 1e-6  # strobe points closer than this, in scales, count as one
+
+
+@explains_arguments
+def bifurcation(
+    make: Maker,
+    *,
+    parameter: str,
+    values: Numbers,
+    settle: int = 200,
+    points: int = 64,
+    follow: bool = True,
+    start: Any = None,
+    rtol: float = 1e-7,
+    workers: int = 1,
+    progress: Report | None = None,
+    **fixed: Any,
+) -> xr.Dataset:
+    """A bifurcation diagram by brute force: the strobe points after settling, for every value of a parameter.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from keywords, or a robot whose numbers are named with dots.
+    parameter : str
+        The keyword that varies.
+    values : array
+        Its values, rising.
+    settle, points : int
+        Drive periods that are left out, and that are kept.
+    follow : bool
+        True: go up through the values, each case beginning where the last one ended, and down again, so that hysteresis shows. False:
+        every case begins at `start` and all run in one batch, which is much faster.
+    start : dict, array or orbit, optional
+        Where to begin; rest if not given.
+    rtol : float
+        Tolerance for dynamic laws.
+    workers : int
+        Threads, where `follow` is False (following goes from value to value). The results do not depend on it.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then is NaN, with
+        the period -1.
+    **fixed
+        The other arguments of `make`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over direction ("up", "down"), the parameter and point: the strobe state (v, z, ...), displacement in each period [m]; over
+        direction and parameter: mean_velocity [m/s], period (0: none up to 32, -1: not computed), v_max, v_min [m/s] of the last period
+        (of one body).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> d = ss.bifurcation(ss.presets.piezo_rig, parameter="mu0", values=[0.04, 0.05], settle=100, points=32, follow=False,
+    ...                    amplitude=6e-4, tilt_deg=1.7)
+    >>> d.period.values.tolist()
+    [[2, 1]]
+    """
+    robots = family("bifurcation", make, (parameter,), fixed)
+    values = _check(values, settle, points, workers)
+    needs_model("bifurcation", robots.robot(values[0]), flows=True)
+    at = coordinates(robots.robots(values))
+    first = states_of(start, robots.robots(values))
+    if follow:
+        found = _hysteresis(robots, values, first, settle, points, rtol, progress)
+    else:
+        found = _anew(robots, values, first, settle, points, rtol, workers, progress)
+    return _dataset(robots, parameter, values, at, found, DIRECTIONS if follow else ("from start",), settle)
+
+
+def checked_values(what: str, values: Any) -> Array:
+    """The values of a parameter, rising; `InputError` if they are not."""
+    problems = Problems(what)
+    array = _rising(values, problems)
+    problems.check()
+    return array
+
+
+def _rising(values: Any, problems: Problems) -> Array:
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or not np.all(np.diff(array) > 0):
+        problems.add(f"values = {values!r}; allowed are two or more rising finite numbers; type values=np.linspace(0.03, 0.06, 300)")
+    return array
+
+
+def _check(values: Any, settle: Any, points: Any, workers: Any) -> Array:
+    problems = Problems("bifurcation")
+    array = _rising(values, problems)
+    problems.whole("settle", settle, 1, example=200)
+    problems.whole("points", points, 2, example=64)
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
+    return array
+
+
+def _anew(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, workers: int, progress: Any) -> list[Array]:
+    """Every value from its own start."""
+    n, d = first.shape
+    whole = [np.full((1, n, *rest), np.nan) for rest in ((points, d), (points,), (1,), (1,))]
+
+    def part_of(part: slice, tell: Callable[[float], None]) -> list[Array]:
+        return _batch(robots, values[part], first[part], settle, points, rtol, tell)
+
+    for part, found in shared(n, part_of, workers, progress):
+        for column, rows in zip(whole, found, strict=True):
+            column[0, part] = rows
+    return whole
+
+
+def _batch(robots: Family, values: Array, states: Array, settle: int, points: int, rtol: float, tell: Any = None) -> list[Array]:
+    """States (values, points, d), displacements (values, points), v_max and v_min (values, 1) of cases that run side by side."""
+    model = robots.robots(values)
+    state = strobe_map(model, states, settle, rtol).state
+    if tell is not None:
+        tell(0.5)
+    kept, ways = strobe_orbit(model, state, points, rtol)
+    last = strobe_map(model, kept[-1], 1, rtol)
+    return [np.moveaxis(kept, 0, 1), ways.T, last.v_max[:, None], last.v_min[:, None]]
+
+
+def _hysteresis(robots: Family, values: Array, first: Array, settle: int, points: int, rtol: float, progress: Any) -> list[Array]:
+    """Upwards and downwards side by side, each value from the end of the one before."""
+    n, states, watch = len(values), first[[0, -1]], Watch(len(values), progress)
+    rows: list[list[Array]] = []
+    for k in range(n):
+        found = _batch(robots, values[[k, n - 1 - k]], states, settle, points, rtol)
+        states = np.where(np.isfinite(found[0][:, -1]), found[0][:, -1], first[[k, n - 1 - k]])
+        rows.append(found)
+        watch.finished(k, np.zeros(1, int))
+        if watch.stopped:
+            break
+    rows += [[np.full_like(part, np.nan) for part in rows[-1]]] * (n - len(rows))
+    whole = [np.stack([row[i] for row in rows], axis=1) for i in range(4)]
+    return [np.stack([part[0], part[1, ::-1]]) for part in whole]
+
+
+def periods_of(points: Array, scales: Array, tolerance: float = _RETURN) -> Array:
+    """Period numbers of strobe points (..., points, d): the smallest after which all of them come back; 0 if none up to 32.
+
+    What still settles, or swings ever closer around a motion of a part of the period, has none yet; see `stickslip.recurrence`.
+    """
+    cases = np.zeros((int(np.prod(points.shape[:-2])), points.shape[-2], 1 + points.shape[-1]))
+    cases[..., 1:] = points.reshape(len(cases), *points.shape[-2:])
+    return np.array([_lasting(case, scales, tolerance) for case in cases], int).reshape(points.shape[:-2])
+
+
+def _lasting(points: Array, scales: Array, tolerance: float) -> int:
+    """The period number, if every point is on the motion, the first ones too."""
+    p = seen(points, scales, tolerance)[0]
+    return p if p and (abs(points[p:, 1:] - points[:-p, 1:]) <= tolerance * scales).all() else 0
+
+
+def seen(points: Array, scales: Array, tolerance: float) -> tuple[int, int]:
+    """`recurrence.period_number` of an array of strobe points, x first, up to period 32."""
+    last = len(points) - 1
+    return recurrence().period_number(points, last, last, LONGEST, np.array(scales, float), tolerance, tolerance)
+
+
+def steady_velocity(ways: Array, period: Array, T: Any) -> Array:
+    """Mean velocity [m/s] over the whole motion periods that ways [m] in drive periods T [s] hold (..., points); all where there is none.
+
+    Examples
+    --------
+    >>> float(steady_velocity(np.array([1.0, 3.0, 1.0]), np.array(2), 0.5))
+    4.0
+    """
+    points = ways.shape[-1]
+    count = whole_motions(points, period)
+    return np.where(np.arange(points) < count[..., None], ways, 0.0).sum(axis=-1) / (count * T)
+
+
+def whole_motions(points: int, period: Array) -> Array:
+    """How many of so many drive periods make whole motion periods; all where there is no period.
+
+    Examples
+    --------
+    >>> whole_motions(64, np.array([0, 1, 3])).tolist()
+    [64, 64, 63]
+    """
+    return np.where(period > 0, points - points % np.maximum(period, 1), points)
+
+
+def _dataset(robots: Family, parameter: str, values: Array, at: Any, found: list[Array], directions: tuple[str, ...], settle: int) -> Any:
+    import xarray as xr
+
+    points, ways, v_max, v_min = found
+    whole, flat = ("direction", parameter, "point"), ("direction", parameter)
+    T = np.asarray(robots.robots(values).period, float)
+    period = periods_of(points, at.scales)
+    period[~np.isfinite(points).all(axis=(-1, -2))] = UNDONE
+    flow = is_flow(robots.robot(values[0]))
+    told = {name: own_attrs(name, "on the strobe") if flow else strobe_attrs(name) for name in at.names}
+    columns: dict[str, Any] = {name: (whole, points[..., i], told[name]) for i, name in enumerate(at.names)}
+    if not flow:  # which makes no way
+        columns["displacement"] = (whole, ways, {"units": "m", "long_name": "displacement in a drive period"})
+        columns["mean_velocity"] = (flat, steady_velocity(ways, period, T), {"units": "m/s", "long_name": "mean velocity"})
+    columns |= {
+        "period": (flat, period, {"units": "1", "long_name": "drive periods until it repeats (0: none found, -1: not computed)"}),
+    }
+    if at.mechanics is None and not flow:
+        columns["v_max"] = (flat, v_max[..., 0], {"units": "m/s", "long_name": "largest velocity"})
+        columns["v_min"] = (flat, v_min[..., 0], {"units": "m/s", "long_name": "smallest velocity"})
+    coords = {parameter: (parameter, values, robots.describe(parameter)), "direction": list(directions)}
+    return xr.Dataset(columns, coords, {"parameter": parameter, "settle": settle})
+
+
+def strobe_attrs(name: str) -> dict[str, str]:
+    """Unit and name of a coordinate of the strobe state.
+
+    Examples
+    --------
+    >>> strobe_attrs("v"), strobe_attrs("z0")["units"], strobe_attrs("memory")["units"]
+    ({'units': 'm/s', 'long_name': 'velocity on the strobe'}, 'm', '1')
+    """
+    if name.startswith("memory"):
+        return {"units": "1", "long_name": f"what the law remembers on the strobe, {name}"}
+    return state_attrs(name, "on the strobe", f"inner state {name}")
+
+
+def own_attrs(name: str, when: str) -> dict[str, str]:
+    """The same of a state of a flow, whose unit nobody knows."""
+    return {"units": "1", "long_name": f"{name} {when}"}
+
+
+def state_attrs(name: str, when: str, inner: str = "inner state") -> dict[str, str]:
+    """Unit and name of a coordinate at some time.
+
+    Examples
+    --------
+    >>> state_attrs("v.head", "at the start")
+    {'units': 'm/s', 'long_name': 'velocity of head at the start'}
+    """
+    letter, _, part = name.partition(".")
+    if letter == "memory":
+        return {"units": "1", "long_name": f"what the law remembers {when}"}
+    known = {"v": "velocity", "x": "position", "l": "position, less that of the first body,"}
+    what = known.get(letter, inner)
+    whose = f" of {part}" if part and letter in known else ""
+    return {"units": "m/s" if letter == "v" else "m", "long_name": f"{what}{whose} {when}"}

@@ -1,0 +1,182 @@
+"""Maps over one or two parameters: after how many drive periods a motion repeats, and its largest exponent, for every point of a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.arguments import Maker, explains_arguments
+from stickslip.batch import some_of
+from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, periods_of, steady_velocity
+from stickslip.dynamics.continuation.one_parameter import Family, family
+from stickslip.dynamics.derivatives.tangents import jacobians_of, not_followed
+from stickslip.dynamics.exponents.motion_exponents import largest_exponents
+from stickslip.dynamics.periodic.periodic_orbits import states_of
+from stickslip.dynamics.stroboscopic.chunks import Report, shared
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, spread_over, strobe_map, strobe_orbit
+from stickslip.errors import InputError, Problems
+from stickslip.fields import number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["chaos_map"]
+
+Array = Any
+_FIRST, _LOOK = 100, 24  # drive periods after which every case is looked at for the first time, and how many strobe points are looked at
+_POINTS = 64  # ... and at the end
+
+_TOLD = {
+    "period": {"long_name": "drive periods until it repeats (0: none found, -1: not computed)", "units": "1"},
+    "exponent": {"long_name": "largest Lyapunov exponent per drive period", "units": "1"},
+    "error": {"long_name": "standard error of the exponent", "units": "1"},
+    "mean_velocity": {"long_name": "mean velocity", "units": "m/s"},
+}
+
+
+@explains_arguments
+def chaos_map(
+    make: Maker,
+    *,
+    settle: int = 300,
+    periods: int = 200,
+    start: Any = None,
+    rtol: float = 1e-8,
+    workers: int = 1,
+    progress: Report | None = None,
+    **arguments: Any,
+) -> xr.Dataset:
+    """A map over one or two parameters of period number, largest Lyapunov exponent and mean velocity.
+
+    Where the strobe point comes back the exponent is that of the motion's multipliers; elsewhere it is measured by two neighbours, as
+    in `largest_exponents`.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from keywords, or a robot whose numbers are named with dots.
+    settle, periods : int
+        Drive periods to run before looking (most cases are found to repeat sooner), and to average the exponent over.
+    start : dict, array or orbit, optional
+        Where every case begins; rest if not given.
+    rtol : float
+        Tolerance for dynamic laws.
+    workers : int
+        Threads. The results do not depend on it.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then has the
+        period -1.
+    **arguments
+        Arguments of `make`; one or two of them are lists or arrays.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the parameters: period (0: none up to 32), exponent and its error per drive period, mean_velocity [m/s].
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> m = ss.chaos_map(ss.presets.piezo_rig, mu0=[0.04, 0.05], amplitude=[4e-4, 6e-4], tilt_deg=1.7, settle=200, periods=40)
+    >>> m.period.values.tolist(), (m.exponent > 0.1).values.tolist()  # chaos at mu0 = .05, A = 0.4 mm
+    ([[1, 2], [0, 1]], [[False, False], [True, False]])
+    """
+    import xarray as xr
+
+    axes = _axes(arguments, settle, periods, workers)
+    robots = family("chaos_map", make, tuple(axes), {name: value for name, value in arguments.items() if name not in axes})
+    needs_model("chaos_map", robots.robot(*(axis[0] for axis in axes.values())))
+    grid = [column.ravel() for column in np.meshgrid(*axes.values(), indexing="ij")]
+    whole = [np.full(grid[0].size, UNDONE), *(np.full(grid[0].size, np.nan) for _ in range(3))]
+
+    def looked_at(part: slice, tell: Callable[[float], None]) -> tuple[Array, ...]:
+        return _looked_at(robots, [column[part] for column in grid], start, settle, periods, rtol, tell)
+
+    for part, found in shared(grid[0].size, looked_at, workers, progress):
+        for column, values in zip(whole, found, strict=True):
+            column[part] = values
+    shape = tuple(len(axis) for axis in axes.values())
+    columns = {name: (tuple(axes), column.reshape(shape), _TOLD[name]) for name, column in zip(_TOLD, whole, strict=True)}
+    attrs = {"settle": settle, "periods": periods, "rtol": rtol}
+    return xr.Dataset(columns, {name: (name, axis, robots.describe(name)) for name, axis in axes.items()}, attrs)
+
+
+def _is_many(value: Any) -> bool:
+    """Whether an argument is a list or an array."""
+    return isinstance(value, (list, tuple, range)) or getattr(value, "ndim", 0) > 0
+
+
+def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) -> dict[str, Array]:
+    problems = Problems("chaos_map")
+    try:
+        axes = {name: np.asarray(number(value), float) for name, value in arguments.items() if _is_many(value)}
+    except (TypeError, ValueError):
+        raise InputError("chaos_map", ["an argument with several values has one that is no number; allowed are lists of numbers"]) from None
+    if len(axes) not in (1, 2):
+        problems.add(f"{len(axes)} arguments have several values; allowed are one or two, such as mu0=[...], amplitude=[...]")
+    for name, axis in axes.items():
+        if axis.ndim != 1 or not len(axis) or not np.isfinite(axis).all():
+            problems.add(f"{name} = {arguments[name]!r}; allowed are finite numbers, at least one")
+    problems.whole("settle", settle, 1, example=300)
+    problems.whole("periods", periods, 20, example=200)
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
+    return axes
+
+
+def _looked_at(robots: Family, values: list[Array], start: Any, settle: int, periods: int, rtol: float, tell: Any) -> tuple[Array, ...]:
+    """Period, exponent, error and mean velocity of a part of the grid."""
+    cases = len(values[0])
+    model = spread_over(robots.robots(*values), cases)
+    at, first = coordinates(robots.robot(*(column[0] for column in values))), min(settle, _FIRST)
+    state = strobe_map(model, states_of(start, model), first, rtol).state
+    tell(0.25)
+    period, state, velocity = _repeats(model, state, at.scales, _LOOK, rtol)
+    late, followed = np.flatnonzero(period == 0), not not_followed(model)
+    exponent, error = np.full(cases, np.nan), np.full(cases, np.nan)
+    tell(0.5)
+    if len(late):
+        some = some_of(model, late)
+        settled = strobe_map(some, state[late], settle - first, rtol).state if settle > first else state[late]
+        period[late], state[late], velocity[late] = _repeats(some, settled, at.scales, _POINTS, rtol)
+        tell(0.7)
+    for p in np.unique(period[period > 0]):
+        members = np.flatnonzero(period == p)
+        if followed:
+            exponent[members], error[members] = _by_multipliers(some_of(model, members), state[members], int(p), at.scales, rtol)
+    wild = np.flatnonzero((period == 0 if followed else period >= 0) & np.isfinite(state).all(axis=1))
+    tell(0.8)
+    if len(wild):
+        exponent[wild], error[wild] = largest_exponents(
+            some_of(model, wild), periods, settle=0, start=state[wild], rtol=rtol, apart=max(1e-7, 100 * rtol)
+        )
+    return period, exponent, error, velocity
+
+
+def _repeats(model: Any, state: Array, scales: Array, points: int, rtol: float) -> tuple[Array, Array, Array]:
+    """Period numbers, last strobe states and mean velocities of the next strobe points."""
+    kept, ways = strobe_orbit(model, state, points, rtol)
+    period = periods_of(np.moveaxis(kept, 0, 1), scales, max(1e-6, 30 * rtol))
+    return period, kept[-1], steady_velocity(ways.T, period, np.asarray(model.period, float))
+
+
+def _by_multipliers(model: Any, state: Array, period: int, scales: Array, rtol: float) -> tuple[Array, Array]:
+    """The largest exponent per drive period of motions that repeat; its error: how far it is from that of the next turn."""
+    d = coordinates(model).smooth
+    after = strobe_map(model, state, period, rtol).state
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first, second = (
+            np.log(_largest(jacobians_of(model, s, period, rtol) * (scales[:d] / scales[:d, None]))) / period for s in (state, after)
+        )
+        return first, np.nan_to_num(abs(first - second), posinf=np.inf)
+
+
+def _largest(matrices: Array) -> Array:
+    """The absolute value of the largest eigenvalue of each; NaN where a matrix has no numbers."""
+    known = np.isfinite(matrices).all(axis=(1, 2))
+    found = np.full(len(matrices), np.nan)
+    found[known] = abs(np.linalg.eigvals(matrices[known])).max(axis=1)
+    return found

@@ -1,0 +1,106 @@
+"""Following a limit cycle in a parameter: how long it takes is one more unknown, in the place of the velocity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.periodic.limit_cycles import LimitCycle, ends_of, misses_of, states_on, unknowns
+from stickslip.dynamics.periodic.newton import Found
+from stickslip.friction.adapter import law_of
+
+__all__ = ["CyclePath", "border_of_rest", "vanishing"]
+
+Array = Any
+_WELL = 1e-11  # residual of the cycles that are used
+_NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
+_SHORT = 0.01  # part of the cycle below which a rest is about to vanish
+
+
+@dataclass(frozen=True, eq=False)
+class CyclePath(Path):
+    """What stays the same along a branch of limit cycles. A point is (x, inner states, duration, parameter).
+
+    Parameters
+    ----------
+    unit : float
+        The time in which durations are measured [s].
+    """
+
+    unit: float = 1.0
+
+    def scaled(self, orbit: Any, value: float) -> Array:
+        """The point u of a cycle."""
+        return np.append(unknowns(self.at, orbit.state, orbit.duration, self.unit), (value - self.origin) / self.span)
+
+    def ends(self, U: Array, memory: Array) -> Array:
+        """The states after the durations."""
+        return ends_of(self.family.robots(self.value(U)), self.at, U[:, :-1], memory, self.rtol, self.unit)
+
+    def misses(self, U: Array, memory: Array) -> Array:
+        """How far each state is from itself after its duration, in its scales."""
+        return misses_of(self.family.robots(self.value(U)), self.at, U[:, :-1], memory, self.rtol, self.unit)
+
+    def orbit(self, found: Found) -> LimitCycle:
+        """The cycle at a point."""
+        model, u = self.family.robot(self.value(found.at)), found.at[:-1]
+        state = states_on(model, self.at, u[None, :], found.memory)[0]
+        return LimitCycle(model, self.period, state, float(u[-1] * self.unit), found.residual, self.rtol)
+
+
+def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
+    """Where the rest of stick-slip cycles vanishes, if their branch ends because of that, and how sure that is; None if not.
+
+    The slide then touches the speed at which the contact rests: the square of the time at rest is smooth in the parameter. It is
+    continued to zero, from the last points, and then from more cycles among them, whose scatter says how sure that is.
+    """
+    last = points[-1]
+    if not isinstance(path, CyclePath) or law_of(last.orbit.model).dynamic:
+        return None
+    kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
+    if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:
+        return None
+    critical, spread = _zero(kept), abs(kept[-1][0] - kept[0][0])
+    return border_of_rest(path, last, critical, spread) or (critical, spread)
+
+
+def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: float) -> tuple[float, float] | None:
+    """Where the rest of cycles vanishes, and how sure that is, from cycles beside where it was seen to; None if they are not found."""
+    near = _near(path, resting, critical - np.sign(critical - resting.value) * spread * np.linspace(0.1, 1.0, _NEAR))
+    found = None if near is None else _fitted(*near)
+    return found if found and found[1] < spread and abs(found[0] - critical) < spread else None
+
+
+def _zero(kept: list[tuple[float, float]]) -> float:
+    """Where a quantity vanishes whose inverse function is a parabola through three points."""
+    (a, p), (b, q), (c, r) = kept
+    return a * q * r / ((p - q) * (p - r)) + b * p * r / ((q - p) * (q - r)) + c * p * q / ((r - p) * (r - q))
+
+
+def _near(path: CyclePath, last: Point, values: Array) -> tuple[Array, Array] | None:
+    """Values, and squares of the time at rest of the cycles there; None unless all are found, with more rest the further away."""
+    found = [path.at_value(last.u, float(value), path.remembered(last.orbit)) for value in values]
+    if not all(there.good for there in found):
+        return None
+    rests = np.array([_rest(path.orbit(there), 1) ** 2 for there in found])
+    return (np.array([float(path.value(there.at)) for there in found]), rests) if rests[0] > 0.0 and np.all(np.diff(rests) > 0.0) else None
+
+
+def _fitted(values: Array, rests: Array) -> tuple[float, float]:
+    """Where the parabola through all points vanishes, and how sure that is: by their scatter, and by what a cubic says."""
+    scaled, middle = rests / rests.max(), float(values.mean())
+    (fitted, cov), cubic = np.polyfit(scaled, values - middle, 2, cov=True), np.polyfit(scaled, values - middle, 3)
+    unsure = _ERRORS * np.sqrt(cov[2, 2]) + abs(cubic[3] - fitted[2]) + 8 * np.spacing(abs(middle))
+    return middle + float(fitted[2]), float(unsure)
+
+
+def _rest(cycle: LimitCycle, turn: int = 0) -> float:
+    """How long the contact rests in a cycle [s], the first time around or later: a rest wipes out what is missing of the cycle's state."""
+    from stickslip.solvers import solve
+
+    run = cycle.run if turn == 0 else solve(cycle.model, duration=(turn + 1) * cycle.duration, start=cycle.start, keep="trajectory")
+    t = np.asarray(run.pieces.t)
+    return float(np.diff(t)[(run._modes == 0) & (t[:-1] >= turn * cycle.duration)].sum())

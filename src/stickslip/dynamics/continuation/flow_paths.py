@@ -1,0 +1,23 @@
+"""Following a periodic orbit of a forced flow in one of its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.dynamics.continuation.pseudo_arclength import Path
+from stickslip.dynamics.flows.flow_orbits import FlowOrbit, orbit_at
+from stickslip.dynamics.periodic.newton import Found
+
+__all__ = ["FlowPath"]
+
+
+@dataclass(frozen=True, eq=False)
+class FlowPath(Path):
+    """What stays the same along a branch of a flow's orbits. What is remembered of a point is the mode on the strobe."""
+
+    def orbit(self, found: Found) -> FlowOrbit:
+        """The motion at a point."""
+        state = np.append(found.at[:-1] * self.scales, found.memory)
+        return orbit_at(self.family.robot(self.value(found.at)), state, self.period, found.residual)

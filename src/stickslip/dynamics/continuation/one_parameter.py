@@ -1,0 +1,90 @@
+"""One parameter of a robot as a variable: a maker with its other arguments fixed, for single values and for batches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import made_model, point_by_point
+from stickslip.errors import InputError, did_you_mean
+from stickslip.fields import leaves
+from stickslip.naming import axis_of
+from stickslip.number_names import numbers_meant
+from stickslip.sweeps.space import check_names  # a family is a sweep whose values are not known before
+
+__all__ = ["Family", "family"]
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Robots that differ in some parameters.
+
+    Parameters
+    ----------
+    make : callable or Robot
+        What makes a robot from keywords, or a robot whose numbers are named with dots.
+    parameters : tuple of str
+        The keywords that vary.
+    fixed : dict
+        The other keywords.
+    what : str
+        Who asks, for messages.
+    """
+
+    make: Any
+    parameters: tuple[str, ...]
+    fixed: dict[str, Any]
+    what: str
+
+    def robot(self, *values: float) -> Any:
+        """The robot at one point."""
+        arguments = {**self.fixed, **dict(zip(self.parameters, map(float, values), strict=True))}
+        return made_model(self.what, self.make(**arguments) if callable(self.make) else self.make.replace(arguments))
+
+    def robots(self, *values: Any) -> Any:
+        """Robots at many points, as one batch: arrays of one length."""
+        columns = dict(zip(self.parameters, (np.asarray(v, float) for v in values), strict=True))
+        if not callable(self.make):
+            return self.make.replace({**self.fixed, **columns})
+        try:
+            return made_model(self.what, self.make(**self.fixed, **columns))
+        except InputError:
+            raise
+        except (TypeError, ValueError):  # a maker that cannot take arrays
+            return point_by_point(self.what, self.make, self.fixed, columns)
+
+    def refusal(self, error: InputError, *values: float) -> str:
+        """Why there is no robot at a point, said of that robot alone: the batch that was refused has others beside it."""
+        try:
+            self.robot(*values)
+        except InputError as alone:
+            return alone.problems[0]
+        return error.problems[0]
+
+    def describe(self, parameter: str) -> dict[str, str]:
+        """Name and unit of a parameter, as a plot shows them."""
+        known = axis_of(parameter, self.make)
+        return {"long_name": known[0], "units": known[1]} if known else {"long_name": parameter, "units": "1"}
+
+
+def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, Any]) -> Family:
+    """A family, its names checked."""
+    from stickslip.errors import Problems
+
+    problems = Problems(what)
+    if callable(make) or hasattr(make, "replace"):
+        check_names(make, [*fixed, *parameters], (), problems)
+    else:
+        problems.add(f"make = {make!r}; allowed is a Robot or a function that makes one; type for example ss.presets.piezo_rig")
+    for name in parameters:
+        if name in fixed:
+            problems.add(f"{name} is the parameter that varies and is given a value too; leave {name}={fixed[name]!r} out")
+    problems.check()
+    if not callable(make):
+        names = [name for name, _ in leaves(make)]
+        for name in parameters:
+            if not numbers_meant(name, names):
+                raise InputError(what, [f"{name!r} is no number of the robot; {did_you_mean(name, names)}"])
+    return Family(make, parameters, fixed, what)

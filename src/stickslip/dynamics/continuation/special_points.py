@@ -1,0 +1,221 @@
+"""Special points between two neighbours of a branch: where a test function vanishes, or the kind of motion changes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stickslip.analysis.contact_modes import pressed_stops
+from stickslip.dynamics.continuation.point_accuracy import certain
+from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.flow import is_flow
+from stickslip.machine_adapter import machine_of
+
+__all__ = ["Located", "located", "root"]
+
+_AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
+_HALVINGS = 60  # at most; until the two sides are the same number
+_NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, and for laws whose words have thresholds
+
+
+_ASIDE = 1e-4  # how far away the slope of a test function is taken
+_MULTIPLIERS = 1e-10  # how well they are known: under dynamic laws, at a tolerance of 1e-12, they are some 3e-11 from those at 3e-12
+_RESIDUALS = 10.0  # by how much more than the point itself a border may be moved by its residual
+_BETWEEN, _COUNTED = " | ", ", "  # the patterns of several contacts; what a motion touches
+_TOUCHES = {"hit": "hit", "take-off": "takes off"}
+_UNSEEN = 1e-12  # an arc shorter than 1e-13 of a period is not seen; borders known in closed form are moved by up to 6e-13 of their value
+
+
+class Located(NamedTuple):
+    """A special point, what else is to be said, and how far its parameter may be wrong."""
+
+    kind: str
+    point: Point
+    notes: tuple[str, ...]
+    accuracy: float
+
+
+def located(path: Path, a: Point, b: Point) -> list[Located]:
+    """Every special point between a and b, in order."""
+    found: list[Located] = []
+    if a.fold * b.fold < 0:
+        test = _unity if a.unity * b.unity < 0 else _fold
+        there = root(path, a, b, test)
+        if abs(np.asarray(there.orbit.multipliers) - 1.0).min(initial=np.inf) < _AT_A_FOLD:
+            found.append(Located("fold", there, (), _accuracy(path, there, test, b)))
+    if a.flip * b.flip < 0:
+        there = root(path, a, b, _flip)
+        found.append(Located("flip", there, (), _accuracy(path, there, _flip, b)))
+    if a.turning * b.turning < 0:
+        found += _turning(path, a, b)
+    found += _changes(path, a, b, _reversals, lambda x, y: "grazing", _said_of_reversals) if _is_dynamic(a.orbit) else []
+    found += _changes(path, a, b, _word, _kind_of_switches if is_flow(a.orbit.model) else _kind_of_change, _said_of_words)
+    return sorted(found, key=lambda item: (item.point.u - a.u) @ a.tangent)
+
+
+def _accuracy(path: Path, p: Point, test: Callable[[Point], float], b: Point) -> float:
+    """How far the parameter may be wrong where a test function vanishes.
+
+    What is left of the function, what its multipliers do not know, and by how much it and the branch move with tenfold tolerances.
+    """
+    aside = path.between(p, _ASIDE) or path.between(p, -_ASIDE)
+    other = path.loosened().between(p, 0.0)
+    if aside is None or other is None:
+        return abs(b.value - p.value)
+    h = float((aside.u - p.u) @ p.tangent)
+    slope, bend = abs(test(aside) - test(p)) / abs(h), abs(aside.fold - p.fold) / abs(h)
+    unsure = abs(test(p)) + abs(test(other) - test(p)) + _MULTIPLIERS * float(np.prod(1.0 + abs(np.asarray(p.orbit.multipliers))))
+    along = unsure / slope if unsure < slope else 1.0  # of the range, where the test hardly changes
+    moved = path.span * (abs(p.fold) * along + 0.5 * bend * along**2 + _RESIDUALS * p.blur)
+    return float(min(moved + abs(other.value - p.value) + 2 * np.spacing(abs(p.value)), path.span))
+
+
+def _turning(path: Path, a: Point, b: Point) -> list[Located]:
+    """Where a complex pair of multipliers passes the unit circle; two real ones whose product is 1 are nothing special."""
+    there = root(path, a, b, _circle)
+    found = np.asarray(there.orbit.multipliers, complex)
+    pair = found[int(np.argmin(abs(abs(found) - 1.0) + (abs(found.imag) < 1e-9)))]
+    if abs(pair.imag) < 1e-9:
+        return []
+    turn = abs(float(np.angle(pair))) / (2 * np.pi)
+    accuracy = _accuracy(path, there, _circle, b)
+    told = certain(turn, max(accuracy / path.span, 10 * _MULTIPLIERS))
+    note = f"a pair of multipliers passes the unit circle; it turns by {told} of a turn in each period"
+    return [Located("neimark-sacker", there, (note,), accuracy)]
+
+
+def _flip(p: Point) -> float:
+    return p.flip
+
+
+def _circle(p: Point) -> float:
+    return p.turning
+
+
+def _unity(p: Point) -> float:
+    return p.unity
+
+
+def _fold(p: Point) -> float:
+    return p.fold
+
+
+def _length(a: Point, b: Point) -> float:
+    return float((b.u - a.u) @ a.tangent)
+
+
+def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Point:
+    """Where a test function of the branch vanishes."""
+    from scipy.optimize import brentq
+
+    kept: dict[float, Point] = {0.0: a, _length(a, b): b}
+
+    def value(s: float) -> float:
+        if s not in kept:
+            point = path.between(a, s)
+            if point is None:  # no number here: take the nearest point there is, so that the search goes on
+                return test(kept[min(kept, key=lambda k: abs(k - s))])
+            kept[s] = point
+        return test(kept[s])
+
+    s, _ = brentq(value, 0.0, _length(a, b), xtol=1e-15, rtol=1e-14, maxiter=100, full_output=True, disp=False)
+    return kept.get(s) or min(kept.values(), key=lambda p: abs(test(p)))
+
+
+def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Located]:
+    """Where a word for the motion changes, however often: bisection for each change."""
+    found: list[Located] = []
+    low, end, near, first = 0.0, _length(a, b), _NEAR[_is_dynamic(a.orbit)], a
+    last = word(a.orbit)
+    while last != word(b.orbit):
+        inner, outer, here, before = low, end, b, a
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inner + outer)
+            if not inner < middle < outer or outer - inner < near:
+                break
+            point = path.between(first, middle)
+            if point is None:
+                break
+            if word(point.orbit) == last:
+                inner, before = middle, point
+            else:
+                outer, here = middle, point
+        after = word(here.orbit)
+        moved = _RESIDUALS * path.span * max(here.blur, before.blur) + _UNSEEN * max(abs(here.value), path.span)
+        found.append(Located(kind(last, after), here, (said(last, after, here.orbit),), float(abs(here.value - before.value) + moved)))
+        low, last, a = outer, after, here
+        if len(found) > 8:
+            break
+    return found
+
+
+def _word(orbit: Any) -> str:
+    """What the motion is called: its pattern where rest is exact, its type where the word depends on thresholds; and what it touches."""
+    return _pattern_of(orbit) + _touched(orbit)
+
+
+def _touched(orbit: Any) -> str:
+    """How often in the motion each stop is hit, or begins to be pressed, and each contact takes off: ", inner-body hit twice"."""
+    if is_flow(orbit.model):
+        return ""
+    run = orbit.run
+    end = float(run.pieces.t[-1])
+    counts = Counter(f"{event.part} {_TOUCHES[event.kind]}" for event in run.events if event.kind in _TOUCHES)
+    counts.update({f"{name} pressed": sum(start > 0.0 for start, _ in of) for name, of in pressed_stops(run, 0.0, end).items()})
+    times = ("", "once", "twice", "three times or more")
+    return "".join(f"{_COUNTED}{name} {times[min(count, 3)]}" for name, count in sorted(counts.items()) if count)
+
+
+def _pattern_of(orbit: Any) -> str:
+    """Of a machine of several bodies the patterns of all contacts; where laws never rest exactly its reversals say all that is sharp."""
+    if is_flow(orbit.model):
+        return f"{len(orbit.events)} switches to {', '.join(map(str, orbit.pattern))}" if orbit.events else "no switch"
+    if not machine_of(orbit.model).is_single:
+        return "" if _is_dynamic(orbit) else _BETWEEN.join(orbit.patterns.values())
+    return orbit.type if _is_dynamic(orbit) else orbit.pattern
+
+
+def _is_dynamic(orbit: Any) -> bool:
+    return not is_flow(orbit.model) and machine_of(orbit.model).has_inner_states
+
+
+def _reversals(orbit: Any) -> int:
+    """Pairs of reversals in the motion period."""
+    return (len(orbit.events) + 1) // 2
+
+
+def _said_of_reversals(before: int, after: int, orbit: Any) -> str:
+    return f"v touches zero: {2 * before} reversals in a motion period before, {2 * after} after"
+
+
+def _said_of_words(before: str, after: str, orbit: Any) -> str:
+    m = getattr(orbit, "motion", None) if not is_flow(orbit.model) and machine_of(orbit.model).is_single else None
+    if m is not None and m.slip_ratio is not None:
+        return f"type {before} becomes {after} by the thresholds slip_ratio = {m.slip_ratio:g}, dwell = {m.dwell:g}"
+    return f"pattern {before} becomes {after}"
+
+
+def _kind_of_switches(before: str, after: str) -> str:
+    """More or fewer switches among the same modes begin where a guard is touched; of a flow any other change is a border of types."""
+    modes = [set(word.partition(" to ")[2].split(", ")) - {""} for word in (before, after)]
+    return "grazing" if modes[0] <= modes[1] or modes[1] <= modes[0] else "type-border"
+
+
+def _kind_of_change(before: str, after: str) -> str:
+    """A slide that is cut in two where its velocity touches zero is a grazing; any other change is a border of types."""
+    before, after = before.partition(_COUNTED)[0], after.partition(_COUNTED)[0]
+    changed = [(a, b) for a, b in zip(before.split(_BETWEEN), after.split(_BETWEEN), strict=True) if a != b]
+    return "grazing" if all(_is_grazing(a, b) for a, b in changed) else "type-border"
+
+
+def _is_grazing(before: str, after: str) -> bool:
+    long, short = sorted((before, after), key=len, reverse=True)
+    for side in "+-":
+        if any(
+            side + gap + side in long + long and side + gap + side not in short + short for gap in ("0", "-" if side == "+" else "+")
+        ) and (long.count(side) > short.count(side)):
+            return True
+    return False

@@ -1,0 +1,279 @@
+"""What the numbers of a machine do to its motion: exact derivatives of the mean velocity and of the state, through every switch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import explains_arguments
+from stickslip.drives.within import drives_within
+from stickslip.dynamics.derivatives.slopes import number_slopes, period_of, start_changes
+from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit, states_of
+from stickslip.dynamics.periodic.steady_motions import Closed, Closing
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
+from stickslip.engine.trace import SPAN, numbers_of
+from stickslip.errors import InputError, did_you_mean
+from stickslip.faces import Face
+from stickslip.fields import leaves, replace_leaf
+from stickslip.machine_adapter import is_machine
+from stickslip.number_names import numbers_meant
+from stickslip.sealing import sealed
+from stickslip.solvers.time_dependence import check_period
+
+__all__ = ["Sensitivity", "along", "directions_of", "notes_of", "seeds_of", "sensitivity"]
+
+Array = Any
+_ALONE = "if it alone changes, the equations do not come back after the period"
+_WHOLE = 1e-9  # by how much of themselves the numbers of periods of its drives may change
+_ASIDE = 1e-3  # how far a number is moved to see whether the equations still come back after the period
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Sensitivity(Face):
+    """Derivatives of a motion by numbers of its machine.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The numbers, or patterns of names that are moved together.
+    values : array (numbers,)
+        The numbers themselves; NaN where several of different size are moved together.
+    velocity : float
+        Mean velocity V [m/s], of several bodies that of their centre of mass.
+    mean_velocity : array (numbers,)
+        dV/dp.
+    state : array
+        Derivative of the state at the end, of a periodic motion on the strobe. It is taken at the same part of the period.
+    states : tuple of str
+        What these states are.
+    notes : tuple of str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> found = ss.sensitivity(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), wrt=["drive.amplitude"])
+    >>> round(found["drive.amplitude"], 6)  # dV/dA: V is 4.3 mm/s at A = .8 mm
+    8.895394
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    velocity: float
+    mean_velocity: Array
+    state: Array
+    states: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> float:
+        """dV/dp by the name of p."""
+        if name not in self.names:
+            raise InputError("sensitivity", [f"{name!r} was not asked for; {did_you_mean(name, self.names)}"])
+        return float(self.mean_velocity[self.names.index(name)])
+
+    @property
+    def relative(self) -> Array:
+        """By how many per cent V changes when a number grows by one: (p/V) dV/dp."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.values / self.velocity * self.mean_velocity
+
+    def _title(self) -> str:
+        return f"Sensitivity of the mean velocity, {self.velocity:.9g} m/s"
+
+    def _tables(self) -> list[list[tuple[str, ...]]]:
+        head = ("number p", "value", "dV/dp [SI]", "% of V for 1 % of p")
+        rows = zip(self.names, self.values, self.mean_velocity, self.relative, strict=True)
+        return [[head, *((name, f"{p:.6g}", f"{slope:.7g}", f"{relative:.4g}") for name, p, slope, relative in rows)]]
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}: {value:.9g}" for name, value in zip(self.names, self.mean_velocity, strict=True))
+        return f"<Sensitivity of V = {self.velocity:.9g} m/s: dV/dp by {told}{''.join(f'; {note}' for note in self.notes)}>"
+
+
+@explains_arguments
+def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
+    """Derivatives of the mean velocity and of the state by numbers of a machine.
+
+    They are exact: small changes are carried along the motion by the derivatives of the equations, through every switch, impulse and stop,
+    and, of a periodic motion, closed by its monodromy matrix. Nothing is differenced.
+
+    Parameters
+    ----------
+    of : Robot or machine, PeriodicOrbit, or Trajectory
+        A machine is asked for its periodic motion, as `periodic_orbit` finds it. Of a run it is the mean velocity after `settle` and the
+        state at the end, from the same start.
+    wrt : str or sequence of str, optional
+        Names of numbers as in ``robot.replace``, such as "drive.amplitude" or "modules[1].drive.amplitude"; without an index the numbers
+        of all parts are moved together, by the same amount: "modules.friction.mu_plus". ``*`` stands for anything. If not given, every
+        number by itself whose change leaves the period what it is for all parts of the machine.
+
+    Returns
+    -------
+    Sensitivity
+        `mean_velocity`, `state`, `relative`, and ``found[name]``.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, a number whose change would leave the machine without a common period (move those of all parts together), and
+        a law that the engine does not know.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> module = ss.Robot(0.06259, 0.00948, ss.Harmonic(amplitude=6e-4, omega=65.4 * np.pi), ss.Coulomb(0.15, 0.21))
+    >>> pair = ss.Chain((module, module), link=ss.Spring(1200.0, 0.4), phases=(0.0, 2.0))
+    >>> found = ss.sensitivity(pair, wrt=["phases.1", "modules.*.friction.mu_plus"])
+    >>> found.mean_velocity.round(8).tolist()
+    [0.00841115, -0.20550469]
+    """
+    model = of if is_machine(of) else getattr(of, "model", None)
+    if model is None:
+        raise InputError("sensitivity", [f"{of!r} is no machine, no periodic orbit and no run; type ss.sensitivity(robot)"])
+    if why := not_followed(model):
+        raise InputError("sensitivity", [f"small changes are not followed along the motion of this {type(model).__name__}, as {why}; "
+                                         "take differences of two runs"])  # fmt: skip
+    moved = directions_of("sensitivity", model, wrt)
+    if hasattr(of, "pieces"):
+        return _of_run(of, moved)
+    return _of_orbit(of if isinstance(of, PeriodicOrbit) else periodic_orbit(model), moved)
+
+
+def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]:
+    """The numbers of one machine that are moved together, by what was typed; `InputError` of `what` for what cannot be moved."""
+    if any(np.ndim(value) for _, value in leaves(model)):
+        raise InputError(what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot"])
+    known = [name for name in numbers_of(model) if name != SPAN]
+    if wrt is None:
+        return {name: (name,) for name in known if not _breaks(model, (name,))}
+    asked = [wrt] if isinstance(wrt, str) else list(wrt)
+    found = {str(pattern): numbers_meant(pattern, known) for pattern in asked}
+    if found and all(found.values()) and not _any_breaks(model, list(found.values())):
+        return found
+    problems = [flaw for pattern, names in found.items() if (flaw := _flaw(model, pattern, names, known))]
+    if problems or not asked:
+        raise InputError(what, problems or [f"wrt is empty; allowed are names of numbers: {', '.join(known)}"])
+    return found
+
+
+def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
+    if not names:
+        return f"{pattern!r} is no number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
+    places = names[0].split(".")
+    last = ".".join(places[-2:] if places[-1].isdigit() else places[-1:])
+    return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""
+
+
+def _any_breaks(model: Any, moved: list[tuple[str, ...]]) -> bool:
+    """Whether one of these sets of numbers may leave the machine without a common period: asked of a batch that has a case for each."""
+    own = dict(leaves(model))
+    aside = {name: np.full(len(moved), own[name]) for names in moved for name in names}
+    for i, names in enumerate(moved):
+        for name in names:
+            aside[name][i] += _ASIDE * (abs(own[name]) or 1.0)
+    return not _has_period(replace_leaf(model, aside), model)
+
+
+def _breaks(model: Any, names: tuple[str, ...]) -> bool:
+    """Whether the machine has no common period any more, once these numbers are moved."""
+    own = dict(leaves(model))
+    for side in (1.0, -1.0):
+        try:
+            aside = replace_leaf(model, {name: own[name] + side * _ASIDE * (abs(own[name]) or 1.0) for name in names})
+        except InputError:  # at the end of its range
+            continue
+        return not _has_period(aside, model)
+    return False
+
+
+def _has_period(aside: Any, model: Any) -> bool:
+    """Whether the equations of a machine come back after its period as they did before its numbers were moved."""
+    try:
+        check_period(aside)
+    except InputError:
+        return False
+    return all(np.all(abs(now / was - 1.0) < _WHOLE) for now, was in zip(_cycles(aside), _cycles(model), strict=True))
+
+
+def _cycles(model: Any) -> list[Any]:
+    """How many periods of each drive there are in that of the machine: accelerations that jump or are zero do not show it."""
+    return [] if model.period is None else [model.period / drive.period for drive in drives_within(model)]
+
+
+def seeds_of(moved: dict[str, tuple[str, ...]]) -> dict[str, Array]:
+    """Parts of the directions in the numbers."""
+    names = dict.fromkeys(name for names in moved.values() for name in names)
+    return {name: np.array([float(name in names) for names in moved.values()]) for name in names}
+
+
+def _told(model: Any, moved: dict[str, tuple[str, ...]]) -> Array:
+    own = dict(leaves(model))
+    sizes = [{float(own[name]) for name in names} for names in moved.values()]
+    return np.array([next(iter(size)) if len(size) == 1 else np.nan for size in sizes])
+
+
+def _period_slopes(model: Any, numbers: dict[str, Array], count: int) -> Array:
+    """Change of the period along each direction [s]."""
+    if model.period is None:
+        return np.zeros(count)
+    return number_slopes(model, numbers, period_of, count)[0]
+
+
+def _of_orbit(orbit: PeriodicOrbit, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
+    V, slopes, state, notes = along(orbit, seeds_of(moved), len(moved))
+    return Sensitivity(tuple(moved), _told(orbit.model, moved), V, slopes, state, coordinates(orbit.model).names[: state.shape[1]], notes)
+
+
+def along(orbit: PeriodicOrbit, directions: dict[str, Array], count: int) -> tuple[float, Array, Array, tuple[str, ...]]:
+    """Mean velocity of a periodic motion, its derivative and that of the strobe state along directions in the numbers, and notes.
+
+    The motion stays periodic: what a number changes and what the start does about it cancel.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit
+    directions : dict of arrays (count,)
+        Parts of the directions in the numbers, by name.
+    count : int
+        How many directions there are.
+    """
+    found = Closing(orbit.model, coordinates(orbit.model), directions, count, orbit.rtol).at_state(orbit.state[None], orbit.period)
+    return float(found.mean_velocity[0]), found.slopes[0], found.changes[0], notes_of(found)
+
+
+def notes_of(found: Closed) -> tuple[str, ...]:
+    """What is to be said of the derivatives of a motion."""
+    if not np.isfinite(found.monodromy).all():
+        return ("a switch is touched without being crossed: there are no derivatives",)
+    note = "the motion can be shifted freely (a multiplier is 1), and the smallest change of the state is given"
+    return (note,) if found.free[0] else ()
+
+
+def _of_run(run: Any, moved: dict[str, tuple[str, ...]]) -> Sensitivity:
+    """From the same start."""
+    model, at, k = run.model, coordinates(run.model), len(moved)
+    d, numbers = at.smooth, seeds_of(moved)
+    end = float(run.pieces.t[-1])
+    span = None if model.period is not None else end
+    if span is None and abs(end - run.periods * float(model.period)) > 1e-9 * end:
+        raise InputError("sensitivity", [f"the run ends at {end:.6g} s, within a drive period; allowed are whole periods; type periods="])
+    starts = start_changes(model, run.start, numbers, k)
+    states = np.tile(states_of(run.start or None, model)[0], (k, 1))
+
+    def after(periods: int) -> Changes:
+        return changes_along(model, states, starts, numbers, periods, run.rtol, span)
+
+    last, settle = after(run.periods), 0 if span else run.settle
+    way, d_way = last.way, last.way_change
+    if settle:
+        first = after(settle)
+        way, d_way = way - first.way, d_way - first.way_change
+    T = span or float(model.period) * (run.periods - settle)
+    dT = _period_slopes(model, numbers, k) * (run.periods - settle)
+    V = float(way[0]) / T
+    return Sensitivity(tuple(moved), _told(model, moved), V, (d_way - V * dT) / T, last.change, at.names[:d])

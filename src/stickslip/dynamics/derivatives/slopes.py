@@ -1,0 +1,134 @@
+"""What a machine's plain functions of its numbers give, and their changes along directions in these numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import numbers_by_name
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
+from stickslip.engine.graphs import Along
+from stickslip.engine.symbols import Graph, Sym
+from stickslip.engine.tangent import part_in
+from stickslip.engine.trace import kind_of, numbers_of
+from stickslip.engine.values import values_of
+from stickslip.fields import replace_leaf
+from stickslip.machine_adapter import machine_of
+
+__all__ = ["Slopes", "number_slopes", "period_of", "start_changes"]
+
+Array = Any
+_functions: dict[Any, _Functions] = {}
+
+
+class _Functions:
+    """A kind of machine with symbols for its numbers: what its plain functions give, and their changes along directions, made once."""
+
+    def __init__(self, model: Any, along: tuple[str, ...]):
+        self.graph, self.names, self.lock = Graph(), numbers_of(model), Lock()
+        self.machine = machine_of(replace_leaf(model, {name: self.graph.case(name) for name in self.names}))
+        self.along = Along(self.graph, {name: self.graph.case(part_in(name)) for name in along})
+        self._made: dict[Any, tuple[list[Sym], list[Sym]]] = {}
+
+    def of(self, what: Callable[..., Any], *args: Any) -> tuple[list[Sym], list[Sym]]:
+        """What a function of the machine gives, and the changes of that."""
+        with self.lock:
+            try:
+                if (what, args) not in self._made:
+                    self._made[what, args] = self._nodes(what, args)
+                return self._made[what, args]
+            except TypeError:  # something that cannot be compared, such as a dict
+                return self._nodes(what, args)
+
+    def _nodes(self, what: Callable[..., Any], args: Any) -> tuple[list[Sym], list[Sym]]:
+        values = [value if isinstance(value, Sym) else self.graph.constant(value) for value in what(self.machine, *args)]
+        return values, [self.along.of(value) for value in values]
+
+
+def _functions_of(model: Any, along: tuple[str, ...]) -> _Functions:
+    """Those of the kind of a model."""
+    key = kind_of(model), along
+    try:
+        known = _functions.get(key)
+    except TypeError:  # a part of the kind that cannot be compared, such as a list
+        return _Functions(model, along)
+    if known is None:
+        known = _functions[key] = _Functions(model, along)
+    return known
+
+
+class Slopes:
+    """Values of a machine's plain functions, and their changes along directions in its numbers; functions of a module, with arguments."""
+
+    def __init__(self, model: Any, along: dict[str, Array], cases: int):
+        self.functions, self.cases, own = _functions_of(model, tuple(along)), cases, numbers_by_name(model)
+        self.known = {name: own[name] for name in self.functions.names} | {part_in(name): part for name, part in along.items()}
+
+    def values(self, what: Callable[..., Any], *args: Any) -> list[Array]:
+        """What a function of the machine gives, for each case."""
+        return self._each(self.functions.of(what, *args)[0])
+
+    def of(self, what: Callable[..., Any], *args: Any) -> list[Array]:
+        """The changes of that."""
+        return self._each(self.functions.of(what, *args)[1])
+
+    def _each(self, nodes: list[Sym]) -> list[Array]:
+        found = values_of(self.functions.graph, self.known, nodes)
+        return [np.broadcast_to(np.asarray(found[node.number], float), (self.cases,)) for node in nodes]
+
+
+def number_slopes(model: Any, along: dict[str, Array], what: Callable[[Any], Any], cases: int = 1) -> list[Array]:
+    """Changes of what a function of a module gives of the machine, along directions in its numbers."""
+    return Slopes(model, along, cases).of(what)
+
+
+def start_changes(model: Any, start: dict[str, Any], along: dict[str, Array], cases: int) -> Array:
+    """Changes of the state in which a run begins, where the model says it and not who asked for the run: array (cases, states)."""
+    at, slopes, m = coordinates(model), Slopes(model, along, cases), machine_of(model).mechanics
+    placed, bent = _given(start.get("x"), m.bodies), _given(start.get("z"), m.contacts)
+    held = {m.coordinate_of(body) for body in placed}
+    owners = [name for name, law in zip(m.contacts, m.laws, strict=True) for _ in range(law.states)]
+    q = [0.0 * d if j in held else d for j, d in enumerate(slopes.of(_start))]
+    z = [0.0 * d if name in bent else d for name, d in zip(owners, slopes.of(_inner_starts), strict=True)]
+    on, told = slopes.of(_control_starts, start), _given(start.get("control"), m.controllers.names)
+    owners = [name for name, count in zip(m.controllers.names, m.controllers.counts, strict=True) for _ in range(count)]
+    z += [0.0 * d if name in told else d for name, d in zip(owners, on, strict=True)]
+    return np.column_stack(at.order.joined(q, [np.zeros(cases)] * len(q), z))
+
+
+def _given(values: Any, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The parts whose numbers a start says."""
+    return () if values is None else tuple(values) if isinstance(values, dict) else names
+
+
+def _start(machine: Any) -> Any:
+    """Positions in which a machine begins."""
+    return machine.mechanics.start
+
+
+def _inner_starts(machine: Any) -> list[Any]:
+    """Inner states of contacts that nobody has moved."""
+    mechanics = machine.mechanics
+    loads = mechanics.loads(0.0, mechanics.start)
+    return [z for law, load in zip(mechanics.laws, loads, strict=True) for z in law.start(load)]
+
+
+def _control_starts(machine: Any, start: dict[str, Any]) -> list[Any]:
+    """States of controllers that are switched on where a run begins."""
+    m = machine.mechanics
+    first = m._named(0.0, m.start, (0.0,) * m.coordinates)
+    x, v = ({**told, **_by_name(start.get(what), m.bodies)} for what, told in zip("xv", first, strict=True))
+    return list(m.controllers.start(0.0, x, v))
+
+
+def _by_name(values: Any, names: tuple[str, ...]) -> dict[str, Any]:
+    """What a start says of the bodies."""
+    return {} if values is None else values if isinstance(values, dict) else dict(zip(names, np.moveaxis(values, -1, 0), strict=True))
+
+
+def period_of(machine: Any) -> list[Any]:
+    """Its period, as what `Slopes` are asked for."""
+    return [machine.mechanics.period]

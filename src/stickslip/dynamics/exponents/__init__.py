@@ -1,0 +1,1 @@
+"""Lyapunov exponents of machines, of maps and of flows."""

@@ -1,0 +1,278 @@
+"""Lyapunov exponents of any map and of any flow: QR along the orbit, with a record of how they converge and an error.
+
+The derivative may be given; else the function's own lines are called with numbers that carry their slopes, so write it with
+`stickslip.maths` (or plain arithmetic).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import explains_arguments
+from stickslip.dynamics.flows.user_functions import numbers, of_state
+from stickslip.errors import InputError, Problems
+from stickslip.faces import Drawn, rounded
+from stickslip.fields import number as plain_number
+from stickslip.flow import is_flow
+from stickslip.sealing import sealed
+
+__all__ = ["Lyapunov", "error_of_mean", "lyapunov_of_flow", "lyapunov_of_map"]
+
+Array = Any
+STRETCHES = 20  # of which the scatter of the means gives the error
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Lyapunov(Drawn):
+    """Lyapunov exponents with what one must know to believe them.
+
+    Parameters
+    ----------
+    spectrum : array (n,)
+        The exponents, the largest first, natural logarithm per `unit`. -inf: disturbances in that direction end in finite time.
+    errors : array (n,)
+        Standard errors, from the scatter of the means of long stretches.
+    record : array (m, 1 + n)
+        How they converged: time so far (in units) and the exponents until then.
+    unit : str
+        What one unit of time is: "drive period", "iteration" or "time".
+    steps : int
+        How many units they were averaged over.
+    note : str
+        What else is to be said.
+
+    Examples
+    --------
+    >>> l = lyapunov_of_map(lambda x: (0.5 * x[0],), [1.0], iterations=100)
+    >>> round(l.largest, 6), l.chaotic, l.record.shape
+    (-0.693147, False, (100, 2))
+    """
+
+    spectrum: Array
+    errors: Array
+    record: Array
+    unit: str
+    steps: float
+    note: str = ""
+
+    @property
+    def largest(self) -> float:
+        """The largest exponent."""
+        return float(self.spectrum[0])
+
+    @property
+    def error(self) -> float:
+        """Standard error of the largest exponent."""
+        return float(self.errors[0])
+
+    @property
+    def chaotic(self) -> bool:
+        """Whether the largest exponent is positive by more than three of its errors (and not by rounding)."""
+        return bool(self.largest > max(3 * self.error, 1e-6) and np.isfinite(self.largest))
+
+    @property
+    def dimension(self) -> float:
+        """Kaplan-Yorke dimension of the attractor."""
+        total = 0.0
+        for k, exponent in enumerate(self.spectrum):
+            if total + exponent < 0:
+                return float(k + (total / abs(exponent) if np.isfinite(exponent) else 0.0))
+            total += float(exponent)
+        return float(len(self.spectrum))
+
+    _drawn_by = "convergence"
+
+    @property
+    def told(self) -> str:
+        """The exponents with their standard errors, rounded to what is known."""
+        known = zip(self.spectrum.tolist(), self.errors.tolist(), strict=True)
+        return ", ".join(f"{rounded(a, e)} ± {e:.1g}" if np.isfinite(a) else "−∞" for a, e in known) + f" per {self.unit}"
+
+    def _facts(self) -> dict[str, Any]:
+        return {"exponents": self.told, "averaged over": f"{self.steps:g} {self.unit}s"}
+
+    def _remarks(self) -> list[str]:
+        return [self.note] if self.note else []
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{a:.6g} ± {e:.1g}" for a, e in zip(self.spectrum, self.errors, strict=True))
+        return f"<Lyapunov: {told} per {self.unit}, over {self.steps:g}{'; ' + self.note if self.note else ''}>"
+
+
+def error_of_mean(samples: Array, stretches: int = STRETCHES) -> Array:
+    """Standard error of the mean of correlated samples (n, ...): from the means of long stretches, at least `stretches` of them."""
+    length = max(len(samples) // stretches, 1)
+    count = len(samples) // length
+    means = samples[: count * length].reshape(count, length, *samples.shape[1:]).mean(axis=1)
+    return means.std(axis=0, ddof=1) / np.sqrt(count) if count > 1 else np.full(samples.shape[1:], np.inf)
+
+
+def gathered(logs: Array, time: float, unit: str, note: str = "", points: int = 200) -> Lyapunov:
+    """The result from the growth in every stretch of length `time`: array (n, exponents)."""
+    order = np.argsort(-logs.mean(axis=0), kind="stable")
+    logs = logs[:, order]
+    count = np.arange(1, len(logs) + 1)
+    shown = np.unique(np.linspace(0, len(logs) - 1, min(points, len(logs))).astype(int))
+    means = np.cumsum(logs, axis=0)[shown] / (count[shown] * time)[:, None]
+    record = np.column_stack([count[shown] * time, means])
+    return Lyapunov(means[-1], error_of_mean(logs) / time, record, unit, len(logs) * time, note)
+
+
+def _checked(what: str, x0: Any, whole: dict[str, Any], **numbers: tuple[Any, bool]) -> Array:
+    """The start; an error that says everything that is wrong. Of each number: its value, and whether it may be 0."""
+    problems = Problems(what)
+    try:
+        x = np.atleast_1d(np.asarray(plain_number(x0), float))
+    except (TypeError, ValueError):
+        x = np.array([np.nan])
+    if x.ndim != 1 or not len(x) or not np.isfinite(x).all():
+        problems.add(f"x0 = {x0!r}; allowed is a list of finite numbers, one for each coordinate")
+    for name, value in whole.items():
+        problems.whole(name, value, 0 if name == "settle" else 1, example=1000)
+    for name, (value, zero) in numbers.items():
+        number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and np.isfinite(value)
+        if not number or value < 0 or (value == 0 and not zero):
+            problems.add(f"{name} = {value!r}; allowed is a {'finite number from 0' if zero else 'positive finite number'}")
+    problems.check()
+    return x
+
+
+@explains_arguments
+def lyapunov_of_map(
+    f: Callable[..., Any], x0: Any, *, iterations: int = 20_000, settle: int = 1000, jacobian: Callable[[Any], Any] | None = None
+) -> Lyapunov:
+    """Lyapunov exponents of a map x -> f(x), per iteration.
+
+    Parameters
+    ----------
+    f : callable
+        Takes a list of numbers, returns as many.
+    x0 : sequence of float
+        Where to begin.
+    iterations, settle : int
+        How many iterations to average over, and how many to run before.
+    jacobian : callable, optional
+        The matrix of f's derivatives at x; if not given it comes from f's own lines.
+
+    Returns
+    -------
+    Lyapunov
+
+    Examples
+    --------
+    >>> henon = lambda x: (1 - 1.4 * x[0] * x[0] + x[1], 0.3 * x[0])
+    >>> l = lyapunov_of_map(henon, [0.1, 0.1], iterations=5000)
+    >>> round(float(l.spectrum.sum()), 6), l.chaotic  # the sum is ln 0.3
+    (-1.203973, True)
+    """
+    x = _checked("lyapunov_of_map", x0, dict(iterations=iterations, settle=settle))
+    if not callable(f):
+        raise InputError("lyapunov_of_map", [f"f = {f!r}; allowed is a function that takes a list of numbers and returns as many"])
+    slope = jacobian or (lambda x: of_state(f, x)[1])
+    for _ in range(settle):
+        x = numbers(f, x)
+    Q, logs = np.eye(len(x)), np.empty((int(iterations), len(x)))
+    for k in range(int(iterations)):
+        Q, R = np.linalg.qr(np.asarray(slope(x), float) @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k] = np.log(abs(np.diag(R)))
+        x = numbers(f, x)
+    if not np.isfinite(x).all():
+        raise InputError("lyapunov_of_map", [f"the map leaves all bounds from x0 = {x0!r}; give a start on its attractor"])
+    return gathered(logs, 1.0, "iteration")
+
+
+_MOST = 1e8  # parts of a run in which growth is measured
+
+
+@explains_arguments
+def lyapunov_of_flow(
+    f: Callable[..., Any],
+    x0: Any,
+    *,
+    duration: float = 500.0,
+    settle: float = 50.0,
+    every: float = 0.5,
+    jacobian: Callable[..., Any] | None = None,
+    rtol: float = 1e-9,
+    mode: int = 0,
+) -> Lyapunov:
+    """Lyapunov exponents of a flow x' = f(x), smooth or switching, per unit of time.
+
+    Parameters
+    ----------
+    f : callable or SwitchingFlow
+        Takes a list of numbers, returns their rates. Of a `SwitchingFlow` a saltation matrix is taken at every switch.
+    x0 : sequence of float
+        Where to begin.
+    duration, settle : float
+        How long to average, and how long to run before.
+    every : float
+        Time between two orthonormalisations.
+    jacobian : callable, optional
+        The matrix of f's derivatives at x; if not given it comes from f's own lines.
+    rtol : float
+        Tolerance of the integrator (DOP853).
+    mode : int
+        In which mode a `SwitchingFlow` begins.
+
+    Returns
+    -------
+    Lyapunov
+
+    Raises
+    ------
+    InputError
+        Where the flow cannot be followed so long, because it leaves all bounds.
+
+    Examples
+    --------
+    >>> damped = lambda x: (x[1], -x[0] - 0.2 * x[1])
+    >>> lyapunov_of_flow(damped, [1.0, 0.0], duration=100.0).spectrum.round(3).tolist()  # the real parts of the eigenvalues
+    [-0.1, -0.1]
+    """
+    x = _checked("lyapunov_of_flow", x0, {}, duration=(duration, False), every=(every, False), settle=(settle, True), rtol=(rtol, False))
+    if is_flow(f):
+        from stickslip.dynamics.flows.flow_orbits import exponents_of
+
+        logs, every = exponents_of(f, x, mode, duration=duration, settle=settle, every=every, rtol=rtol)
+        return gathered(logs, every, "unit of time")
+    if not callable(f):
+        told = f"f = {f!r}; allowed is a function that gives the rates of a list of numbers, or a SwitchingFlow"
+        raise InputError("lyapunov_of_flow", [told])
+    n, slope = len(x), jacobian or (lambda x: of_state(f, x)[1])
+
+    def rates(t: float, y: Array) -> Array:
+        return np.concatenate([numbers(f, y[:n]), (np.asarray(slope(y[:n]), float) @ y[n:].reshape(n, n)).ravel()])
+
+    if not np.isfinite(numbers(f, x)).all():
+        raise InputError("lyapunov_of_flow", [f"f gave {numbers(f, x).tolist()} at x0 = {x0!r}; allowed are finite rates"])
+    if settle > 0:
+        x = _followed(lambda t, y: numbers(f, y), x, settle, rtol, 0.0, x0)
+    if not duration / every <= _MOST:
+        raise InputError("lyapunov_of_flow", [f"every = {every!r} makes {duration / every:.3g} parts of duration; allowed are {_MOST:.0e}"])
+    Q, logs = np.eye(n), np.empty((max(int(duration / every), 1), n))
+    for k in range(len(logs)):
+        end = _followed(rates, np.concatenate([x, Q.ravel()]), every, rtol, max(settle, 0.0) + k * every, x0)
+        x = end[:n]
+        Q, R = np.linalg.qr(end[n:].reshape(n, n))
+        logs[k] = np.log(abs(np.diag(R)))
+    return gathered(logs, every, "unit of time")
+
+
+def _followed(rates: Callable[[float, Array], Array], y: Array, time: float, rtol: float, since: float, x0: Any) -> Array:
+    """The state of a flow after some time; `since` and `x0` say in a message where it came from."""
+    from scipy.integrate import solve_ivp
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        done = solve_ivp(rates, (0.0, time), y, method="DOP853", rtol=rtol, atol=rtol)
+    end: Array = done.y[:, -1]
+    if done.status != 0 or not np.isfinite(end).all():
+        told = f"the flow leaves all bounds at t = {since + done.t[-1]:.6g} from x0 = {x0!r}: {done.message}"
+        raise InputError("lyapunov_of_flow", [f"{told} Give a start on its attractor, or a shorter settle and duration"])
+    return end

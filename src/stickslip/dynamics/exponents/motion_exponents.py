@@ -1,0 +1,412 @@
+"""Lyapunov exponents of a robot's motion, and the verdict: periodic, quasi-periodic or chaotic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import some_of
+from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
+from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov, error_of_mean, gathered
+from stickslip.dynamics.periodic.closed_orbits import resting
+from stickslip.dynamics.stroboscopic.chunks import Report, shared
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
+from stickslip.engine.tangent import with_volume
+from stickslip.errors import InputError, Problems
+from stickslip.faces import Face
+from stickslip.fields import checked_number, number
+from stickslip.flow import is_flow
+from stickslip.machine_adapter import machine_of
+from stickslip.quantities import between
+from stickslip.sealing import sealed
+from stickslip.solvers.request import LARGEST_START
+from stickslip.sweeps.progress import Watch
+
+__all__ = ["Verdict", "largest_exponents", "lyapunov", "verdict"]
+
+Array = Any
+_CHUNK = 50  # drive periods that are kept as dense output at a time
+_LEAST = 20  # drive periods that give an average and an error
+_ALIGN = 20  # drive periods in which directions turn into place
+_APART = 1e-7  # distance of two neighbours, in scales
+_ROUNDING = 1e-12  # a direction that shrinks by more than this beside another in a period is lost in its digits
+
+
+@explains_arguments
+def lyapunov(
+    model: Model,
+    periods: int = 2000,
+    *,
+    settle: int = 200,
+    start: Any = None,
+    rtol: float = 1e-7,
+    progress: Report | None = None,
+) -> Lyapunov:
+    """All Lyapunov exponents of the motion that a robot settles on, per drive period (natural logarithm).
+
+    Small changes are carried along the motion by the derivatives of the equations, through every switch and stop. Under a set-valued law
+    a body that comes to rest forgets its velocity, and a controller at a sample what it held: the exponent is -inf, and `note` says so. The
+    0 of the cyclic position is left out.
+    Directions that shrink below rounding within a period, as stiff bristles do, have an equal part each of what the volume leaves over.
+
+    Parameters
+    ----------
+    model : Robot or machine, or a SwitchingFlow with a period
+        One of them.
+    periods : int
+        Drive periods to average over.
+    settle : int
+        Drive periods to run before.
+    start : dict, optional
+        Where to begin, as for `solve`; from rest if not given.
+    rtol : float
+        Tolerance of the run.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress` of drive periods; return False to stop: the averages until
+        then are returned.
+
+    Returns
+    -------
+    Lyapunov
+        `largest`, `spectrum`, `error`, `errors`, `record`.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> l = ss.lyapunov(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"), periods=50)
+    >>> round(l.largest, 6)  # type IV: the logarithm of its multiplier
+    -2.418858
+    """
+    _check(model, periods, settle)
+    if is_flow(model):
+        return _of_flow(model, periods, settle, start)
+    state = settled(model, start, settle, rtol)
+    run = flight(model, state[0], _ALIGN, rtol)  # its growth is left out: the frame turns into place
+    state, Q, logs, parts = strobe_states(run)[-1:], _growth(run, np.eye(coordinates(model).smooth))[1], [], 0
+    watch = Watch(periods, progress)
+    while parts < periods and not (watch.stopped and parts >= _LEAST):
+        count = min(_CHUNK, periods - parts)
+        run = flight(model, state[0], count, rtol)
+        state = strobe_states(run)[-1:]
+        grown, Q = _growth(run, Q)
+        logs.append(grown)
+        parts += count
+        watch.finished(0, np.zeros(count, int))
+    return _told(np.concatenate(logs))
+
+
+def _of_flow(flow: Any, periods: int, settle: int, start: Any) -> Lyapunov:
+    """The same of a flow, from the derivative that its tangent gives of each period."""
+    from stickslip.dynamics.flows.flow_orbits import exponents_of
+
+    state, T = settled(flow, start, settle, 1e-12)[0], float(flow.period)
+    mode = list(flow.fields)[round(float(state[-1]))]
+    return _told(exponents_of(flow, state[:-1], mode, duration=periods * T, settle=_ALIGN * T, every=T, rtol=1e-12)[0])
+
+
+def settled(model: Any, start: Any, settle: int, rtol: float) -> Array:
+    """The strobe state after some periods: array (1, coordinates)."""
+    from stickslip.dynamics.periodic.periodic_orbits import states_of
+
+    state = states_of(start, model)
+    return strobe_map(model, state, settle, rtol).state if settle else state
+
+
+def _check(model: Any, periods: Any, settle: Any) -> None:
+    needs_model("lyapunov", model, flows=True)
+    if is_flow(model):
+        _check_lengths(periods, settle)
+        return
+    refuse_chance(machine_of(model))
+    if why := not_followed(model):
+        hint = "type ss.largest_exponents(machine) for the largest exponent, from neighbours"
+        raise InputError("lyapunov", [f"what becomes of disturbances is not followed here, as {why}; {hint}"])
+    _check_lengths(periods, settle)
+
+
+def _check_lengths(periods: Any, settle: Any) -> None:
+    problems = Problems("lyapunov")
+    problems.whole("periods", periods, _LEAST, example=2000)
+    problems.whole("settle", settle, 0, example=200)
+    problems.check()
+
+
+def _told(logs: Array) -> Lyapunov:
+    """The result; an exponent that is -inf in any period is -inf, comes last, and has no error."""
+    dead = np.isneginf(logs).any(axis=0)
+    if not dead.any():
+        return gathered(logs, 1.0, "drive period")
+    lost = np.full(int(dead.sum()), -np.inf)
+    if dead.all():
+        spectrum, errors, record = lost, np.zeros(len(lost)), np.array([[len(logs), *lost]])
+    else:
+        found = gathered(logs[:, ~dead], 1.0, "drive period")
+        spectrum, errors = np.append(found.spectrum, lost), np.append(found.errors, np.zeros(len(lost)))
+        record = np.column_stack([found.record, np.tile(lost, (len(found.record), 1))])
+    note = (
+        "at rest, at a controller's sample, or where a law sets its state anew, the one before is forgotten: a multiplier of exactly 0, or "
+        "beside it one below 1e-12 in a period"
+    )
+    return Lyapunov(spectrum, errors, record, "drive period", float(len(logs)), note)
+
+
+def _growth(run: Any, Q: Array) -> tuple[Array, Array]:
+    """The logarithms of the growth in every drive period of a run, and the frame at its end.
+
+    As many of the last directions as contacts rest at one instant end there. What is lost below rounding has what the volume leaves over.
+    """
+    found, d = _periods_of(run), len(Q)
+    matrices = found.change.reshape(run.periods, d, d).transpose(0, 2, 1)
+    volumes, rests, logs = found.volume[::d], _most_at_rest(run), np.empty((run.periods, d))
+    for k, M in enumerate(matrices):
+        Q, R = np.linalg.qr(M @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k] = _grown(np.log(abs(np.diag(R))), volumes[k], rests[k])
+    return logs, Q
+
+
+def _periods_of(run: Any) -> Changes:
+    """All changes of the state in each period of a run: a row for each direction, in scales."""
+    at, begins = coordinates(run.model), strobe_states(run)[: run.periods]
+    scales = at.scales[: at.smooth]
+    starts = np.tile(np.diag(scales), (run.periods, 1))
+    found = changes_along(run.model, np.repeat(begins, at.smooth, axis=0), starts, rtol=run.rtol, made=with_volume)
+    return replace(found, change=found.change / scales)
+
+
+def _most_at_rest(run: Any) -> Array:
+    """How many directions are forgotten at one instant in each period of a run."""
+    begins = np.asarray(run.pieces.t)[:-1] - run.pieces.t[0]
+    number = np.minimum((begins / run.period_time + 1e-9).astype(int), run.periods - 1)
+    most = np.zeros(run.periods, int)
+    np.maximum.at(most, number, resting(run))
+    return most
+
+
+def _grown(logs: Array, volume: float, rests: int) -> Array:
+    """The growth in a period: -inf of what rest ends, and of what is lost below rounding an equal part of what the volume leaves over.
+
+    A volume that is lost leaves nothing over: then what is lost below rounding is so for good.
+    """
+    lost = logs < logs[0] + np.log(_ROUNDING)
+    if rests or np.isneginf(volume):
+        logs[-max(int(rests), 1) :] = -np.inf
+        logs[lost & np.isneginf(volume)] = -np.inf
+        return logs
+    if lost.any() and np.isfinite(volume):
+        logs[lost] = (volume - logs[~lost].sum()) / lost.sum()
+    return logs
+
+
+@explains_arguments
+def largest_exponents(
+    model: Model,
+    periods: int = 400,
+    *,
+    settle: int = 200,
+    start: Any = None,
+    rtol: float = 1e-10,
+    apart: float = _APART,
+    workers: int = 1,
+    progress: Report | None = None,
+) -> tuple[Array, Array]:
+    """The largest exponent of every case of a batch, by two neighbours that are brought together after every drive period.
+
+    This is the second method beside `lyapunov`, and the one for maps: all cases run in one batch.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot or a batch.
+    periods, settle : int
+        Drive periods to average over, and to run before.
+    start : array (cases, coordinates), optional
+        Strobe states to begin with; rest if not given.
+    rtol : float
+        Tolerance; well below `apart`.
+    apart : float
+        Distance of the neighbours, in the scales of the coordinates.
+    workers : int
+        Threads. The results do not depend on it.
+    progress : callable or bool, optional
+        True for a line on the terminal, or what is called with a `Progress`; return False to stop. What is not computed then is NaN.
+
+    Returns
+    -------
+    exponents, errors : array (cases,)
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> largest_exponents(robot, periods=20, settle=50)[0].round(4).tolist()
+    [-2.4189]
+    """
+    from stickslip.batch import labels_of, some_of
+
+    needs_model("largest_exponents", model, batch=True, flows=True)
+    problems = Problems("largest_exponents")
+    checked_number("apart", apart, problems, between(1e-14, 0.1), "a distance from 1e-14 to 0.1, in the scales of the state", "apart=1e-7")
+    problems.whole("periods", periods, 1, example=400)
+    problems.whole("settle", settle, 0, example=200)
+    problems.whole("workers", workers, 1, example=2)
+    problems.check()
+    cases, at = int(np.prod(labels_of(model).shape, dtype=int)), coordinates(model)
+    state = _states_given(start, model, at.names)
+    means, errors = np.full(cases, np.nan), np.full(cases, np.nan)
+
+    def grown(part: slice, tell: Callable[[float], None]) -> tuple[Array, Array]:
+        some = some_of(model, part)
+        begun = strobe_map(some, state[part], settle, max(rtol, 1e-8)).state if settle else state[part]
+        tell(settle / (settle + 3.0 * (_ALIGN + periods)))
+        return _apart_by(some, begun, at, periods, rtol, apart, tell)
+
+    for part, found in shared(cases, grown, workers, progress):
+        means[part], errors[part] = found
+    return means, errors
+
+
+def _states_given(start: Any, model: Any, names: tuple[str, ...]) -> Array:
+    """The strobe states that the cases begin in: an array (cases, states), or one state for all; rest from None."""
+    rest = at_rest(model)
+    cases = len(rest)
+    try:
+        states = rest if start is None else np.atleast_2d(np.asarray(number(start), float))
+        if not np.all(abs(states) <= LARGEST_START):
+            raise ValueError(f"its numbers are not finite, or larger than {LARGEST_START:.0e}")
+        return np.broadcast_to(states, (cases, len(names))).copy()
+    except ValueError as error:
+        allowed = f"an array of shape ({cases}, {len(names)}) with {', '.join(names)} of each case, or one state for all"
+        raise InputError("largest_exponents", [f"start = {start!r} ({error}); allowed is {allowed}"]) from None
+
+
+def _apart_by(model: Any, state: Array, at: Any, periods: int, rtol: float, apart: float, tell: Any) -> tuple[Array, Array]:
+    """The mean growth of the distance of two neighbours per drive period, and its error, for some cases."""
+    cases = len(state)
+    both = some_of(model, np.tile(np.arange(cases), 2))
+    d = at.smooth
+    scales = at.scales[:d]
+    away, other = np.tile(apart * scales / np.sqrt(d), (cases, 1)), state[:, d:]
+    logs = np.empty((_ALIGN + periods, cases))
+    for k in range(_ALIGN + periods):
+        if k % 16 == 15:
+            tell(k / (_ALIGN + periods))
+        ends = strobe_map(both, np.vstack([state, np.hstack([state[:, :d] + away, other])]), 1, rtol).state
+        state, other, gap = ends[:cases], ends[cases:, d:], (ends[cases:, :d] - ends[:cases, :d]) / scales
+        size = np.linalg.norm(gap, axis=1)
+        with np.errstate(divide="ignore"):
+            logs[k] = np.log(size / apart)
+        away = np.where(size[:, None] > 0, gap / np.where(size > 0, size, 1.0)[:, None], 1 / np.sqrt(d)) * apart * scales
+    logs = logs[_ALIGN:]
+    return logs.mean(axis=0), error_of_mean(np.where(np.isfinite(logs), logs, 0.0))
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Verdict(Face):
+    """What kind of motion a robot settles on, and on what evidence.
+
+    Parameters
+    ----------
+    kind : str
+        "periodic", "quasi-periodic", "chaotic" or "undecided".
+    period : int or None
+        Drive periods after which it repeats.
+    exponents : Lyapunov
+        Of the motion.
+    orbit : PeriodicOrbit or None
+        The periodic orbit that it is, found by Newton's method.
+    why : str
+        The evidence in a sentence.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> told = ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=20, settle=20)
+    >>> told.kind, told.period, told.orbit.type
+    ('periodic', 1, 'III')
+    """
+
+    kind: str
+    period: int | None
+    exponents: Lyapunov
+    orbit: Any
+    why: str
+
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """Draw the orbit, or, where there is none, how the exponents converge; returns the axes."""
+        return (self.exponents if self.orbit is None else self.orbit).plot(*args, **options)
+
+    def _figures(self) -> list[Any]:
+        return (self.exponents if self.orbit is None else self.orbit)._figures()
+
+    def _facts(self) -> dict[str, Any]:
+        period = {} if self.period is None else {"repeats after": f"{self.period} drive period{'s' * (self.period != 1)}"}
+        return {"motion": self.kind, **period, "exponents": self.exponents.told, "evidence": self.why}
+
+    def __repr__(self) -> str:
+        return f"<Verdict: {self.kind}{f' of period {self.period}' if self.period else ''}; {self.why}>"
+
+
+@explains_arguments
+def verdict(
+    model: Model,
+    periods: int = 1000,
+    *,
+    settle: int = 500,
+    start: Any = None,
+    rtol: float = 1e-8,
+    progress: Report | None = None,
+) -> Verdict:
+    """Periodic, quasi-periodic or chaotic: from the exponents and the strobe point together, never from looks.
+
+    Periodic: the strobe point comes back, Newton's method finds a stable orbit there, and the largest exponent is that of its
+    multipliers. Chaotic: it does not come back, and the largest exponent is positive by more than three of its errors. Quasi-periodic:
+    it does not come back, and the largest exponent is zero within three errors that are small. Anything else is undecided.
+
+    Parameters
+    ----------
+    model, periods, settle, start, rtol, progress
+        As for `lyapunov`. Of a motion that repeats the exponents are averaged over whole motion periods, somewhat more than asked for.
+
+    Returns
+    -------
+    Verdict
+        `kind`, `period`, `exponents`, `orbit`, and `why`, the evidence in a sentence.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.verdict(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb"), periods=50, settle=50).kind
+    'periodic'
+    """
+    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
+    from stickslip.dynamics.stroboscopic.periodicity import repetition
+    from stickslip.errors import SolveError
+
+    _check(model, periods, settle)
+    state = settled(model, start, settle, rtol)
+    back = repetition(model, state[0], rtol)
+    whole = STRETCHES * (back.period or 1)  # then every stretch whose mean counts for the error holds whole motion periods
+    exponents = lyapunov(model, -(-periods // whole) * whole, settle=0, start=state[0], rtol=rtol, progress=progress)
+    if back.period is not None:
+        try:
+            orbit = periodic_orbit(model, back.period, guess=back.state)
+        except (SolveError, InputError):
+            orbit = None
+        if orbit is not None and orbit.stable:
+            why = (
+                f"the strobe point comes back after {back.period} and the largest multiplier is {abs(orbit.multipliers[0]):.4g}; {back.why}"
+            )
+            return Verdict("periodic", back.period, exponents, orbit, why)
+    told = f"the largest exponent is {exponents.largest:.4g} ± {exponents.error:.2g} per drive period over {periods} periods"
+    if back.period is None and exponents.chaotic:
+        return Verdict("chaotic", None, exponents, None, f"the strobe point does not come back and {told}")
+    if back.period is None and exponents.error < 0.003 and abs(exponents.largest) < 3 * exponents.error + 1e-3:
+        return Verdict("quasi-periodic", None, exponents, None, f"the strobe point does not come back and {told}: zero")
+    return Verdict("undecided", back.period, exponents, None, f"{told}; {back.why}; try more periods and a longer settle")

@@ -1,0 +1,1 @@
+"""Switching flows: passages, arcs, periodic orbits."""

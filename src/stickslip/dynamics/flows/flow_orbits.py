@@ -1,0 +1,398 @@
+"""Periodic orbits and exponents of switching flows, and any model with a set-valued law as such a flow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import Model, explains_arguments
+from stickslip.dynamics.flows.flow_stretches import Passage, derivative, passage, started
+from stickslip.dynamics.periodic.closed_orbits import multipliers_of, stability_of
+from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
+from stickslip.errors import InputError, Problems, SolveError, is_whole
+from stickslip.faces import Drawn
+from stickslip.flow import Switch, SwitchingFlow, is_flow
+from stickslip.friction.adapter import law_of
+from stickslip.mechanics import normal_load
+from stickslip.sealing import sealed
+
+__all__ = ["FlowOrbit", "exponents_of", "flow_orbit", "orbit_at", "switching_flow"]
+
+Array = Any
+_STILL = 1e-9  # of the size of the state: what moves by less stands still
+_APART = 1e6  # so many times its miss must an orbit be large to be told from an equilibrium
+_SAME = 1e-6  # of its size: how well an orbit comes back that has been around
+_SHARES = (1.0, 0.5, 0.2, 0.05, 0.01)  # of Newton's step
+_PARTS = (2, 3, 5, 7, 11, 13)
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class FlowOrbit(Drawn):
+    """A periodic orbit of a switching flow.
+
+    Parameters
+    ----------
+    state, mode
+        Where it begins.
+    duration : float
+        Its period in time.
+    multipliers : array
+        The largest first; of a flow that does not depend on time the 1 along the orbit is left out.
+    residual : float
+        How far it is from itself.
+    passage : Passage
+        Once around.
+    notes : tuple of str
+        What else is to be said: of a forced flow, that nothing moves in it.
+    model : SwitchingFlow
+        The flow.
+
+    Examples
+    --------
+    >>> still = SwitchingFlow({0: lambda t, y: (y[1], -4.0 * y[0] - 0.2 * y[1])}, period=1.0)
+    >>> orbit = flow_orbit(still, [0.1, 0.0], 0)
+    >>> orbit.stable, bool(abs(orbit.state).max() < 1e-9), orbit.notes
+    (True, True, ('nothing moves in it: an equilibrium, which repeats after any time',))
+    """
+
+    state: Array
+    mode: Any
+    duration: float
+    multipliers: Array
+    residual: float
+    passage: Passage
+    notes: tuple[str, ...] = ()
+    model: Any = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the numbers of the state."""
+        return self.model.names(len(self.state))
+
+    @property
+    def period(self) -> int:
+        """Periods of the forcing until it repeats; 1 where nothing forces it."""
+        return 1 if self.model.period is None else max(round(self.duration / float(self.model.period)), 1)
+
+    @property
+    def rtol(self) -> float:
+        """Tolerance of its runs, which are exact to rounding."""
+        return 1e-12
+
+    @property
+    def strobe_state(self) -> Array:
+        """The state, and the place of the mode among the flow's modes."""
+        return np.append(self.state, list(self.model.fields).index(self.mode))
+
+    @property
+    def monodromy(self) -> Array:
+        """The derivative of the state after the motion by the state before it."""
+        return self.passage.monodromy
+
+    @property
+    def events(self) -> list[Any]:
+        """Its switches."""
+        return list(self.passage.events)
+
+    @cached_property
+    def run(self) -> Any:
+        """Once around, with its dense output."""
+        from stickslip.solvers import solve
+
+        length: dict[str, Any] = {"duration": self.duration} if self.model.period is None else {"periods": self.period, "settle": 0}
+        return solve(self.model, start=self.state, mode=self.mode, keep="trajectory", **length)
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances die out."""
+        return stability_of(self.multipliers) == "stable"
+
+    @property
+    def pattern(self) -> tuple[Any, ...]:
+        """The modes in order."""
+        return tuple(after for _, _, after in self.passage.events) or (self.mode,)
+
+    _drawn_by = "phase"
+
+    def _drawn(self) -> Any:
+        return self.run
+
+    def _facts(self) -> dict[str, Any]:
+        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        stability = f"{stability_of(self.multipliers)}; multipliers {told}"
+        return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}
+
+    def __repr__(self) -> str:
+        state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
+        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), stability_of(self.multipliers)
+        length = f"{self.duration:.9g} long, {len(self.events)} switches"
+        return f"<FlowOrbit: {length}, {word} (multipliers {told}), mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
+
+
+@explains_arguments
+def flow_orbit(
+    flow: SwitchingFlow,
+    state: Any,
+    mode: Any,
+    *,
+    periods: int = 1,
+    duration: float | None = None,
+    settle: int = 0,
+    most: int = 30,
+    rtol: float = 1e-12,
+    method: str = "auto",
+) -> FlowOrbit:
+    """A periodic orbit of a switching flow, by Newton's method with the derivative that saltation gives.
+
+    Parameters
+    ----------
+    flow : SwitchingFlow
+    state, mode
+        A guess.
+    periods : int
+        Periods of the forcing until it repeats.
+    duration : float
+        For a flow that does not depend on time: a guess of how long the orbit takes. The orbit found is gone around once.
+    settle : int
+        Periods to run before Newton's method begins.
+    most : int
+        Largest number of iterations.
+    rtol : float
+        Tolerance of SciPy's integrator, and of the orbit.
+    method : {"auto", "exact", "dop853"}
+        As for `passage`: the compiled engine, or SciPy's integrator as a second opinion.
+
+    Returns
+    -------
+    FlowOrbit
+        Where it begins, how long it takes, and its multipliers.
+
+    Raises
+    ------
+    SolveError
+        Where Newton's method finds none from this guess, goes to an equilibrium of a flow that does not depend on time, or finds a
+        forced motion that repeats before `periods` are over.
+
+    Examples
+    --------
+    Den Hartog's oscillator with dry friction 0.3 at 0.7 times its own frequency never stops:
+
+    >>> from stickslip.maths import cos
+    >>> slide = lambda side: lambda t, y: (y[1], -y[0] + cos(0.7 * t) - side * 0.3)
+    >>> turn = {1: (Switch(lambda t, y: y[1], -1),), -1: (Switch(lambda t, y: -y[1], 1),)}
+    >>> o = flow_orbit(SwitchingFlow({1: slide(1), -1: slide(-1)}, turn, 2 * np.pi / 0.7), [1.0, 0.5], 1, settle=20)
+    >>> round(float(o.passage.highest[0]), 3), o.stable  # X = 1.8857
+    (1.886, True)
+    """
+    y, T = _checked(flow, state, mode, periods, duration, settle, most, rtol, method), periods * float(flow.period or duration or 0.0)
+    how: dict[str, Any] = {"rtol": rtol, "method": method}
+    if flow.period is None:
+        y, mode, T = _returned(flow, y, mode, T, settle, how)
+    for _ in range(settle if flow.period else 0):
+        done = passage(flow, y, mode, T, **how)
+        y, mode = done.state, done.mode
+    return _once(flow, _closed(flow, y, mode, T, most, how), periods, most, how)
+
+
+def _checked(flow: Any, state: Any, mode: Any, periods: Any, duration: Any, settle: Any, most: Any, rtol: Any, method: Any) -> Array:
+    """The guess; an error where something else was given."""
+    problems = Problems("flow_orbit")
+    problems.whole("periods", periods, 1, example=1, what=" of periods of the forcing")
+    problems.whole("settle", settle, 0, example=20)
+    problems.whole("most", most, 1, example=30)
+    free = is_flow(flow) and flow.period is None
+    if free and duration is None:
+        problems.add("the flow has no period; give duration=, a guess of how long the orbit takes")
+    if free and is_whole(periods) and periods > 1:
+        problems.add(f"periods = {periods!r}, but the flow has no period; leave periods out, and give duration=")
+    if not free and duration is not None:
+        problems.add(f"duration = {duration!r}, but the flow has a period; leave duration out, and give periods=")
+    problems.check()
+    return started(flow, state, mode, 1.0 if duration is None else duration, 0.0, rtol, None, "flow_orbit", method)
+
+
+def _closed(flow: SwitchingFlow, y: Array, mode: Any, T: float, most: int, how: dict[str, Any]) -> FlowOrbit:
+    """The orbit to which Newton's method goes from a guess."""
+    free, guessed, done = flow.period is None, T, passage(flow, y, mode, T, **how)
+    for _ in range(most):
+        miss = done.state - y
+        size, extent, scale = float(abs(miss).max()), float((done.highest - done.lowest).max()), float(1 + abs(y).max())
+        still = extent <= max(_STILL * scale, 3 * size)
+        if size <= 3 * how["rtol"] * scale and done.mode == mode and (not free if still else extent >= _APART * size):
+            break
+        if still and free and size <= _STILL * scale:
+            raise SolveError(_nothing_moves(y, mode, T, guessed))
+        y, T, mode, done = _nearer(flow, y, mode, T, done, how)
+    else:
+        if size > 1e-8 * scale or done.mode != mode:
+            raise SolveError(
+                f"Newton's method found no periodic orbit of the flow in {most} iterations (miss {size:.1e}); try settle=, or another guess"
+            )
+        if free and extent < _APART * size:
+            raise SolveError(_nothing_moves(y, mode, T, guessed))
+    notes = ("nothing moves in it: an equilibrium, which repeats after any time",) if still else ()
+    if not np.isfinite(done.monodromy).all():
+        raise SolveError(_touches(done))
+    return FlowOrbit(y, mode, T, multipliers_of(done.monodromy, done.forgets, free), size, done, notes, flow)
+
+
+def _nearer(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage, how: dict[str, Any]) -> tuple[Array, float, Any, Passage]:
+    """The next guess and its passage: Newton's step, or the part of it that first makes the miss smaller."""
+    step, longer, after = _newton_step(flow, y, mode, T, done)
+    size = abs(done.state - y).max()
+    for part in _SHARES:
+        ahead, then = y + part * step, T + part * longer
+        found = passage(flow, ahead, after, then, **how)
+        if abs(found.state - ahead).max() < size or part == _SHARES[-1]:
+            break
+    return ahead, then, after, found
+
+
+def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
+    hint = "try a guess of state and duration nearer to the orbit, such as a state of a long passage that has settled on it, or settle="
+    if guessed > 1e3 * T:
+        return f"Newton's method went to a duration of zero, after which every state comes back; {hint}"
+    return (
+        f"Newton's method went to an equilibrium, y = {[float(f'{v:.6g}') for v in y]} in mode {mode!r}, which comes back after any "
+        f"time and is no orbit; {hint}"
+    )
+
+
+def _touches(done: Passage) -> str:
+    at = ", ".join(f"{t:.9g}" for t, _, _ in done.events[-3:])
+    return (
+        f"the flow touches a guard without crossing it (its last switches are at t = {at}): small changes grow there without bound, so "
+        "there is no derivative; try another guess, or another value of the parameter"
+    )
+
+
+def _once(flow: SwitchingFlow, orbit: FlowOrbit, periods: int, most: int, how: dict[str, Any]) -> FlowOrbit:
+    """The orbit gone around once: the shortest duration of a free flow, an error where forced motions repeat before `periods` are over."""
+    for k in _PARTS if flow.period is None else [k for k in range(periods, 1, -1) if periods % k == 0 and not orbit.notes]:
+        part = passage(flow, orbit.state, orbit.mode, orbit.duration / k, **how)
+        extent = float((orbit.passage.highest - orbit.passage.lowest).max())
+        if part.mode != orbit.mode or abs(part.state - orbit.state).max() > max(_SAME * extent, 10 * orbit.residual):
+            continue
+        if flow.period is not None:
+            told = f"the motion found repeats after {periods // k} of {periods} periods"
+            raise SolveError(f"{told}; type periods={periods // k}, or give another guess")
+        return _once(flow, _closed(flow, orbit.state, orbit.mode, orbit.duration / k, most, how), periods, most, how)
+    return orbit
+
+
+def _returned(flow: SwitchingFlow, y: Array, mode: Any, duration: float, settle: int, how: dict[str, Any]) -> tuple[Array, Any, float]:
+    """A better guess for a flow that does not depend on time: a state after its last switch, and the time since the same one before."""
+    whole = max(settle, 3) * duration
+    done = passage(flow, y, mode, whole, **how)
+    events = done.events
+    same = [k for k, event in enumerate(events) if event[1:] == events[-1][1:]]
+    if len(same) < 2:
+        return (done.state, done.mode, duration) if settle else (y, mode, duration)
+    done = passage(flow, y, mode, whole, **how, switches=same[-1] + 1)
+    onward = 0.5 * (events[same[-2] + 1][0] - events[same[-2]][0])  # not on a switch, but half way to the next
+    done = passage(flow, done.state, done.mode, onward, **how) if onward > 0 else done
+    return done.state, done.mode, events[same[-1]][0] - events[same[-2]][0]
+
+
+def _newton_step(flow: SwitchingFlow, y: Array, mode: Any, T: float, done: Passage) -> tuple[Array, float, Any]:
+    """Newton's step of state and duration, and the mode of the next guess. It is no longer than the motion seen is large."""
+    if not np.isfinite(done.monodromy).all():
+        raise SolveError(_touches(done))
+    n, A, miss, reach = len(y), done.monodromy - np.eye(len(y)), done.state - y, float((done.highest - done.lowest).max())
+    if flow.period is not None:
+        step = np.linalg.lstsq(A, -miss, rcond=1e-12)[0]
+        return step * min(1.0, reach / max(float(abs(step).max()), 1e-300)), 0.0, done.mode
+    plain = flow.plain
+    along = derivative(plain.fields[mode], 0.0, y)[0]
+    ahead = derivative(plain.fields[done.mode], T, done.state)[0]
+    whole = np.block([[A, ahead[:, None]], [along[None, :], np.zeros((1, 1))]])
+    step = np.linalg.lstsq(whole, np.append(-miss, 0.0), rcond=1e-12)[0]
+    step *= min(1.0, reach / max(float(abs(step[:n]).max()), 1e-300), 0.5 * T / max(abs(float(step[n])), 1e-300))
+    return step[:n], float(step[n]), mode
+
+
+def orbit_at(flow: SwitchingFlow, strobe_state: Array, periods: int, residual: float) -> FlowOrbit:
+    """The orbit of a forced flow through a state that is known to come back; its multipliers are nan where a guard is only touched."""
+    y, mode = np.asarray(strobe_state[:-1], float), list(flow.fields)[round(float(strobe_state[-1]))]
+    done = passage(flow, y, mode, periods * float(flow.period))
+    known = np.isfinite(done.monodromy).all()
+    multipliers = multipliers_of(done.monodromy, done.forgets) if known else np.full(len(y), np.nan)
+    notes = () if known else (_touches(done),)
+    return FlowOrbit(y, mode, periods * float(flow.period), multipliers, residual, done, notes, flow)
+
+
+@explains_arguments
+def switching_flow(model: Model) -> SwitchingFlow:
+    """Any model with a set-valued law as a switching flow with modes +1, 0 and -1 and the states x and v.
+
+    With ``method="dop853"`` its passages and orbits come from SciPy's integrator and from Python's own loops: slow, and independent of our
+    solvers.
+
+    Parameters
+    ----------
+    model : Robot or a mechanism
+        With a law that has `sliding` and `breakaway`.
+
+    Returns
+    -------
+    SwitchingFlow
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb")
+    >>> done = passage(switching_flow(robot), [0.0, 0.0], 0, robot.period)
+    >>> [after for _, _, after in done.events]
+    [1, -1]
+    """
+    needs_one_body("switching_flow", model, "its modes are those of one contact")
+    law = law_of(model)
+    if law.dynamic:
+        raise InputError("switching_flow", [f"{law.name} has inner states; allowed are laws with sliding and breakaway"])
+    still = -float(model.contact_velocity(0.0))
+
+    def slide(side: int) -> Callable[[Any, Any], Any]:
+        def rate(t: Any, y: Any) -> Any:
+            held = side * abs(model.contact_velocity(y[1]))
+            return y[1], model.acceleration(t, y[0], y[1], law.sliding(held + side * 1e-300, normal_load(model, t, y[0])))
+
+        return rate
+
+    def room(t: Any, y: Any, side: int) -> Any:
+        offered = model.total_mass * model.acceleration(t, y[0], still, 0.0)
+        return side * (law.breakaway(normal_load(model, t, y[0]))[1 if side > 0 else 0] - offered)
+
+    def after(t: Any, y: Any) -> int:
+        return 1 if room(t, y, 1) < 0 else -1 if room(t, y, -1) < 0 else 0
+
+    def rest(t: Any, y: Any) -> Any:
+        return (y[0], still)
+
+    fields: dict[Any, Any] = {1: slide(1), -1: slide(-1), 0: lambda t, y: (still, 0.0)}
+    switches: dict[Any, tuple[Switch, ...]] = {
+        1: (Switch(lambda t, y: model.contact_velocity(y[1]), after, rest),),
+        -1: (Switch(lambda t, y: -model.contact_velocity(y[1]), after, rest),),
+        0: (Switch(lambda t, y: room(t, y, 1), 1), Switch(lambda t, y: room(t, y, -1), -1)),
+    }
+    return SwitchingFlow(fields, switches, model.period and float(model.period))
+
+
+def exponents_of(flow: Any, state: Any, mode: Any, *, duration: float, settle: float, every: float, rtol: float) -> tuple[Array, float]:
+    """Growth in every stretch of a switching flow, right at its switches: array (stretches, n), and the length of a stretch."""
+    y, t, every = np.array(state, float), 0.0, float(flow.period or every)
+    for _ in range(int(np.ceil(max(settle, 0.0) / every))):
+        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
+        y, mode, t = done.state, done.mode, t + every
+    Q, logs = np.eye(len(y)), np.empty((max(int(duration / every), 1), len(y)))
+    for k in range(len(logs)):
+        done = passage(flow, y, mode, every, begin=t, rtol=rtol)
+        y, mode, t = done.state, done.mode, t + every
+        Q, R = np.linalg.qr(done.monodromy @ Q)
+        with np.errstate(divide="ignore"):
+            logs[k] = np.log(abs(np.diag(R)))
+    return logs, every

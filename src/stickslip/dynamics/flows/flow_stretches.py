@@ -1,0 +1,164 @@
+r"""A stretch of a switching flow: where it ends, its switches, and how small changes of its start grow on the way.
+
+The compiled engine follows it by Taylor steps and carries the tangent of the flow along (`stickslip.engine.tangent`). A flow whose
+functions cannot be called with symbols is followed by SciPy's integrator on plain Python, which is the judge of the engine too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.arguments import explains_arguments
+from stickslip.dynamics.flows.judged_flows import judged
+from stickslip.dynamics.flows.user_functions import derivative
+from stickslip.errors import InputError, Problems, is_one_of
+from stickslip.fields import number
+from stickslip.flow import Switch, SwitchingFlow, is_flow, knows_mode, unknown_mode
+from stickslip.flow_run import extremes
+from stickslip.sealing import sealed
+from stickslip.solvers.flow_engine import followed, unknown
+
+__all__ = ["METHODS", "Passage", "Switch", "SwitchingFlow", "derivative", "passage", "started"]
+
+Array = Any
+METHODS = ("auto", "exact", "dop853")
+_TIGHTEST, _LOOSEST = 1e-13, 1e-2  # of rtol
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """A stretch of a switching flow: where and when it ends, its switches, its derivative by the start, and its extremes.
+
+    Parameters
+    ----------
+    state : array
+        Where it ends.
+    mode
+        In which mode.
+    time : float
+        When: after the duration, or at its last switch where `switches` ended it.
+    events : list of tuple
+        Its switches: instant, mode before, mode after.
+    monodromy : array
+        The derivative of the end by the start; nan where the flow touches a guard without crossing it, where there is none.
+    forgets : bool
+        Whether a switch wiped out a direction.
+    lowest, highest : array
+        Of each coordinate, also between the integrator's steps.
+    method : str
+        "exact" by the compiled engine, "dop853" by SciPy's integrator.
+    why : str
+        Why the engine could not follow it, where that was so.
+    """
+
+    state: Array
+    mode: Any
+    time: float
+    events: Sequence[tuple[float, Any, Any]]
+    monodromy: Array
+    forgets: bool
+    lowest: Array
+    highest: Array
+    method: str = "exact"
+    why: str = ""
+
+
+@explains_arguments
+def passage(
+    flow: SwitchingFlow, state: Any, mode: Any, duration: float, begin: float = 0.0, rtol: float = 1e-12, switches: int | None = None,
+    method: str = "auto",
+) -> Passage:  # fmt: skip
+    """Follow a switching flow, and how small changes of the start grow.
+
+    Parameters
+    ----------
+    flow : SwitchingFlow
+    state : array
+        Where it begins. Beyond a guard it switches at once.
+    mode
+        In which mode.
+    duration : float
+        How long at most.
+    begin : float
+        The time at the start.
+    rtol : float
+        Tolerance of SciPy's integrator; the engine's steps have none, they are exact to rounding.
+    switches : int, optional
+        It ends after so many switches.
+    method : {"auto", "exact", "dop853"}
+        "exact" is the compiled engine, "dop853" SciPy's integrator on plain Python, some thousand times slower: the second opinion.
+        "auto" takes the engine wherever it can call the flow's functions with symbols; `Passage.method` says which it was.
+
+    Returns
+    -------
+    Passage
+        State, mode and time at the end, the switches on the way, the monodromy matrix and the extremes.
+
+    Raises
+    ------
+    InputError
+        For a mode that is not known, or a field, guard or reset that does not give numbers.
+    SolveError
+        Where switches accumulate: the flow chatters, or comes to rest in infinitely many ever shorter jumps (Zeno); and after 10 000
+        switches, if `switches` does not say how many.
+
+    Examples
+    --------
+    >>> half = passage(SwitchingFlow({0: lambda t, y: (-y[0],)}), [1.0], 0, np.log(2.0))
+    >>> round(float(half.state[0]), 12), round(float(half.monodromy[0, 0]), 12), round(half.time, 12)
+    (0.5, 0.5, 0.69314718056)
+    """
+    y = started(flow, state, mode, duration, begin, rtol, switches, method=method)
+    plain = flow.plain
+    why = unknown(flow, len(y)) if method != "dop853" else ""
+    if method == "exact" and why:
+        raise InputError("passage", [f'method = "exact" cannot follow the flow: {why}; type method="auto"'])
+    if method == "dop853" or why:
+        end, last, t, events, M, forgets, low, high = judged(plain, y, mode, float(duration), float(begin), rtol, switches)
+        return Passage(end, last, t, events, M, forgets, low, high, "dop853", why)
+    done = followed(flow, y, mode, float(duration), float(begin), switches)
+    low, high = extremes(done.coefficients, np.vstack([y, done.passed, done.state]))
+    return Passage(done.state, done.mode, done.time, done.events, done.growth, done.forgets, low, high)
+
+
+def started(
+    flow: Any, state: Any, mode: Any, duration: Any, begin: Any, rtol: Any, switches: Any, what: str = "passage", method: Any = "auto"
+) -> Array:
+    """The state at the start; an error that says everything that is wrong with what was given."""
+    problems = Problems(what)
+    if not is_flow(flow):
+        told = f"{flow!r} is no flow; allowed is a SwitchingFlow"
+        raise InputError(what, [f"{told}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
+    try:
+        y = np.atleast_1d(np.array(number(state), float))
+    except ValueError:
+        y = np.array([np.nan])
+    if y.ndim != 1 or not len(y) or not np.isfinite(y).all():
+        problems.add(f"state = {state!r}; allowed is a list of finite numbers, one for each coordinate; type for example [0.5, 0.0]")
+    if not knows_mode(flow.fields, mode):
+        problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    if not (_is_number(duration) and duration > 0):
+        problems.add(f"duration = {duration!r}; allowed is a positive finite number")
+    if not _is_number(begin):
+        problems.add(f"begin = {begin!r}; allowed is a finite number")
+    if not (_is_number(rtol) and _TIGHTEST <= rtol <= _LOOSEST):
+        problems.add(f"rtol = {rtol!r}; allowed is a number from {_TIGHTEST:g} to {_LOOSEST:g}; type rtol=1e-12")
+    if switches is not None:
+        problems.whole("switches", switches, 1, example=100)
+    if not is_one_of(method, METHODS):
+        problems.add(f"method = {method!r}; allowed are {', '.join(map(repr, METHODS))}")
+    if len(y) and flow.states is not None and len(flow.states) != len(y):
+        problems.add(f"state = {state!r} has {len(y)} numbers; allowed are {len(flow.states)}: {', '.join(flow.states)}")
+    if any(np.ndim(value) for value in flow.numbers.values()):
+        problems.add("numbers of the flow are arrays; allowed is one number each; type flow.replace(name=0.5)")
+    problems.check()
+    return y
+
+
+def _is_number(given: Any) -> bool:
+    return isinstance(given, (int, float, np.number)) and not isinstance(given, bool) and bool(np.isfinite(given))

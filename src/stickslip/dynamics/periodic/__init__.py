@@ -1,0 +1,1 @@
+"""Periodic motions: orbits of driven machines, limit cycles, and steady motions with their derivatives."""

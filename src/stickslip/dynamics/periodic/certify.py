@@ -1,0 +1,318 @@
+r"""Periodic motions that are proved to exist: enclosures of their switch times, mean velocity and multiplier.
+
+For one body under a set-valued law whose arcs are closed formulas, w' = sin tau - r with r = r_plus forwards and -r_minus backwards. Every
+slide begins with w = 0, so that the switch times are the only unknowns; Krawczyk's operator proves that their equations have one solution
+near the orbit. The conditions that make it a motion are then enclosed over whole arcs: no slide comes to zero before its end, rest stays
+within its limits, and what follows each switch is what must follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import numbers_by_name
+from stickslip.dynamics.periodic.arc_sequences import Sequence, sequence_of
+from stickslip.dynamics.periodic.balls import Ball, Enclosure, above_zero, balls_of, flint_for, krawczyk
+from stickslip.engine.closed_arcs import closed_of
+from stickslip.errors import InputError, Problems
+from stickslip.sealing import sealed
+from stickslip.solvers.closed_arcs import handles
+
+__all__ = ["Certificate", "certify"]
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What is proved of a periodic motion.
+
+    Parameters
+    ----------
+    proved : bool
+        Whether a motion with this sequence of arcs exists, and no other one nearby has the same sequence.
+    why : str
+        What could not be proved; "" if all was.
+    pattern : str
+        The arcs in order: + slides forwards, - backwards, 0 rests.
+    period : int
+        After how many drive periods it repeats.
+    times : tuple of Enclosure
+        When each arc begins [drive periods].
+    mean_velocity : Enclosure or None
+        [m/s].
+    multiplier : Enclosure or None
+        Derivative of the velocity after one period of the motion by that before it; 0 where the body rests on the way.
+    shares : dict of str to Enclosure
+        Parts of the period that the arcs of each sign take.
+    margins : dict of str to float
+        By how much the applied force stays within, or goes beyond, the limits of rest at least, in units of the drive's force; by the
+        condition and the number of the arc.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> rest = ss.certify(ss.periodic_orbit(ss.presets.coulomb_robot(1.2, 1.5)))
+    >>> rest.proved, rest.pattern, round(rest.margins["rest within its limits, 0"], 6)
+    (True, '0', 0.5)
+    """
+
+    proved: bool
+    why: str
+    pattern: str
+    period: int
+    times: tuple[Enclosure, ...] = ()
+    mean_velocity: Enclosure | None = None
+    multiplier: Enclosure | None = None
+    shares: dict[str, Enclosure] | None = None
+    margins: dict[str, float] | None = None
+
+    def __str__(self) -> str:
+        if not self.proved:
+            return f"not proved: {self.why}"
+        lines = [f"proved: one motion {self.pattern} of {self.period} drive period{'s' * (self.period > 1)}"]
+        lines += [f"mean velocity  {self.mean_velocity} m/s", f"multiplier     {self.multiplier}"]
+        return "\n".join([*lines, *(f"{sign} from         {t}" for sign, t in zip(self.pattern, self.times, strict=False))])
+
+
+def certify(orbit: Any, digits: int = 20) -> Certificate:
+    r"""Prove that a periodic motion exists, and enclose what it does.
+
+    For one body under a set-valued law with closed arcs, such as Coulomb friction under a harmonic drive. The numbers of the model are
+    taken as the decimals that are printed for them: 9.81 is 981/100, not the double next to it. That the break-away force is not below the
+    force of sliding is taken from the law.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit
+        From `stickslip.periodic_orbit`, stable or not.
+    digits : int
+        To how many digits numbers are enclosed.
+
+    Returns
+    -------
+    Certificate
+        `proved` is False, with the reason in `why`, where a condition cannot be told from equality, as on the border of two motion types.
+
+    Raises
+    ------
+    InputError
+        Of a model whose arcs are no closed formulas, or where python-flint is not installed.
+
+    Notes
+    -----
+    Each slide from the phase :math:`\tau_i`, on the side s, ends at :math:`\tau_{i+1}` where
+
+    .. math:: (S - r_s)\,d - S\,(d - \sin d) + C\,(1 - \cos d) = 0, \qquad d = \tau_{i+1} - \tau_i,\; S = s \sin\tau_i,\; C = s \cos\tau_i
+
+    and rest where :math:`s \sin\tau_{i+1}` is the limit of rest on the side s of the next slide. Krawczyk's operator is applied to these
+    equations in ball arithmetic (F. Johansson, IEEE Trans. Comput. 66 (2017) 1281).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, law="coulomb")
+    >>> proof = ss.certify(ss.periodic_orbit(robot))
+    >>> proof.proved, proof.pattern, proof.multiplier.high < 1e-300
+    (True, '0+-', True)
+    >>> abs(float(proof.mean_velocity) - ss.periodic_mean_velocity(robot)) < 1e-16
+    True
+    """
+    _check(orbit, digits)
+    flint = flint_for("certify")
+    with flint.ctx.workprec(int(3.33 * digits) + 128):
+        sequence, times = sequence_of(orbit)
+        return _Proof(flint, orbit.model, sequence, digits).certificate(times)
+
+
+def _check(orbit: Any, digits: Any) -> None:
+    problems = Problems("certify")
+    problems.whole("digits", digits, 1, example=20)
+    problems.check()
+    if digits > 10_000:
+        raise InputError("certify", [f"digits = {digits}; allowed are at most 10000; type digits=20"])
+    model = getattr(orbit, "model", None)
+    if model is None or not hasattr(orbit, "run"):
+        raise InputError(
+            "certify", [f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"]
+        )
+    if reason := handles(model):
+        raise InputError("certify", [f"{reason}; a proof needs these formulas"])
+
+
+class _Missing(Exception):
+    """A condition that could not be proved."""
+
+
+class _Proof:
+    """The equations of one sequence of arcs in balls."""
+
+    def __init__(self, flint: Any, model: Any, sequence: Sequence, digits: int):
+        self.flint, self.arb, self.sequence, self.digits = flint, flint.arb, sequence, digits
+        self.turn = 2 * flint.arb.pi()
+        numbers = self._numbers(model)
+        drive = numbers["drive"]
+        self.speed = drive / numbers["omega"]
+        self.resist = {side: numbers[f"resist_{word}"] / drive for side, word in ((1, "plus"), (-1, "minus"))}
+        self.hold = {side: numbers[f"hold_{word}"] / drive for side, word in ((1, "plus"), (-1, "minus"))}
+        self.margins: dict[str, float] = {}
+
+    def _numbers(self, model: Any) -> dict[str, Ball]:
+        closed = closed_of(model)
+        known = {name: float(np.ravel(value)[0]) for name, value in numbers_by_name(model).items()}
+        roots = [*closed.numbers.values(), *(s for pair in closed.sines for s in pair), *(c for _, c in closed.vanishing)]
+        found = balls_of(self.arb, known, roots)
+        for why, c in closed.vanishing:
+            if not found[c.number].contains(0):
+                raise InputError("certify", [f"the acceleration depends on {why}, so that arcs are no closed formulas"])
+        numbers = {name: found[node.number] for name, node in closed.numbers.items()}
+        numbers["omega"] = self.turn / numbers["period"]
+        fits = [abs(float(found[rate.number]) - float(numbers["omega"])) <= 1e-12 * float(numbers["omega"]) for rate, _ in closed.sines]
+        numbers["drive"] = sum((found[a.number] for (_, a), fit in zip(closed.sines, fits, strict=True) if fit), self.arb(0))
+        return numbers
+
+    # the equations ------------------------------------------------------------------------------------------------
+
+    def certificate(self, times: Any) -> Certificate:
+        """The proof, or why there is none."""
+        told = self.sequence.pattern, self.sequence.period
+        try:
+            found = self._switches(times)
+            self._arcs(found)
+        except _Missing as missing:
+            return Certificate(False, str(missing), *told)
+        whole = self.turn * self.sequence.period
+        velocity = self.speed * sum((self._way(i, found) for i, m in enumerate(self.sequence.modes) if m), self.arb(0)) / whole
+        return Certificate(
+            True, "", *told, tuple(self._told(t / self.turn) for t in found), self._told(velocity), self._told(self._multiplier(found)),
+            {sign: self._told(share / whole) for sign, share in self._shares(found).items()}, self.margins,
+        )  # fmt: skip
+
+    def _told(self, ball: Ball) -> Enclosure:
+        return Enclosure.of(ball, self.digits)
+
+    def _switches(self, times: Any) -> list[Ball]:
+        if not len(times):
+            return []
+        start = [self.arb(float(t)) * self.turn for t in times]
+        found = krawczyk(self.flint, self._misses, self._slopes, start, self.arb(10) ** -(self.digits + 8))
+        if found is None:
+            raise _Missing("the equations of the switch times have no solution that is isolated near these")
+        return found
+
+    def _ends(self, times: list[Ball]) -> list[Ball]:
+        return [*times[1:], times[0] + self.turn * self.sequence.period] if times else [self.turn * self.sequence.period]
+
+    def _after(self, i: int) -> int:
+        return self.sequence.modes[(i + 1) % len(self.sequence.modes)]
+
+    def _misses(self, times: list[Ball]) -> list[Ball]:
+        found = []
+        for i, (mode, begin, end) in enumerate(zip(self.sequence.modes, times, self._ends(times), strict=True)):
+            if mode:
+                found.append(self._velocity(mode, begin)(end - begin))
+            else:
+                found.append(self._after(i) * end.sin() - self.hold[self._after(i)])
+        return found
+
+    def _slopes(self, times: list[Ball]) -> Any:
+        n = len(times)
+        found = self.flint.arb_mat(n, n)
+        for i, (mode, begin, end) in enumerate(zip(self.sequence.modes, times, self._ends(times), strict=True)):
+            if mode:
+                found[i, i] -= mode * begin.sin() - self.resist[mode]
+                found[i, (i + 1) % n] += mode * end.sin() - self.resist[mode]
+            else:
+                found[i, (i + 1) % n] += self._after(i) * end.cos()
+        return found
+
+    def _velocity(self, mode: int, begin: Ball) -> Callable[[Ball], Ball]:
+        S, C, r = mode * begin.sin(), mode * begin.cos(), self.resist[mode]
+        return lambda d: (S - r) * d - S * (d - d.sin()) + C * (1 - d.cos())
+
+    def _way(self, i: int, times: list[Ball]) -> Ball:
+        mode, begin = self.sequence.modes[i], times[i]
+        d, S, C = self._ends(times)[i] - begin, mode * begin.sin(), mode * begin.cos()
+        half = d * d / 2
+        return mode * ((S - self.resist[mode]) * half - S * (half - 1 + d.cos()) + C * (d - d.sin()))
+
+    def _shares(self, times: list[Ball]) -> dict[str, Ball]:
+        found: dict[str, Ball] = {}
+        for sign, begin, end in zip(self.sequence.pattern, times or [self.arb(0)], self._ends(times), strict=True):
+            found[sign] = found.get(sign, self.arb(0)) + end - begin
+        return found
+
+    def _multiplier(self, times: list[Ball]) -> Ball:
+        if 0 in self.sequence.modes:
+            return self.arb(0)
+        found = self.arb(1)
+        for i, (mode, end) in enumerate(zip(self.sequence.modes, self._ends(times), strict=True)):
+            after = self._after(i)
+            found *= (end.sin() - after * self.resist[after]) / (end.sin() - mode * self.resist[mode])
+        return found
+
+    # the conditions -----------------------------------------------------------------------------------------------
+
+    def _arcs(self, times: list[Ball]) -> None:
+        for i, (mode, begin, end) in enumerate(zip(self.sequence.modes, times or [self.arb(0)], self._ends(times), strict=True)):
+            if not end > begin:
+                raise _Missing(f"the switches at the ends of arc {i} ({self.sequence.pattern[i]}) cannot be told apart")
+            (self._slides if mode else self._rests)(i, mode, begin, end, bool(times))
+
+    def _holds(self, what: str, i: int, bound: Ball | None) -> None:
+        if bound is None or not bound >= 0:
+            raise _Missing(f"{what} in arc {i} of {self.sequence.pattern} cannot be told from its border")
+        if bound > 0:  # what vanishes at the end of an arc has no margin
+            self.margins[f"{what}, {i}"] = float(np.nextafter(float(bound), -np.inf))
+
+    def _positive(self, what: str, i: int, value: Ball) -> None:
+        self._holds(what, i, value.lower() if value > 0 else None)
+
+    def _rests(self, i: int, mode: int, begin: Ball, end: Ball, switches: bool) -> None:
+        after = self._after(i) if switches else 0
+        for side in (1, -1):
+            hold = self.hold[side]
+            if not switches:
+                self._positive("rest within its limits", i, hold - 1)
+                continue
+            self._positive("rest from its start", i, hold - side * begin.sin())
+
+            def room(tau: Ball, side: int = side, hold: Ball = hold) -> Ball:
+                return hold - side * tau.sin()
+
+            def slope(tau: Ball, side: int = side) -> Ball:
+                return -side * tau.cos()
+
+            self._holds("rest within its limits", i, above_zero(self.arb, room, slope, begin, end, root=side == after))
+
+    def _slides(self, i: int, mode: int, begin: Ball, end: Ball, switches: bool) -> None:
+        after, d, r = self._after(i), end - begin, self.resist[mode]
+        S, C = mode * begin.sin(), mode * begin.cos()
+        gain = S - r  # of the speed at the start; 0 after break-away from a limit that is the force of sliding
+        if not gain > 0 and self.sequence.modes[i - 1] == 0:
+            gain = gain.nonnegative_part()
+
+        def slope(d: Ball) -> Ball:
+            return gain - S * (1 - d.cos()) + C * d.sin()
+
+        def divided(d: Ball) -> Ball:  # by d^2, with the least of gain / d
+            least = gain.lower() / d.upper() if gain > 0 else self.arb(0)
+            return least + C * (d / 2).sinc() ** 2 / 2 - S * d * self._cubic(d)
+
+        speed = self._velocity(mode, begin)
+        self._holds("speed of the slide", i, above_zero(self.arb, speed, slope, self.arb(0), d, root=True, divided=divided))
+        if after == 0:
+            for side in (1, -1):
+                self._positive("rest at the end of the slide", i, self.hold[side] - side * end.sin())
+        else:
+            self._positive("turning over at the end of the slide", i, after * end.sin() - self.hold[after])
+
+    def _cubic(self, d: Ball) -> Ball:
+        """(d - sin d) / d^3: between 1/6 - d^2/120 and 1/6 near 0."""
+        if d.lower() > 0.01:
+            return (d - d.sin()) / d**3
+        square = (d * d).upper()
+        return (self.arb(1) / 6 - square / 120).lower().union(self.arb(1) / 6)

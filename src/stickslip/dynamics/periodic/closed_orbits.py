@@ -1,0 +1,133 @@
+"""What periodic orbits and limit cycles have in common: a motion that comes back to its state, and what becomes of disturbances."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
+from stickslip.faces import Drawn
+from stickslip.machine_adapter import machine_of
+
+__all__ = ["NEUTRAL", "ClosedMotion", "largest_first", "multipliers_of", "resting", "stability_of"]
+
+Array = Any
+NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
+
+
+class ClosedMotion(Drawn, ABC):
+    """A motion of a model that comes back to a state."""
+
+    model: Any
+    state: Array
+
+    _drawn_by = "phase"
+
+    def _drawn(self) -> Any:
+        return self.run
+
+    @property
+    @abstractmethod
+    def run(self) -> Any:
+        """Once around, with its dense output."""
+
+    @property
+    @abstractmethod
+    def multipliers(self) -> Array:
+        """Floquet multipliers, the largest first."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the numbers of the state are."""
+        return coordinates(self.model).names
+
+    @property
+    def strobe_state(self) -> Array:
+        """The state with all that is held beside it."""
+        return self.state
+
+    @property
+    def start(self) -> dict[str, Any]:
+        """The state as `solve` takes a start."""
+        return coordinates(self.model).start(self.state)
+
+    @property
+    def events(self) -> list[Any]:
+        """Every change of mode within the motion (dynamic laws: reversals of the contact's velocity)."""
+        return self.run.events
+
+    @property
+    @abstractmethod
+    def monodromy(self) -> Array:
+        """The derivative of the state after the motion by the state before it."""
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances die out: all multipliers within the unit circle."""
+        return self.stability == "stable"
+
+    @property
+    def stability(self) -> str:
+        """What becomes of small disturbances, as `stability_of` its multipliers says."""
+        return stability_of(self.multipliers)
+
+
+def stability_of(multipliers: Array) -> str:
+    """What multipliers say of small disturbances: "stable", "neutral", "unstable" or "of unknown stability".
+
+    Neutral are those with a multiplier on the unit circle, to rounding, and none beyond it; unknown are those that the map does not have.
+
+    Examples
+    --------
+    >>> [stability_of(np.array(m)) for m in ([0.5], [1.0, 0.5], [-2.0, 0.5], [np.nan])]
+    ['stable', 'neutral', 'unstable', 'of unknown stability']
+    """
+    sizes = abs(np.asarray(multipliers))
+    if not np.isfinite(sizes).all():
+        return "of unknown stability"
+    return "stable" if np.all(sizes < 1.0 - NEUTRAL) else "unstable" if np.any(sizes > 1.0 + NEUTRAL) else "neutral"
+
+
+def largest_first(multipliers: Array) -> Array:
+    """Multipliers by their absolute values.
+
+    Examples
+    --------
+    >>> largest_first(np.array([0.5, -2.0, 1.0])).tolist()
+    [-2.0, 1.0, 0.5]
+    """
+    return multipliers[np.argsort(-abs(multipliers), kind="stable")]
+
+
+def multipliers_of(M: Array, forgets: int, autonomous: bool = False) -> Array:
+    """The eigenvalues of a monodromy matrix, the largest first; real where all are.
+
+    Parameters
+    ----------
+    forgets : int
+        How many directions are wiped out at one instant on the way: so many of the smallest eigenvalues are 0, and not what rounding makes
+        of them. The rank is as much lower; contacts that rest one after the other count once.
+    autonomous : bool
+        Whether the flow does not depend on time: the eigenvalue 1 along the orbit is left out.
+    """
+    if not np.isfinite(M).all():
+        return np.full(len(M) - autonomous, np.nan)
+    found: Array = np.linalg.eigvals(M)
+    if autonomous:
+        found = np.delete(found, int(np.argmin(abs(found - 1.0))))
+    found = found[np.argsort(-abs(found), kind="stable")]
+    if forgets and len(found):
+        found[-int(forgets) :] = 0.0
+    return found.real if np.all(found.imag == 0) else found
+
+
+def resting(run: Any) -> Array:
+    """How many directions are forgotten on each piece of a run: as many as independent slips of its contacts rest."""
+    mode, machine = np.asarray(run.pieces.mode), machine_of(run.model)
+    if machine.has_inner_states:
+        return np.zeros(len(mode), int)
+    rows, (patterns, number) = np.array(machine.mechanics.directions), np.unique(mode == 0, axis=0, return_inverse=True)
+    ranks = np.array([np.linalg.matrix_rank(rows[pattern]) if pattern.any() else 0 for pattern in patterns])
+    return ranks[np.ravel(number)]

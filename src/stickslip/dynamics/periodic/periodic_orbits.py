@@ -1,0 +1,440 @@
+"""Periodic orbits, stable or not, by Newton's method on the strobe map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from stickslip.analysis.motion import Motion, Motions, motion
+from stickslip.arguments import Model, explains_arguments
+from stickslip.batch import Labels
+from stickslip.dynamics.derivatives.tangents import changes_along, jacobian_of, not_followed, orders_differ
+from stickslip.dynamics.flows.flow_orbits import FlowOrbit, flow_orbit
+from stickslip.dynamics.periodic.closed_orbits import NEUTRAL, ClosedMotion, largest_first, multipliers_of, resting
+from stickslip.dynamics.periodic.limit_cycles import limit_cycle
+from stickslip.dynamics.periodic.newton import STEP, Found, newton_within
+from stickslip.dynamics.stroboscopic.refusals import needs_model
+from stickslip.dynamics.stroboscopic.strobe_maps import (
+    Coordinates,
+    at_rest,
+    coordinates,
+    difference_jacobian,
+    flight,
+    states_of_parts,
+    strobe_map,
+    strobe_orbit,
+    strobe_states,
+    way_of,
+    with_rests,
+)  # fmt: skip
+from stickslip.errors import InputError, Problems, SolveError
+from stickslip.fields import number
+from stickslip.flow import SwitchingFlow, is_flow, knows_mode, unknown_mode
+from stickslip.layout import of_one_contact
+from stickslip.machine_adapter import is_machine, machine_of
+from stickslip.sealing import sealed
+from stickslip.solvers.flow_solving import starts_of
+from stickslip.solvers.request import LARGEST_START
+from stickslip.variables import unit_of
+
+if TYPE_CHECKING:
+    from stickslip.dynamics.periodic.limit_cycles import LimitCycle
+    from stickslip.machines import Chain
+    from stickslip.mechanisms import BlockOnBelt, ForcedOscillator, PulledMass
+    from stickslip.robot import Robot
+
+__all__ = ["PeriodicOrbit", "periodic_orbit", "states_of"]
+
+Array = Any
+RTOL = 1e-12
+RUNS = 1e-10  # of the runs along an orbit: its multipliers have nine digits then (the state itself is found at rtol)
+_SETTLING = 100  # drive periods that a guess is run for
+_CANDIDATES = (8, 120)  # strobe states of that run that are tried as guesses: for period one, and for others
+_SAME = 1e-7  # strobe states closer than this are one
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbit(ClosedMotion):
+    """A periodic motion: its strobe state, its multipliers and what it does. The velocity is periodic, the position drifts.
+
+    On a track that repeats the position is periodic modulo its wavelength: the motion advances by a whole number of wavelengths.
+
+    Parameters
+    ----------
+    model : Robot
+        What moves.
+    period : int
+        Drive periods until the motion repeats.
+    state : array
+        The state on the strobe t = 0 mod T, in the order of `names`; what the law remembers as whole numbers comes last.
+    residual : float
+        How far the state is from itself after one motion period, in the scales of its coordinates.
+    rtol : float
+        Tolerance of the runs that it was computed with.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=8e-4, law="coulomb"))
+    >>> orbit.type, orbit.stable, orbit.names, [float(round(m, 6)) for m in orbit.multipliers]
+    ('IV', True, ('v',), [0.089023])
+    """
+
+    model: Any
+    period: int
+    state: Array
+    residual: float
+    rtol: float = RTOL
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def run(self) -> Any:
+        """One motion period, with its dense output."""
+        return replace(flight(self.model, self.state, self.period, max(self.rtol, RUNS)), known_period=self.period)
+
+    @cached_property
+    def multipliers(self) -> Array:
+        """Floquet multipliers, the largest first; the 1 of the cyclic position is left out. Real where all of them are."""
+        return multipliers_of(self.monodromy, 0 if not_followed(self.model) else int(resting(self.run).max()))
+
+    @cached_property
+    def monodromy(self) -> Array:
+        """The derivative of the state after the motion by the state before it; `evidence` says how it was found."""
+        if not_followed(self.model):
+            return self._jacobian(STEP)
+        return jacobian_of(self.model, self.state, self.period, self.rtol)
+
+    def _jacobian(self, step: float) -> Array:
+        return difference_jacobian(self.model, self.state, self.period, self.rtol, step)
+
+    @cached_property
+    def evidence(self) -> str:
+        """How the multipliers were found, and what limits them."""
+        if why := not_followed(self.model):
+            sizes = coordinates(self.model).scales[: len(self.monodromy)]
+            moved = abs(self.monodromy - self._jacobian(4 * STEP)) / sizes[:, None] * sizes
+            return f"central differences of the strobe map, as {why}; with steps four times as long the matrix changes by {moved.max():.1e}"
+        if not np.isfinite(self.monodromy).all():
+            return "a switch is touched without being crossed: the map has no derivative there"
+        told = "tangent of the system along the orbit, through every switch"
+        if self._is_neutral:
+            told += "; what rests all the time may rest anywhere nearby: a multiplier of 1 belongs to that"
+        if orders_differ(self.model, self.state, self.period, self.rtol):
+            return f"{told}; one-sided: contacts switch at one instant, and which of them goes first matters to disturbances"
+        return told
+
+    @cached_property
+    def differences(self) -> Array:
+        """The multipliers once more, from differences of the strobe map: the second opinion; NaN beside a start beyond which a stop is."""
+        found = difference_jacobian(self.model, self.state, self.period, self.rtol)
+        return largest_first(np.linalg.eigvals(found)) if np.isfinite(found).all() else np.full(len(found), np.nan)
+
+    @cached_property
+    def mean_velocity(self) -> float:
+        """Mean velocity V [m/s]: the way made in one motion period over its time; of several bodies that of their centre of mass."""
+        run, way = self.run, way_of(self.run)
+        return float((way[-1] - way[0]) / (run.strobe_times[-1] - run.strobe_times[0]))
+
+    @cached_property
+    def motion(self) -> Motion | Motions:
+        """What `ss.motion` says of it."""
+        return motion(self.run)
+
+    @property
+    def type(self) -> str:
+        """Type of the motion: "I" to "IV", "rest", "presliding" or "other"."""
+        return self.motion.type
+
+    @property
+    def pattern(self) -> str:
+        """Signs of the motion period in order, such as "+0-0"."""
+        return self.motion.pattern
+
+    @cached_property
+    def patterns(self) -> dict[str, str]:
+        """Signs of the slip within the motion period by contact, such as "+0-0", of any machine."""
+        modes = np.asarray(self.run.pieces.mode)
+        return {name: _pattern(modes[:, i]) for i, name in enumerate(self.run.contacts)}
+
+    @property
+    def _is_neutral(self) -> bool:
+        """Whether disturbances that do not die out only move what rests all the time to another place at rest."""
+        free = sum(pattern == "0" for pattern in self.patterns.values())
+        return self.stability == "neutral" and bool(np.sum(abs(self.multipliers) >= 1.0 - NEUTRAL) <= free)
+
+    @property
+    def margin(self) -> float:
+        """Distance to the next border of motion types; 0 is on it."""
+        return self.motion.margin
+
+    @property
+    def memory(self) -> float:
+        """Drive periods in which a small disturbance falls to 1/e (negative: grows); 0 where sticking wipes it out at once."""
+        largest = float(abs(self.multipliers).max())
+        return 0.0 if largest == 0.0 else float("inf") if largest == 1.0 else -self.period / float(np.log(largest))
+
+    def _facts(self) -> dict[str, Any]:
+        patterns = self.patterns if len(self.patterns) > 1 else {"motion type": self.type, "pattern": self.pattern}
+        return {
+            "mean velocity": f"{self.mean_velocity:.9g} {unit_of('v', self.model)}",
+            **{name: text.replace("-", "−") for name, text in patterns.items()},
+            "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
+            "stability": f"{self.stability}; multipliers {', '.join(f'{m:.6g}' for m in self.multipliers)}",
+        }
+
+    def __repr__(self) -> str:
+        state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
+        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
+        single = machine_of(self.model).is_single
+        kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
+        return (
+            f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
+            f"{self.stability} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+        )
+
+
+@overload
+def periodic_orbit(model: SwitchingFlow, *arguments: Any, **more: Any) -> FlowOrbit: ...
+@overload
+def periodic_orbit(model: BlockOnBelt | PulledMass, *arguments: Any, **more: Any) -> LimitCycle: ...
+@overload
+def periodic_orbit(model: Robot | ForcedOscillator | Chain, *arguments: Any, **more: Any) -> PeriodicOrbit: ...
+@overload
+def periodic_orbit(model: Any, *arguments: Any, **more: Any) -> PeriodicOrbit | LimitCycle: ...
+@explains_arguments
+def periodic_orbit(
+    model: Model, period: int = 1, guess: Any = None, *, rtol: float = RTOL, tolerance: float = 1e-12
+) -> PeriodicOrbit | LimitCycle | FlowOrbit:
+    """A periodic motion of a robot or mechanism, stable or unstable, by Newton's method on the strobe map.
+
+    Without a drive (a block on a belt) it is a limit cycle, and its period is found too.
+
+    Parameters
+    ----------
+    model : Robot, mechanism, machine or SwitchingFlow
+        One of them.
+    period : int
+        Drive periods after which the motion repeats; turns of the spring without a drive.
+    guess : dict, array, Trajectory or PeriodicOrbit, optional
+        Where to begin: a start as `solve` takes it, a strobe state, a run (its last strobe state) or an orbit nearby. If not given,
+        the robot is run from rest, and the strobe states that come back most nearly are tried, and their means (which lead to an
+        unstable motion between the points of a doubled one).
+    rtol : float
+        Tolerance of the strobe map for dynamic laws.
+    tolerance : float
+        The residual to be reached, in the scales of the coordinates (velocity: A mu omega).
+
+    Returns
+    -------
+    PeriodicOrbit, LimitCycle without a drive, or FlowOrbit of a flow
+        `multipliers`, `stable`, `mean_velocity`, `type`, `state`, `events`, `residual`; with a drive also `margin`, without `duration`.
+
+    Raises
+    ------
+    SolveError
+        Where Newton's method does not converge: why, and what to try.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> orbit = ss.periodic_orbit(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4, mu0=0.04), period=1)
+    >>> orbit.stable, round(float(orbit.multipliers[0]), 4)  # the motion is there, but period two has taken over
+    (False, -2.625)
+    """
+    autonomous = is_machine(model) and model.period is None
+    needs_model("periodic_orbit", model, driven=not autonomous, flows=True)
+    problems = Problems("periodic_orbit")
+    problems.whole("period", period, 1, example=1, what=" of drive periods")
+    problems.check()
+    if is_flow(model):
+        return _orbit_of_flow(model, int(period), guess)
+    if autonomous:
+        return limit_cycle(model, int(period), guess, rtol=rtol, tolerance=tolerance)
+    at, tried = coordinates(model), []
+    for state in _guesses(model, int(period), guess, at):
+        found = _solve(model, int(period), state, rtol, tolerance)
+        tried.append(found)
+        state = np.append(found.at * at.scales[: at.smooth], found.memory)
+        if found.good and not _shorter(model, state, int(period), rtol):
+            state = with_rests(model, state, int(period), rtol)
+            return PeriodicOrbit(model, int(period), state, found.residual, rtol)
+    raise SolveError(_failure(int(period), tried, guess))
+
+
+def _orbit_of_flow(flow: Any, period: int, guess: Any) -> FlowOrbit:
+    """A periodic orbit of a forced flow; without a guess from where it settles."""
+    state = states_of(guess, flow)[0]
+    return flow_orbit(
+        flow, state[:-1], list(flow.fields)[round(float(state[-1]))], periods=period, settle=0 if guess is not None else _SETTLING
+    )
+
+
+def _failure(period: int, tried: list[Found], guess: Any) -> str:
+    repeated = sum(f.good for f in tried)
+    if repeated:
+        return (
+            f"no motion of period {period} was found: Newton's method went from all {repeated} guesses to one that repeats earlier; "
+            f"type a smaller period, or a guess on the motion of period {period} (such as guess=run of a robot that has settled on it)"
+        )
+    best = min(tried, key=lambda f: f.residual)
+    hint = "give a guess nearer to it (guess=orbit of a robot nearby), or follow it there with ss.continuation"
+    if guess is None:
+        hint += "; if the robot still settles, give guess=ss.solve(robot, periods=2000)"
+    how = f"{best.why} (residual {best.residual:.1e} after {best.iterations} iterations)"
+    return f"Newton's method found no motion of period {period}: {how}; {hint}"
+
+
+def _solve(model: Any, period: int, state: Array, rtol: float, tolerance: float) -> Found:
+    at = coordinates(model)
+    d, scales = at.smooth, at.scales[: at.smooth]
+
+    def ends(u: Array, memory: Array) -> Array:
+        held = np.broadcast_to(memory, (*u.shape[:-1], len(memory)))
+        return strobe_map(model, np.concatenate([u * scales, held], axis=-1), period, rtol).state
+
+    def missed(end: Array, u: Array) -> Array:
+        return end / scales - u if at.wavelength is None else at.difference(end, u * scales) / scales
+
+    def problem(memory: Array) -> Any:
+        return lambda u: missed(ends(u, memory)[:, :d], u)
+
+    def slopes(memory: Array) -> Any:
+        def at_point(u: Array) -> tuple[Array, Array]:
+            found = changes_along(model, np.tile(np.append(u * scales, memory), (d, 1)), np.diag(scales), None, period, rtol)
+            return missed(found.state[0][:d], u), (found.change / scales).T - np.eye(d)
+
+        return at_point
+
+    def after(u: Array, memory: Array) -> Array:
+        return ends(u, memory)[0, d:]
+
+    state, exact = np.asarray(state, float), None if not_followed(model) else slopes
+    return newton_within(problem, after, state[:d] / scales, np.round(state[d:]), exact, tolerance=tolerance)
+
+
+def _shorter(model: Any, state: Array, period: int, rtol: float) -> bool:
+    """Whether a motion repeats before its period is over."""
+    if period == 1:
+        return False
+    points = strobe_orbit(model, state, period, rtol)[0][:, 0]
+    at = coordinates(model)
+    return any(period % k == 0 and at.distance(points[k - 1], state) < _SAME for k in range(1, period))
+
+
+def _guesses(model: Any, period: int, guess: Any, at: Coordinates) -> list[Array]:
+    return _from_rest(model, period, at) if guess is None else [states_of(guess, model)[0]]
+
+
+def states_of(start: Any, model: Any) -> Array:
+    """Strobe states from a start as `solve` takes it, a state, a run (its end), or an orbit; rest from None: array (cases, coordinates)."""
+    at, rest = coordinates(model), at_rest(model)
+    if start is None:
+        return rest
+    if is_flow(model):
+        return np.tile(_flow_state(start, model, at), (len(rest), 1))
+    if isinstance(start, dict) and at.mechanics is not None:
+        return _checked(start, states_of_parts("start", model, start), at)
+    if isinstance(start, dict):
+        columns = [_named(start, name, rest[:, i]) for i, name in enumerate(at.names)]
+        return _checked(start, np.stack(columns, axis=1), at)
+    return np.tile(_one_state(start, at), (len(rest), 1))
+
+
+def _flow_state(start: Any, flow: Any, at: Coordinates) -> Array:
+    """The state of a flow and the place of its mode, from an orbit, a run's end, a dict, or numbers."""
+    if hasattr(start, "strobe_state"):
+        return start.strobe_state
+    if hasattr(start, "mode") and hasattr(start, "state"):
+        return np.append(start.state, list(flow.fields).index(start.mode))
+    mode, problems = next(iter(flow.fields)), Problems("start")
+    if isinstance(start, dict) and "mode" in start:
+        mode, start = start["mode"], {name: value for name, value in start.items() if name != "mode"}
+        if not knows_mode(flow.fields, mode):
+            problems.add(f"mode: {unknown_mode(mode, flow.fields)}")
+    elif np.shape(start) == (len(at.names),) and start[-1] in range(len(flow.fields)):
+        mode, start = list(flow.fields)[int(start[-1])], start[:-1]
+    state = starts_of(flow, start, Labels(()), problems)[0]
+    problems.check()
+    return np.append(state, list(flow.fields).index(mode))
+
+
+def _one_state(start: Any, at: Coordinates) -> Array:
+    """The strobe state of an orbit, of a run's end, or as it was given."""
+    if isinstance(start, PeriodicOrbit):
+        return start.state
+    if hasattr(start, "strobe_v"):
+        return _end_of(start, at)
+    try:
+        state = np.asarray(number(start), float).ravel()
+    except (TypeError, ValueError):
+        state = np.empty(0)
+    if state.shape != (len(at.names),):
+        raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
+    return _checked(start, state, at)
+
+
+def _end_of(run: Any, at: Coordinates) -> Array:
+    """The last strobe state of a run of the same bodies."""
+    if at.mechanics is None:
+        return strobe_states(of_one_contact("periodic_orbit", run, "its strobe states have one velocity"))[-1]
+    given, wanted = (tuple(run.bodies), tuple(run.contacts)), (at.mechanics.bodies, at.mechanics.contacts)
+    if given != wanted:
+        told = [f"bodies {', '.join(bodies)} and contacts {', '.join(contacts)}" for bodies, contacts in (given, wanted)]
+        raise InputError("start", [f"the run has {told[0]}; allowed is a run of {told[1]}; type guess=ss.solve(machine, periods=200)"])
+    return strobe_states(run)[-1]
+
+
+def _checked(start: Any, state: Array, at: Coordinates) -> Array:
+    """A state whose numbers are finite and of a size that can be computed with."""
+    if not np.all(abs(state) <= LARGEST_START):
+        allowed = f"finite {', '.join(at.names)} up to {LARGEST_START:.0e} in size"
+        raise InputError("start", [f"{start!r} has numbers that are too large or not finite; allowed are {allowed}; type {_dict(at)}"])
+    return state
+
+
+def _dict(at: Coordinates) -> str:
+    """A start that can be typed."""
+    return "dict(v=0.0)" if at.mechanics is None else f"dict(v={{{at.mechanics.bodies[0]!r}: 0.0}})"
+
+
+def _pattern(mode: Array) -> str:
+    """The signs of a closed motion in order, from a "+" on if there is one, else from a "-"."""
+    signs = [{1: "+", 0: "0", -1: "-"}[int(m)] for m in mode]
+    kept = [sign for k, sign in enumerate(signs) if sign != signs[k - 1]] or signs[:1]
+    turned = ["".join(kept[k:] + kept[:k]) for k in range(len(kept))]
+    return min(turned, key=lambda text: ("+-0".index(text[0]), text))
+
+
+def _named(start: dict[str, Any], name: str, rest: Array) -> Array:
+    """One number of a start, for each case; z0, z1, ... are entries of z, memory0, ... of memory. What is not named is as at rest."""
+    whole = name.rstrip("0123456789")
+    given = name if name in start or name == whole else whole
+    if given not in start:
+        return rest
+    try:
+        values = np.ravel(number(start[given]))
+        return np.full(len(rest), values[int(name[len(whole) :]) if given != name and len(values) > 1 else 0], float)
+    except (ValueError, IndexError):
+        raise InputError(
+            "start", [f"{given} = {start[given]!r}; allowed is a number, or as many as the law has; type {given}=0.0"]
+        ) from None
+
+
+def _from_rest(model: Any, period: int, at: Coordinates) -> list[Array]:
+    """Strobe states of a run from rest that nearly come back after the period, and the means of neighbours, best first."""
+    settled = strobe_map(model, at_rest(model), _SETTLING, 1e-6).state
+    points = strobe_orbit(model, settled, _CANDIDATES[period > 1] + period, 1e-8)[0][:, 0]
+    means = 0.5 * (points[1:] + points[:-1])
+    means[:, at.smooth :] = points[1:, at.smooth :]
+    tried = np.vstack([points, means])
+    ends = strobe_map(model, tried, period, 1e-8).state
+    miss = at.distance(ends, tried)
+    if period > 1:  # a point of a shorter motion comes back too: take those that move first
+        sooner = np.min([at.distance(strobe_map(model, tried, k, 1e-8).state, tried) for k in range(1, period) if period % k == 0], axis=0)
+        miss = np.where(sooner < 1e-5, np.inf, miss)
+    order = np.argsort(miss, kind="stable")
+    return [tried[i] for i in order[: 6 if period == 1 else 12]]

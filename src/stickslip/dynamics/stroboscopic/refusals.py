@@ -1,0 +1,84 @@
+"""What the maps of this package take: one model that repeats and whose bodies stay together, and what to type where it does not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import cases_of
+from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
+from stickslip.dynamics.stroboscopic.strobe_maps import coordinates, largest
+from stickslip.dynamics.stroboscopic.strobe_states import order_of
+from stickslip.errors import InputError
+from stickslip.fields import leaves
+from stickslip.flow import is_flow
+from stickslip.machine_adapter import is_machine, machine_of
+
+__all__ = ["needs_model"]
+
+
+def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False, flows: bool = False) -> None:
+    """Say what to type where something else than one robot (or, with `batch`, than one or many) was given; `flows` may be given too."""
+    if is_flow(model):
+        _needs_flow(what, model, batch, flows)
+        return
+    if not is_machine(model):
+        raise InputError(
+            what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
+        )
+    if not batch and any(np.ndim(value) for _, value in leaves(model)):
+        raise InputError(
+            what, ["the robot is a batch (some of its numbers are arrays); allowed is one robot; type each number as a single value"]
+        )
+    if driven and model.period is None:
+        why = f"{type(model).__name__} has no period, so it has no strobe; allowed are models with a periodic drive"
+        cycle = "for its limit cycle type ss.periodic_orbit(mechanism), to follow it ss.continuation"
+        hint = cycle if machine_of(model).is_single else "type ss.solve(machine, duration=...) for its motion from a start"
+        raise InputError(what, [f"{why}; {hint}"])
+    if driven and not machine_of(model).is_single and _drifts(model):
+        kind = type(model).__name__
+        raise InputError(what, [f"the equations of {kind} have positions in them, but with these numbers bodies can be shifted together "
+                                "and no force changes (by a link of stiffness 0, or as nothing joins two groups of them): they drift "
+                                "apart and never come back; allowed are bodies that links hold together; give it a link, or a stiffness "
+                                "that is not 0"])  # fmt: skip
+
+
+def _needs_flow(what: str, flow: Any, batch: bool, flows: bool) -> None:
+    """The same of a flow that switches."""
+    if not flows:
+        taken = "type ss.solve, ss.periodic_orbit, ss.continuation, ss.basins, ss.bifurcation, ss.lyapunov or ss.verdict, which take a flow"
+        raise InputError(what, [f"it is a flow without bodies and contacts; allowed are machines; {taken}"])
+    if not batch and any(np.ndim(value) for _, value in leaves(flow)):
+        raise InputError(
+            what, ["the flow is a batch (some of its numbers are arrays); allowed is one flow; type each number as a single value"]
+        )
+    if flow.period is None:
+        hint = "for its orbit type ss.flow_orbit(flow, state, mode, duration=...), for its exponents ss.lyapunov_of_flow(flow, state)"
+        raise InputError(what, [f"SwitchingFlow has no period, so it has no strobe; allowed are flows with a period; {hint}"])
+
+
+def _drifts(model: Any) -> bool:
+    """Whether some of the positions that are coordinates can be shifted, and no acceleration and no load changes.
+
+    Of a batch the first case is asked.
+    """
+    order, one = order_of(model), cases_of(model, slice(1))[0]
+    mechanics, random = machine_of(one).mechanics, np.random.default_rng(20261122)
+    if mechanics.stops:
+        return False
+    speed, rows = coordinates(one).speed, []
+    for power in (0, 0, 1, 2, 3, 4):  # stops act far away
+        y = list(random.uniform(-speed, speed, order.states))
+        places = variables(*(y[order.places]))
+        y[order.places] = [place * (10.0**power * largest(machine_of(one).time_scale)) for place in places]
+        q, u, _ = order.parted(y, 0.0)
+        t = float(random.uniform(0.0, 1.0)) * float(one.period)
+        free = mechanics.accelerations(t, q, u, (0.0,) * len(mechanics.contacts))
+        forces = [*free, *mechanics.loads(t, q), *mechanics.control_answers(t, q, u)]
+        rows += [[float(slope) for slope in slopes_of(force, len(places))] for force in forces]
+    G = np.nan_to_num(np.array(rows)).reshape(len(rows), len(order.kept))
+    sizes = np.linalg.norm(G, axis=0)
+    if not np.all(sizes > 0.0):
+        return True
+    return bool(len(sizes) and np.linalg.svd(G / sizes, compute_uv=False)[-1] < 1e-9)

@@ -1,0 +1,501 @@
+"""The strobe map: where a state at t = 0 is after some drive periods, for many starts and many robots in one batch.
+
+The position of a robot appears nowhere in its equations. It is no coordinate of the map, and its multiplier, which is 1, is
+left out; a mechanism with a spring has x as its first coordinate. Of several bodies that move along a track only the differences of
+their positions are coordinates, and the way made is that of their centre of mass.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import cases_of, labels_of, spread
+from stickslip.dynamics.stroboscopic.strobe_states import Order, numbered, order_of
+from stickslip.errors import InputError, Problems
+from stickslip.fields import leaves, replace_leaf
+from stickslip.flow import is_flow
+from stickslip.forces import inner_start
+from stickslip.machine_adapter import MachineAdapter, machine_of
+from stickslip.position import knows_position
+from stickslip.sealing import sealed
+from stickslip.segments import intervals_of
+from stickslip.solvers.initial_states import start_of_parts
+from stickslip.steadiness import way_of_machine
+
+__all__ = [
+    "Coordinates", "Ends", "as_it_ends", "at_rest", "coordinates", "difference_jacobian", "flight",
+    "flow_map", "has_arcs", "map_method", "refuse_chance", "run_lanes", "strobe_map", "strobe_orbit",
+]  # fmt: skip
+
+Array = Any
+_PARTS_OF_A_WAVE = (0.07, 0.23, 0.41, 0.59, 0.83)  # of a wavelength and a period: where the equations are held against the next wave
+_SAME_PLACE = 1e-9
+_DWELL = 0.03  # of a period: how long elastic contact lasts that counts as rest
+_RESTS = 1e-13  # of the velocity scale: a slip that is rounding
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """The coordinates of a strobe state: their names, and the size against which each is measured.
+
+    Of a machine of several bodies they are velocities of the bodies, inner states by contact, and positions: those of all bodies where
+    forces depend on them, else what those of all but the first are more than that of the first.
+    """
+
+    names: tuple[str, ...]
+    scales: Array
+    order: Order
+    memories: int = 0  # the last so many coordinates are whole numbers that laws remember
+    mechanics: Any = None  # of a machine of several bodies: it knows their names
+    wavelength: float | None = None  # of one body: its position counts modulo this, as the track repeats [m]
+
+    @property
+    def smooth(self) -> int:
+        """How many coordinates are no memories."""
+        return len(self.names) - self.memories
+
+    @property
+    def inner_states(self) -> int:
+        """How many inner states there are."""
+        return self.order.inner.stop - self.order.inner.start
+
+    @property
+    def speed(self) -> float:
+        """Size of the velocities [m/s]."""
+        return float(self.scales[self.order.velocities.start])
+
+    def start(self, state: Any) -> dict[str, Any]:
+        """A state, or a table of them, as `solve` takes a start."""
+        state = np.asarray(state, float)
+        if self.mechanics is not None:
+            return self._start_of_parts(state)
+        order, memory = self.order, state[..., self.smooth :]
+        found: dict[str, Any] = {name: state[..., i] for i, name in enumerate(self.names[: order.inner.start])}
+        for name, part in (("z", state[..., order.inner]), ("memory", memory)):
+            if part.shape[-1]:
+                found[name] = part[..., 0] if part.shape[-1] == 1 else part
+        return {name: value[()] for name, value in found.items()}
+
+    def _start_of_parts(self, state: Array) -> dict[str, Any]:
+        """Positions and velocities by body, inner states and memories by contact."""
+        columns, m = np.moveaxis(state[..., : self.smooth], -1, 0), self.mechanics
+        q, u, z = self.order.parted(columns, np.zeros_like(columns[0]))
+        found = {
+            what: {name: np.asarray(value)[()] for name, value in zip(m.bodies, values, strict=True)}
+            for what, values in (("x", m.positions(0.0, q)), ("v", m.velocities(0.0, u)))
+        }
+        memory = np.moveaxis(state[..., self.smooth :], -1, 0)
+        inner = sum(law.states for law in m.laws)
+        for what, values, counts, names in (
+            ("z", np.array(z[:inner]), [c.states for c in m.laws], m.contacts),
+            ("control", np.array(z[inner:]), m.controllers.counts, m.controllers.names),
+            ("memory", memory, [c.modes for c in m.laws], m.contacts),
+        ):
+            own = np.split(values, np.cumsum(counts)[:-1]) if sum(counts) else []
+            named = {name: np.moveaxis(each, 0, -1) for name, each in zip(names, own, strict=False) if len(each)}
+            found |= {what: {name: each[..., 0] if each.shape[-1] == 1 else each for name, each in named.items()}} if named else {}
+        return found
+
+    def difference(self, a: Any, b: Any) -> Any:
+        """One state less another; of positions on a track that repeats, modulo its wavelength."""
+        found = np.asarray(a, float) - np.asarray(b, float)
+        if self.wavelength is not None:
+            found[..., self.order.places] -= self.wavelength * np.round(found[..., self.order.places] / self.wavelength)
+        return found
+
+    def distance(self, a: Any, b: Any) -> Any:
+        """The largest difference of two states in their scales."""
+        return np.max(abs(self.difference(a, b)) / self.scales, axis=-1)
+
+
+@sealed
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """What the strobe map gives for each start: the state, the way made, and extremes of v in the last motion period.
+
+    Of a machine of several bodies the way is that of their centre of mass, and extremes of one velocity are not known (NaN).
+    """
+
+    state: Array  # (cases, coordinates)
+    displacement: Array  # [m]
+    status: Array
+    v_max: Array
+    v_min: Array
+    segments: tuple[tuple[Array, Array, Array], ...] = ()  # of each contact (see segments.py), in the last drive period
+
+    @property
+    def patterns(self) -> tuple[Array, ...]:
+        """Of each contact the signs of its slip in the last drive period in order, such as "+0-0", of every case."""
+        return tuple(intervals_of(*each, dwell=_DWELL).pattern for each in self.segments)
+
+
+def coordinates(model: Any) -> Coordinates:
+    """The coordinates of a model's strobe state.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> coordinates(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4)).names
+    ('v', 'z')
+    """
+    if is_flow(model):
+        return coordinates_of_flow(model)
+    machine = machine_of(model)
+    order = order_of(model, machine)
+    mechanics, laws = machine.mechanics, machine.laws
+    speed = largest(machine.free_velocity) or largest(machine.velocity_scale) or 1.0
+    time = largest(machine.time_scale)
+    places = [speed * time / (2 * np.pi)] * mechanics.coordinates
+    sizes: list[float] = []
+    if any(law.states for law in laws):
+        for law, load in zip(laws, mechanics.loads(0.0, mechanics.start), strict=True):
+            typical = law.scale(load) if law.states else ()
+            sizes += [largest(s) for s in ((speed * time,) * law.states if typical is None else typical)]
+    sizes += [largest(size) for size in mechanics.controllers.scales]
+    scales = order.joined([0.0, *places[1:]] if order.cyclic else places, [speed] * mechanics.coordinates, sizes)
+    memories = sum(law.modes for law in laws)
+    names = (*order.names, *_memory_names(machine))
+    sized = np.array(scales + [1.0] * memories)
+    return Coordinates(names, sized, order, memories, None if machine.is_single else mechanics, _wavelength(machine, order))
+
+
+def _wavelength(machine: Any, order: Order) -> float | None:
+    """The distance after which a track repeats [m], if the equations say so too; None where they do not, or of a batch of several."""
+    length = machine.wavelength
+    if length is None or np.size(length) != 1 or not order.kept:
+        return None
+    length, m, T = float(np.ravel(length)[0]), machine.mechanics, largest(machine.time_scale)
+    for part in _PARTS_OF_A_WAVE:
+        here, there = (
+            (*m.loads(part * T, (q,)), *m.accelerations(part * T, (q,), (0.0,), (0.0,))) for q in (part * length, (1 + part) * length)
+        )
+        if any(np.any(abs(a - b) > _SAME_PLACE * (abs(a) + abs(b))) for a, b in zip(here, there, strict=True)):
+            return None
+    return length
+
+
+def at_rest(model: Any, at: Coordinates | None = None) -> Array:
+    """The strobe state in which a run from rest begins: array (cases, coordinates); all zeros but for what the law itself says.
+
+    Who knows its coordinates gives them too.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> at_rest(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5e-4, 6e-4])).tolist()
+    [[0.0, 0.0], [0.0, 0.0]]
+    """
+    at = coordinates(model) if at is None else at
+    if is_flow(model):
+        return np.zeros((int(np.prod(labels_of(model).shape, dtype=int)), len(at.names)))
+    if at.mechanics is not None:
+        return states_of_parts("start", model, None, at)
+    z = inner_start(model)
+    found = np.zeros((len(z), len(at.names)))
+    found[:, at.smooth - z.shape[1] : at.smooth] = z
+    return found
+
+
+def states_of_parts(what: str, model: Any, start: Any, at: Coordinates | None = None) -> Array:
+    """Strobe states of a machine of several bodies from a start as `solve` takes it: array (cases, coordinates)."""
+    problems, at = Problems(what), coordinates(model) if at is None else at
+    n = at.mechanics.coordinates
+    table = start_of_parts(model, labels_of(model), start, problems)
+    problems.check()
+    q, u, rest = np.split(table, [n, 2 * n], axis=1)
+    inner = rest.shape[1] - at.memories
+    return np.column_stack([*at.order.joined(list(q.T), list(u.T), list(rest.T[:inner])), rest[:, inner:]])
+
+
+def _memory_names(machine: MachineAdapter) -> tuple[str, ...]:
+    """Names of what laws remember, by contact where there are several."""
+    if machine.is_single:
+        return numbered("memory", machine.laws[0].modes)
+    found = zip(machine.mechanics.contacts, machine.laws, strict=True)
+    return tuple(f"memory.{name}.{k}" for name, law in found for k in range(law.modes))
+
+
+def largest(value: Any) -> float:
+    """The largest size of a number or of an array of them."""
+    return float(np.max(np.abs(np.asarray(value, float))))
+
+
+def spread_over(model: Any, cases: int) -> Any:
+    """A single case as a batch of `cases` equal ones; a batch stays what it is."""
+    numbers = dict(leaves(model))
+    if is_flow(model) or any(np.ndim(value) for value in numbers.values()):
+        return model
+    name = next(iter(numbers))
+    return replace_leaf(model, {name: np.full(cases, float(numbers[name]))})
+
+
+def strobe_map(
+    model: Any, states: Any, periods: int = 1, rtol: float = 1e-12, at: Coordinates | None = None, stepped: bool = False
+) -> Ends:
+    """The states after some drive periods.
+
+    Parameters
+    ----------
+    model : Robot
+        One robot, or a batch of as many as there are states.
+    states : array (cases, coordinates)
+        States at t = 0 in the order of `coordinates`.
+    periods : int
+        How many drive periods.
+    rtol : float
+        Tolerance for dynamic laws.
+    at : Coordinates, optional
+        Where they are known.
+    stepped : bool
+        Go by steps without asking first whether there are closed arcs and whether the equations come back after the period, as of
+        machines beside one that has been asked.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb")
+    >>> strobe_map(robot, [[0.0], [1e-3]], periods=3).displacement.round(9).tolist()
+    [0.000185664, 0.000186046]
+    """
+    states = np.atleast_2d(np.asarray(states, float))
+    if stepped:
+        return _in_lanes(model, states, periods, rtol, at=at, known=True)
+    if is_flow(model):
+        return _of_flow(model, states, periods)
+    machine = machine_of(model)
+    refuse_chance(machine)
+    if not all(law.compiles for law in machine.laws):
+        return _one_by_one(model, states, periods, rtol)
+    if has_arcs(model):
+        return _by_arcs(model, states, periods)
+    return _in_lanes(model, states, periods, rtol, at=at)
+
+
+def refuse_chance(machine: MachineAdapter) -> None:
+    """`InputError` for a machine with a law of chance."""
+    random = next((law.name for law in machine.laws if law.random), None)
+    if random is not None:
+        raise InputError(
+            random,
+            ["its bonds form again at random places, so no two drive periods are alike and there is no strobe map that orbits, "
+             "exponents or basins could belong to; allowed are laws without chance, such as ss.GMS or ss.LuGre; for this one type "
+             "ss.strobe(ss.solve(robot, periods=400)) and compare several seeds"],
+        )  # fmt: skip
+
+
+def map_method(model: Any, rtol: float) -> tuple[Any, float]:
+    """The tableau by which lanes go from strobe to strobe (None: Taylor steps), and their tolerance."""
+    from stickslip.solvers.rosenbrock import SAFETY, tableau
+    from stickslip.solvers.set_valued import REPEAT
+
+    return (tableau(model, rtol), SAFETY * rtol) if machine_of(model).has_inner_states else (None, REPEAT / 10)
+
+
+def _in_lanes(
+    model: Any, states: Array, periods: int, rtol: float, span: Any = None, at: Coordinates | None = None, known: bool = False
+) -> Ends:
+    """The engine's lanes. `span` [s] is how long a period is, for models that have none."""
+    found, table, end = run_lanes(model, states, periods, rtol, span, at=at, known=known)
+    segments = _segments(found, len(machine_of(model).laws), table.span)
+    if not machine_of(model).is_single:
+        none = np.full(len(states), np.nan)
+        return Ends(end, found.displacement, found.status, none, none, segments)
+    offset = table.offsets[:, 0]
+    carried = table.carried * periods * model.period if np.any(table.carried) else 0.0
+    return Ends(end, found.end[:, 0] - table.start[:, 0] + carried, found.status, found.v_max + offset, found.v_min + offset, segments)
+
+
+def run_lanes(
+    model: Any, states: Array, periods: int, rtol: float, span: Any = None, auto: bool = False, at: Coordinates | None = None,
+    known: bool = False,
+) -> tuple[Any, Any, Array]:  # fmt: skip
+    """What lanes found of runs from some states, the table of their cases, and the states at their ends; with `auto` of settled runs.
+
+    Where it is not `known`, they are asked whether their equations come back after the period.
+    """
+    from stickslip.engine import lanes
+    from stickslip.solvers.lane_tables import CaseTable
+    from stickslip.solvers.stepping import BUDGET, budget_of
+    from stickslip.solvers.time_dependence import check_period
+
+    at, cases = coordinates(model) if at is None else at, len(states)
+    order, (tableau, tolerance) = at.order, map_method(model, rtol)
+    if not known:
+        check_period(model)
+    kernel = lanes.kernel_of(model, tableau, record=auto and cases == 1)
+    q, u, z = order.parted(list(states.T[: at.smooth]), np.zeros(cases))
+    span = (0.0 if model.period is None else spread(model.period, labels_of(model))) if span is None else span
+    table = CaseTable(model, kernel, np.column_stack([*q, *u, *z, np.round(states[:, at.smooth :])]), span)
+    job = lanes.Job(periods, periods // 2 if auto else 0, auto, tolerance, 0.75, budget_of(model, periods) if auto else BUDGET * periods)
+    found = lanes.run(kernel, table.rows, table.start, job)
+    places, v, inner = table.ends(found)
+    zero = (np.zeros(cases),) if order.cyclic else ()
+    y = np.column_stack([*order.joined([*zero, *places.T], list(v.T), list(inner.T))])
+    return found, table, np.hstack([np.where(found.status[:, None] <= 1, y, np.nan), found.memory])
+
+
+def _segments(found: Any, contacts: int, span: Array) -> tuple[tuple[Array, Array, Array], ...]:
+    """Segments of each contact, in drive periods."""
+    counts, width = found.seg_count, found.seg_time.shape[1] // found.seg_count.shape[1]
+    parts = [slice(i * width, (i + 1) * width) for i in range(min(contacts, counts.shape[1]))]
+    return tuple((counts[:, i], found.seg_time[:, part] / span[:, None], found.seg_code[:, part]) for i, part in enumerate(parts))
+
+
+def has_arcs(model: Any) -> bool:
+    """Whether the motion is made of closed arcs."""
+    from stickslip.solvers.closed_arcs import handles
+
+    machine = machine_of(model)
+    return machine.is_single and not machine.has_inner_states and handles(model) is None
+
+
+def coordinates_of_flow(flow: Any) -> Coordinates:
+    """The states of a flow by their names, and the place of its mode among its modes, which is a memory."""
+    if flow.states is None:
+        raise InputError(
+            "SwitchingFlow", ["its states have no names, so that nobody knows how many there are; type states=('x', 'v') where it is made"]
+        )
+    n = len(flow.states)
+    order = Order(flow.states, slice(0, n), slice(n, n), slice(0, 0), (), False)
+    return Coordinates((*flow.states, "mode"), np.append(np.ones(n) if flow.scales is None else flow.scales, 1.0), order, 1)
+
+
+def _of_flow(flow: Any, states: Array, periods: int) -> Ends:
+    """The same of a flow that switches. It makes no way."""
+    from stickslip.solvers.flow_engine import ends, unknown
+    from stickslip.solvers.flow_solving import untraced
+
+    if why := unknown(flow, states.shape[1] - 1):
+        raise InputError("SwitchingFlow", [untraced(why)])
+    y, modes, status = ends(flow, states[:, :-1], np.round(states[:, -1]), periods * np.asarray(flow.period, float))
+    none = np.full(len(states), np.nan)
+    return Ends(np.column_stack([y, np.where(modes < 0, np.nan, modes)]), np.zeros(len(states)), status, none, none)
+
+
+def flow_map(model: Any, states: Any, duration: Any, rtol: float = 1e-12) -> Ends:
+    """The states of a model without a period after some time, one duration for all or one for each.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> belt = ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0, f_plus=1.5, f_minus=1.5))
+    >>> flow_map(belt, [[0.0, 0.1], [0.0, 0.1]], [1.0, 2.0]).state.round(12).tolist()  # it rides along
+    [[0.1, 0.1], [0.2, 0.1]]
+    """
+    if not all(law.compiles for law in machine_of(model).laws):
+        raise InputError(
+            type(model.friction).__name__, ["it cannot be compiled, and cycles are looked for by the compiled solvers; take another law"]
+        )
+    return _in_lanes(model, np.atleast_2d(np.asarray(states, float)), 1, rtol, np.asarray(duration, float))
+
+
+def _by_arcs(model: Any, states: Array, periods: int) -> Ends:
+    from stickslip.solvers.set_valued import solve_batch
+
+    raw = solve_batch(spread_over(model, len(states)), periods, 0, {"x": 0.0, "v": states[:, 0]})
+    segments = ((raw["seg_count"], raw["seg_time"], raw["seg_code"]),)
+    return Ends(raw["v_end"][:, None], raw["x_end"], raw["status"], raw["v_max"], raw["v_min"], segments)
+
+
+def _one_by_one(model: Any, states: Array, periods: int, rtol: float) -> Ends:
+    """Any other method: a run for each case."""
+    cases = cases_of(model)
+    cases = cases * (len(states) // len(cases))
+    runs = [flight(case, state, periods, rtol) for case, state in zip(cases, states, strict=True)]
+    ends = np.array([strobe_states(run)[-1] for run in runs])
+    way = np.array([way_of(run)[-1] - way_of(run)[0] for run in runs])
+    if not machine_of(model).is_single:
+        none = np.full(len(runs), np.nan)
+        return Ends(ends, way, np.zeros(len(runs), int), none, none)
+    top, low = (np.array([extreme(run.v) for run in runs]) for extreme in (np.max, np.min))
+    return Ends(ends, way, np.zeros(len(runs), int), top, low)
+
+
+def flight(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12) -> Any:
+    """The trajectory from a strobe state, with its dense output and its events."""
+    from stickslip.solvers import solve
+
+    if is_flow(model):
+        state = np.asarray(state, float)
+        mode = list(model.fields)[round(float(state[-1]))]
+        return solve(model, periods=periods, settle=0, start=state[:-1], mode=mode, keep="trajectory")
+    options = {"rtol": rtol} if machine_of(model).has_inner_states else {}
+    return solve(model, periods=periods, settle=0, start=coordinates(model).start(state), keep="trajectory", **options)
+
+
+def strobe_states(run: Any) -> Array:
+    """The strobe states of a run, one row for each drive period and one for its end."""
+    run = run.parted
+    x, v, z, memory = run.strobe_x, run.strobe_v, run._strobe_inner, run.strobe_memory
+    held = [] if memory is None else [memory]
+    if machine_of(run.model).is_single:
+        placed = [x] if knows_position(run.model) else []
+        return np.column_stack([*placed, v, *([] if z is None else [z]), *held])
+    return np.column_stack([*columns_of(run.model, x, v, z), *held])
+
+
+def columns_of(model: Any, x: Array, v: Array, z: Any) -> list[Array]:
+    """The coordinates of a machine of several bodies, without memories, from columns of a run: (time, body) and (time, contact, state)."""
+    m = machine_of(model).mechanics
+    q, u = m.coordinates_of(tuple(x.T)), m.coordinates_of(tuple(v.T))
+    inner = [z[:, i, k] for i, count in enumerate(m.inner) for k in range(count)]
+    return order_of(model).joined(q, u, inner)
+
+
+def way_of(run: Any) -> Array:
+    """Position of the body, of the principal body, or of the centre of mass of several, at the strobe times [m]."""
+    return run.strobe_x if machine_of(run.model).is_single else way_of_machine(run.model, run.parted.strobe_x)
+
+
+def with_rests(model: Any, state: Array, periods: int, rtol: float) -> Array:
+    """A state that comes back, in which contacts that rest on the strobe rest exactly: Newton's method leaves rounding in their velocities.
+
+    A slip of rounding would be an arc of its own, and a gap of rounding a flight, above the track or below it. A single body is told apart
+    by its own arcs.
+    """
+    at, machine = coordinates(model), machine_of(model)
+    if at.mechanics is None or machine.has_inner_states:
+        return state
+    closed = np.where(abs(state) <= _RESTS * at.scales, 0.0, state)
+    return as_it_ends(at, closed, strobe_map(model, closed, periods, rtol).state[0])
+
+
+def as_it_ends(at: Coordinates, state: Array, end: Array) -> Array:
+    """A state in which what rests at the end of a run from nearby has the velocities that it has there."""
+    v, found = at.order.velocities, np.array(state)
+    slips = at.mechanics.slips(0.0, tuple(end[v]))
+    for row, slip in zip(at.mechanics.directions, slips, strict=True):
+        if abs(float(slip)) <= _RESTS * at.speed:
+            brakes = v.start + np.flatnonzero(row)
+            found[brakes] = end[brakes]
+    return found
+
+
+def strobe_orbit(model: Any, states: Any, count: int, rtol: float = 1e-9) -> tuple[Array, Array]:
+    """The states and the displacement of `count` periods in a row: arrays (count, cases, coordinates) and (count, cases)."""
+    state, kept, ways = np.atleast_2d(np.asarray(states, float)), [], []
+    for _ in range(count):
+        end = strobe_map(model, state, 1, rtol)
+        state = end.state
+        kept.append(state)
+        ways.append(end.displacement)
+    return np.array(kept), np.array(ways)
+
+
+def difference_jacobian(model: Any, state: Any, periods: int = 1, rtol: float = 1e-12, step: float = 1e-6) -> Array:
+    """The derivative of the strobe map by central differences of one batch; a law's memories are kept as they are.
+
+    Parameters
+    ----------
+    step : float
+        Half the distance of the two points, in the scales of `coordinates`.
+    """
+    at = coordinates(model)
+    d, scales = at.smooth, at.scales[: at.smooth]
+    shifts = np.vstack([np.eye(d, len(at.names)), -np.eye(d, len(at.names))]) * (step * at.scales)
+    ends = strobe_map(model, np.asarray(state, float) + shifts, periods, rtol).state[:, :d]
+    return ((ends[:d] - ends[d:]) / (2 * step * scales[:, None])).T

@@ -1,0 +1,131 @@
+"""In which order the numbers of a strobe state stand, for one body or for several: velocities, inner states, positions, memories."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.engine.lanes import layout_of, needed_positions
+from stickslip.engine.refused import refusal_of
+from stickslip.errors import InputError
+from stickslip.friction.adapter import law_of
+from stickslip.layout import StateLayout
+from stickslip.machine_adapter import MachineAdapter, machine_of
+from stickslip.position import knows_position
+
+__all__ = ["Order", "needs_one_body", "order_of"]
+
+Array = Any
+
+
+@dataclass(frozen=True)
+class Order:
+    """Which of the numbers of a strobe state are what. Of one body by its kind a position comes first, of a machine of several last.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the states, in order, without memories.
+    velocities : slice
+        Of the coordinates.
+    inner : slice
+        Inner states, contact by contact.
+    places : slice
+        Positions, or what they are more than that of the first coordinate.
+    kept : tuple of int
+        Of which coordinates: those whose position no force depends on have none.
+    cyclic : bool
+        Whether no force depends on a common shift of all positions.
+    """
+
+    names: tuple[str, ...]
+    velocities: slice
+    inner: slice
+    places: slice
+    kept: tuple[int, ...]
+    cyclic: bool
+
+    @property
+    def states(self) -> int:
+        """How many numbers there are, without memories."""
+        return len(self.names)
+
+    def parted(self, y: Sequence[Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
+        """Positions and velocities of the coordinates, and inner states; `zero` is a position that is no state."""
+        q = [zero] * (self.velocities.stop - self.velocities.start)
+        for j, place in zip(self.kept, y[self.places], strict=True):
+            q[j] = place
+        return tuple(q), tuple(y[self.velocities]), tuple(y[self.inner])
+
+    def joined(self, q: Sequence[Any], u: Sequence[Any], z: Sequence[Any]) -> list[Any]:
+        """The numbers of a state from positions, velocities and inner states."""
+        found: list[Any] = [None] * self.states
+        found[self.places] = [q[j] - q[0] if self.cyclic else q[j] for j in self.kept]
+        found[self.velocities], found[self.inner] = list(u), list(z)
+        return found
+
+
+def order_of(model: Any, machine: MachineAdapter | None = None) -> Order:
+    """The order of a model's strobe state; who has its adapter gives that too.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> order_of(ss.Chain.example()).names
+    ('v.module 1', 'v.module 2', 'l.module 2')
+    >>> order_of(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0))).names
+    ('x', 'v')
+    """
+    machine = machine_of(model) if machine is None else machine
+    if machine.is_single:
+        count, placed = law_of(model).states, int(knows_position(model))
+        names = (*(("x",) * placed), "v", *numbered("z", count))
+        kept = tuple(range(placed))
+        return Order(names, slice(placed, placed + 1), slice(placed + 1, placed + 1 + count), slice(0, placed), kept, not placed)
+    if why := refusal_of(machine):
+        reason = why.partition("; type method=")[0]
+        raise InputError(
+            type(model).__name__,
+            [f"its strobe map is not known: the compiled methods do not solve it, as {reason}; allowed are machines that they solve; "
+             "type ss.solve(machine) for its motion from a start"],
+        )  # fmt: skip
+    return _of_layout(layout_of(model), needed_positions(model))
+
+
+def _of_layout(layout: StateLayout, kept: tuple[int, ...]) -> Order:
+    n = 1 + max(body.velocity for body in layout.bodies)
+    inner = sum(len(part.inner) for part in layout.with_inner)
+    places = {body.velocity: body.position or 0 for body in layout.bodies}
+    names = tuple(layout.names[i] for i in (*range(n + inner), *(places[j] for j in kept)))
+    return Order(names, slice(0, n), slice(n, n + inner), slice(n + inner, len(names)), kept, bool(layout.ways))
+
+
+def numbered(name: str, count: int) -> tuple[str, ...]:
+    """Names of so many numbers of one kind."""
+    return (name,) if count == 1 else tuple(f"{name}{i}" for i in range(count))
+
+
+_ANY = "type ss.periodic_orbit(machine), ss.continuation or ss.basins, which take any machine"
+
+
+def needs_one_body(what: str, model: Any, why: str, hint: str = _ANY) -> None:
+    """`InputError` of a machine that lists its bodies, where one body on one contact is wanted; `why` says what for.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     needs_one_body("special_curve", ss.Chain.example(), "it follows the arcs of one contact")
+    ... except InputError as error:
+    ...     print(error.problems[0][:96])
+    the Chain has 2 bodies (module 1, module 2) and 2 contacts; allowed is one body on one contact,
+    """
+    machine = machine_of(model)
+    if machine.is_single:
+        return
+    bodies, contacts = machine.mechanics.bodies, machine.mechanics.contacts
+    told = f"{len(bodies)} {'body' if len(bodies) == 1 else 'bodies'} ({', '.join(bodies)}) and {len(contacts)} "
+    told += "contact" if len(contacts) == 1 else "contacts"
+    allowed = f"allowed is one body on one contact, such as a Robot, as {why}"
+    raise InputError(what, [f"the {type(model).__name__} has {told}; {allowed}; {hint}"])

@@ -1,0 +1,134 @@
+"""Numbers that are not known exactly: how they are spread, and evenly spread samples of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from stickslip.distributions import ALLOWED, Distribution, distribution_of
+from stickslip.errors import Problems, did_you_mean
+from stickslip.fields import leaves, replace_leaf
+from stickslip.number_names import numbers_meant
+
+__all__ = ["Independent", "Spread", "Uncertain", "checked_spread", "sample_of", "sampled", "sobol"]
+
+Array = Any
+_TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
+
+
+class Spread(Protocol):
+    """How some numbers of a machine are spread together."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The numbers as they were typed, or as a fit has them."""
+
+    @property
+    def independent(self) -> bool:
+        """Whether each is spread by itself."""
+
+    def inputs(self, u: Array) -> dict[str, Array]:
+        """The numbers by these names, for u evenly spread between 0 and 1: array (names, cases)."""
+
+    def numbers(self, u: Array) -> dict[str, Array]:
+        """The same by the names of the machine's numbers."""
+
+    def alone(self, name: str, u: Array) -> dict[str, Array]:
+        """Numbers of the machine where one of them is at some parts u of its own distribution, and the others as they are."""
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """Numbers of a machine with one distribution, taken together."""
+
+    name: str
+    leaves: tuple[str, ...]
+    distribution: Distribution
+
+    def at(self, u: Array) -> Array:
+        """The numbers below which a part u of the distribution lies."""
+        return self.distribution.at(u)
+
+
+@dataclass(frozen=True)
+class Independent:
+    """Numbers each of which is spread by itself.
+
+    Examples
+    --------
+    >>> spread = Independent((Uncertain("tilt", ("track.tilt",), Distribution("uniform", 0.0, 0.1)),))
+    >>> spread.numbers(np.array([[0.25, 0.5]]))["track.tilt"].tolist()
+    [0.025, 0.05]
+    """
+
+    each: tuple[Uncertain, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """As they were typed."""
+        return tuple(one.name for one in self.each)
+
+    @property
+    def independent(self) -> bool:
+        """Always."""
+        return True
+
+    def inputs(self, u: Array) -> dict[str, Array]:
+        """The numbers by the names that were typed."""
+        return {one.name: one.at(part) for one, part in zip(self.each, u, strict=True)}
+
+    def numbers(self, u: Array) -> dict[str, Array]:
+        """The numbers of the machine."""
+        return {name: one.at(part) for one, part in zip(self.each, u, strict=True) for name in one.leaves}
+
+    def alone(self, name: str, u: Array) -> dict[str, Array]:
+        """One of them at some parts of its distribution."""
+        return {leaf: one.at(u) for one in self.each if one.name == name for leaf in one.leaves}
+
+
+def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Spread | None:
+    """How numbers are spread, from the distributions that were typed or from a fit; what is wrong with them is noted."""
+    if not isinstance(given, dict):
+        spread: Spread | None = given.distribution(model, problems)
+        return spread
+    if not given:
+        problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")
+        return None
+    known, found = [name for name, _ in leaves(model)], []
+    for name, said in given.items():
+        meant = numbers_meant(str(name), known)
+        if not meant:
+            problems.add(f"{argument}: {name!r} is no number of {type(model).__name__}; {did_you_mean(str(name), known)}")
+        elif (each := distribution_of(said)) is None:
+            problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {ALLOWED}; type for example {_TYPED}")
+        else:
+            found.append(Uncertain(str(name), meant, each))
+    return Independent(tuple(found)) if found else None
+
+
+def sobol(dimensions: int, count: int, seed: int) -> Array:
+    """A scrambled Sobol sample of the unit cube: array (dimensions, a power of two)."""
+    from scipy.stats import qmc
+
+    return qmc.Sobol(dimensions, seed=np.random.default_rng(seed)).random_base2(round(np.log2(count))).T
+
+
+def sample_of(spread: Spread, count: int, seed: int) -> dict[str, Array]:
+    """A scrambled Sobol sample of a machine's numbers, by name: arrays (count,), a power of two.
+
+    Examples
+    --------
+    >>> found = sample_of(Independent((Uncertain("tilt", ("track.tilt",), Distribution("uniform", 0.0, 1.0)),)), 4, seed=1)
+    >>> sorted((4 * found["track.tilt"]).astype(int).tolist())  # one in each quarter
+    [0, 1, 2, 3]
+    """
+    return spread.numbers(sobol(len(spread.names), count, seed))
+
+
+def sampled(machines: Any, count: int, sample: dict[str, Array]) -> tuple[Any, int]:
+    """Each of some machines with each of the sample's numbers, the sample's inside: a batch, and its size."""
+    size = len(next(iter(sample.values())))
+    numbers = {name: np.repeat(np.broadcast_to(np.asarray(value, float), (count,)), size) for name, value in leaves(machines)}
+    return replace_leaf(machines, numbers | {name: np.tile(values, count) for name, values in sample.items()}), count * size

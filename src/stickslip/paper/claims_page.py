@@ -1,0 +1,86 @@
+"""The claims page: each claim of the paper with a verdict that was computed, its evidence, and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.paper.amplitudes import Amplitudes
+from stickslip.paper.beam import Beam
+from stickslip.paper.coexistence import Coexistence
+from stickslip.paper.parameter_map import Around
+from stickslip.paper.section5_motions import Motion
+from stickslip.paper.solved_runs import Runs, Tell
+from stickslip.paper.table import Row
+
+__all__ = ["CONFIRMED", "NOT_CONFIRMED", "UNDECIDED", "VERDICTS", "Claim", "Part", "Study", "verdict"]
+
+CONFIRMED, NOT_CONFIRMED, UNDECIDED = "confirmed", "not confirmed", "cannot be decided from the text"
+VERDICTS = (CONFIRMED, NOT_CONFIRMED, UNDECIDED)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A claim about one case or one reading, when the whole claim has several."""
+
+    label: str
+    verdict: str
+    evidence: str
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """One claim of the paper.
+
+    Parameters
+    ----------
+    key : str
+        Short name.
+    section : str
+        Where the paper makes it.
+    claim : str
+        What is claimed, in a sentence.
+    quote : str
+        The paper's own words.
+    verdict : str
+        One of `VERDICTS`.
+    evidence : tuple of str
+        Sentences with the numbers of this run.
+    certainty : str
+        "high", "moderate" or "low", and why.
+    numbers : dict
+        The same numbers for machines, SI units.
+    parts : tuple of Part
+        Verdicts case by case or reading by reading, where there are several.
+    """
+
+    key: str
+    section: str
+    claim: str
+    quote: str
+    verdict: str
+    evidence: tuple[str, ...]
+    certainty: str
+    numbers: dict[str, Any] = field(default_factory=dict)
+    parts: tuple[Part, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What the claims are judged on."""
+
+    fast: bool
+    runs: Runs
+    table: tuple[Row, ...]
+    amplitudes: Amplitudes
+    motions: dict[int, Motion]
+    around: Around
+    static_map: dict[str, Any]
+    coexistence: Coexistence
+    beam: Beam
+    tell: Tell
+
+
+def verdict(holds: Any) -> str:
+    """Confirmed or not."""
+    return CONFIRMED if bool(holds) else NOT_CONFIRMED

@@ -1,0 +1,135 @@
+"""Section 5 judged by multipliers and exponents: what kind of motion each figure shows, and on what evidence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from stickslip.paper.cases import CASES, rig
+from stickslip.paper.solved_runs import Runs, Tell
+from stickslip.paper.words import plain
+
+__all__ = ["Motion", "motions"]
+
+#: Drive periods over which exponents are averaged: of a motion that repeats, and of any other.
+PERIODS, LONG = 40, 2000
+ROUNDING = 1e-12  # multipliers below it are rounding of the matrix; their exponents are not
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the motion of a figure is.
+
+    Parameters
+    ----------
+    figure : int
+        The paper's figure.
+    kind : str
+        "periodic", "quasi-periodic", "chaotic" or "undecided".
+    period : int or None
+        Drive periods until it repeats.
+    multipliers : tuple of complex
+        Of the periodic orbit, the largest first; empty if there is none.
+    exponent, error : float
+        Largest Lyapunov exponent per drive period and its standard error.
+    residual : float or None
+        How far the orbit's strobe state is from itself, in the scales of its coordinates.
+    twin : float or None
+        Largest multiplier of the same robot with exact Coulomb friction; 0 where it comes to rest.
+    why : str
+        The evidence in a sentence.
+    """
+
+    figure: int
+    kind: str
+    period: int | None
+    multipliers: tuple[complex, ...]
+    exponent: float
+    error: float
+    residual: float | None
+    twin: float | None
+    why: str
+
+    @property
+    def word(self) -> str:
+        """The verdict in words.
+
+        Examples
+        --------
+        >>> Motion(23, "periodic", 2, (-0.39,), -0.47, 1e-12, 1e-13, 0.0, "").word
+        'periodic, period 2'
+        """
+        return f"periodic, period {self.period}" if self.kind == "periodic" else self.kind
+
+    @property
+    def multiplier(self) -> str:
+        """The largest multiplier as it is printed."""
+        if not self.multipliers:
+            return "none"
+        largest = self.multipliers[0]
+        if abs(largest) < ROUNDING:
+            return "below 10⁻¹²"
+        return plain(largest.real, 3) if largest.imag == 0 else f"|λ| = {plain(abs(largest), 3)}"
+
+    @property
+    def exponents(self) -> str:
+        """The largest exponent with its error as it is printed."""
+        if not math.isfinite(self.exponent):
+            return "−∞"
+        digits = 4 if self.error == 0 else max(1, min(6, 2 + math.floor(math.log10(max(abs(self.exponent), self.error) / self.error))))
+        return f"{plain(self.exponent, digits)} ± {plain(self.error, 1)}"
+
+    @property
+    def from_multiplier(self) -> float | None:
+        """The exponent once more: the logarithm of the largest multiplier over the period."""
+        if not self.multipliers or not self.period or abs(self.multipliers[0]) < ROUNDING:
+            return None
+        return math.log(abs(self.multipliers[0])) / self.period
+
+    def as_data(self) -> dict[str, Any]:
+        """The same for machines."""
+        return {
+            "kind": self.kind, "period": self.period, "multipliers": [[m.real, m.imag] for m in self.multipliers],
+            "exponent": self.exponent, "error": self.error, "exponent_from_multiplier": self.from_multiplier, "residual": self.residual,
+            "coulomb_multiplier": self.twin, "why": self.why,
+        }  # fmt: skip
+
+
+def motions(runs: Runs, tell: Tell) -> dict[int, Motion]:
+    """The verdict on every figure of section 5, by its number; each begins where the figure's run ended."""
+    found = {}
+    for i, case in enumerate(CASES):
+        tell("judging motions by multipliers and exponents", i, len(CASES))
+        found[case.figure] = _judged(case, runs)
+    tell("judging motions by multipliers and exponents", len(CASES), len(CASES))
+    return found
+
+
+def _judged(case: Any, runs: Runs) -> Motion:
+    from stickslip.dynamics.exponents.motion_exponents import verdict
+
+    robot, run = rig(case), runs.figures[case.figure]
+    told = verdict(robot, periods=PERIODS, settle=0, start=run)
+    if told.kind != "periodic":
+        told = verdict(robot, periods=LONG, settle=400, start=run)
+    multipliers = () if told.orbit is None else tuple(map(complex, told.orbit.multipliers))
+    return Motion(
+        case.figure, told.kind, told.period, multipliers, told.exponents.largest, told.exponents.error,
+        None if told.orbit is None else told.orbit.residual, _of_twin(runs.twins[case.figure]), told.why,
+    )  # fmt: skip
+
+
+def _of_twin(run: Any) -> float | None:
+    """The largest multiplier of the exact Coulomb motion that a run has settled on."""
+    from stickslip.analysis.motion import motion
+    from stickslip.dynamics.periodic.periodic_orbits import periodic_orbit
+    from stickslip.errors import SolveError
+
+    period = motion(run).period
+    if not period:
+        return None
+    try:
+        return float(abs(periodic_orbit(run.model, period, guess=run).multipliers).max())
+    except SolveError:
+        return None

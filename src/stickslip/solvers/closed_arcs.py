@@ -1,0 +1,117 @@
+"""A model whose motion is made of closed arcs, in the numbers of its arcs.
+
+Whether a motion is so is asked of the traced equations (`engine/closed_arcs.py`), never of classes; so are the numbers. The motion is
+v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwards, at rest while -s_minus <= a sin(omega t) <= s_plus.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import labels_of, numbers_by_name
+from stickslip.engine.closed_arcs import Rows, closed_of
+from stickslip.friction.adapter import law_of
+from stickslip.machine_adapter import machine_of
+from stickslip.position import knows_position
+
+__all__ = ["Arcs", "handles", "reduced"]
+
+Array = Any
+_ROUNDING = 1e-14  # of the friction: by how much less the limits of rest may be than what slides
+
+
+@dataclass(frozen=True, eq=False)
+class Arcs:
+    """A model in the numbers of its arcs; each is an array (cases,), accelerations in m/s^2.
+
+    Parameters
+    ----------
+    drive : array
+        a, the amplitude of the acceleration that the drive gives to a free body.
+    omega, period : array
+        Angular frequency [rad/s] and period [s] of the drive.
+    resist_plus, resist_minus : array
+        Deceleration while sliding forwards, and backwards (with gravity along the track).
+    hold_plus, hold_minus : array
+        Drive acceleration at which the body breaks away forwards, and backwards.
+    along : array
+        Acceleration of gravity along the track.
+    """
+
+    drive: Array
+    omega: Array
+    period: Array
+    resist_plus: Array
+    resist_minus: Array
+    hold_plus: Array
+    hold_minus: Array
+    along: Array
+
+
+def reduced(model: Any) -> Arcs:
+    """The arcs' numbers of every case of a model that `handles` accepts, from its own equations.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> arcs = reduced(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))
+    >>> round(float(arcs.resist_plus[0] / arcs.drive[0]), 6)  # alpha_plus
+    0.480458
+    """
+    count = int(np.prod(labels_of(model).shape, dtype=np.int64))
+    return Arcs(**{name: np.broadcast_to(value, (count,)) + 0.0 for name, value in _rows(model).numbers.items()})
+
+
+def _rows(model: Any) -> Rows:
+    """The equations' numbers: columns where the model's are arrays, single floats elsewhere."""
+    return closed_of(model).rows_with(numbers_by_name(model))
+
+
+def handles(model: Any) -> str | None:
+    """None if the motion of a model, or of all of a batch, is made of closed arcs; else why not.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"))
+    >>> handles(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    'LuGre is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)'
+    """
+    kind = type(model).__name__
+    if not machine_of(model).is_single:
+        return f"{kind} has several bodies or contacts; exact arcs are closed formulas for one"
+    law = law_of(model).name
+    if law_of(model).dynamic:
+        return f"{law} is a dynamic law (rate and force); exact arcs need a set-valued law (sliding and breakaway)"
+    if model.period is None:
+        return f"{kind} has no period; exact arcs are closed formulas for a harmonic drive"
+    if not law_of(model).compiles:
+        return f"{law} is written for plain numbers only; exact arcs need its equations"
+    if knows_position(model):
+        return f"position appears in the equations of {kind}; exact arcs have no place for it"
+    try:
+        rows = _rows(model)
+    except Exception as error:  # equations that the engine cannot trace, which it says itself where it must
+        return f"the equations of {kind} cannot be looked through: {error}"
+    return _unfit(rows, law, kind)
+
+
+def _unfit(rows: Rows, law: str, kind: str) -> str | None:
+    """What the equations of some rows forbid, if anything."""
+    if rows.broken:
+        return (
+            f"the acceleration of {kind} under {law} depends on {', '.join(rows.broken)}; exact arcs are closed formulas for {_FORM} only"
+        )
+    ahead, back, up, down, along = (rows.numbers[name] for name in ("resist_plus", "resist_minus", "hold_plus", "hold_minus", "along"))
+    bound = _ROUNDING * np.maximum(np.max(abs(ahead + along)), np.max(abs(back - along)))
+    if np.any(ahead + back < 0):
+        return f"the sliding friction of {law} feeds the motion; exact arcs need sliding(+v) >= sliding(-v)"
+    if np.any(up < ahead - bound) or np.any(down < back - bound):
+        return f"{law} breaks away below its sliding friction; exact arcs need breakaway() at or beyond sliding()"
+    return None
+
+
+_FORM = "one sine of the drive's period that begins at 0, and a constant in each direction (as Coulomb friction makes it)"

@@ -1,0 +1,144 @@
+"""Periodic motions of Coulomb robots without their transients: strobe points by formula, one motion period from each.
+
+For batches that ask for the steady motion only (``settle="auto"``, from rest). What the formula does not cover, such as static friction
+above the sliding friction, is left to the mode machine of `exact`, whose strobe point is then looked at in the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import some_of
+from stickslip.pool import shared
+from stickslip.solvers import set_valued as exact
+from stickslip.solvers.closed_arcs import Arcs, handles, reduced
+from stickslip.solvers.gather import NEEDED
+from stickslip.solvers.request import Request
+from stickslip.summary import Summary
+
+__all__ = ["applies", "orbit_rows", "solve", "solve_waiting", "ways_from"]
+
+Array = Any
+TOLERANCE = 1e-13  # of 1 + |w|: how well a strobe point must come back (rounding of half a dozen arcs)
+_CHUNK = 16384
+_FOUND = 1
+_WAYS = ("forward_way", "backward_way")
+
+
+def applies(todo: Request) -> bool:
+    """Whether a request is for the periodic motions of a model with constant sliding friction, from rest."""
+    return (
+        todo.auto and todo.keep == "summary" and todo.method in ("auto", "exact") and not todo.start.any() and handles(todo.model) is None
+    )
+
+
+def _kernel() -> Any:
+    from stickslip.engine.cache import load
+    from stickslip.engine.texts import coulomb_text
+
+    text = coulomb_text("coulomb_harmonic_runs", "coulomb_orbits")
+    return load(text, "coulomb_orbits", "Coulomb × Harmonic, periodic motions")
+
+
+def orbit_rows(
+    rows: Array, known: Array | None = None, workers: int = 1, progress: Callable[[int, int], None] | None = None
+) -> dict[str, Array]:
+    """Periodic motions of dimensionless cases: columns r_plus, r_minus, s_plus, s_minus, gamma, w at a strobe point.
+
+    Parameters
+    ----------
+    rows : array (cases, 6)
+        As for `exact.solve_rows`.
+    known : array (cases,) of int, optional
+        Period of the motion whose strobe point stands in a row; 0 where it is to be found.
+    workers : int
+        Threads.
+    progress : callable, optional
+        Called with (cases done, cases).
+
+    Returns
+    -------
+    dict of arrays
+        displacement, window, v_max, v_min, margin_force, strobe_error, forward_way, backward_way, limit (displacement in a
+        drive period), status (1; 2 where there is no formula), period, periods_run, seg_count, seg_time, seg_code; velocities in w,
+        ways in w times radians.
+
+    Examples
+    --------
+    >>> found = orbit_rows(np.array([[0.5, 1.2, 0.5, 1.2, 0.0, 0.0], [0.4, 0.5, 0.4, 0.5, 0.0, 0.0]]))
+    >>> (found["displacement"] / (2 * np.pi)).round(14).tolist()
+    [0.20145220333367, 0.12247535997450]
+    """
+    n, kernel = len(rows), _kernel()
+    out, count = np.empty((n, 8)), np.zeros((n, 4), np.int64)
+    seg_time, seg_code = np.zeros((n, exact.SEGMENTS)), np.zeros((n, exact.SEGMENTS), np.int8)
+    known = np.zeros(n, np.int64) if known is None else np.ascontiguousarray(known, np.int64)
+
+    def part(i: int) -> None:
+        kernel.orbits(rows, known, i, min(i + _CHUNK, n), TOLERANCE, out, count, seg_time, seg_code)
+
+    done = 0
+    for _ in shared(part, range(0, n, _CHUNK), workers):
+        done = min(done + _CHUNK, n)
+        if progress is not None:
+            progress(done, n)
+    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "forward_way", "backward_way")
+    raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
+    raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
+    raw |= {"limit": raw["displacement"] / np.maximum(raw["window"], 1), "wide_max": raw["v_max"], "wide_min": raw["v_min"]}
+    return {**raw, "seg_time": seg_time, "seg_code": seg_code}
+
+
+def solve(todo: Request) -> tuple[Summary, dict[str, Array]]:
+    """Solve as asked; beside the summary the ways of the motion period [m] and gravity along the track [m/s^2]."""
+    arcs = reduced(todo.model)
+    rows, driven = exact._rows(arcs, np.zeros(todo.cases))
+    easy = driven & np.isfinite(rows).all(axis=1) & (rows[:, 2] <= rows[:, 0]) & (rows[:, 3] <= rows[:, 1]) & (rows[:, :2] > 0).all(axis=1)
+    rows[~easy, :] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    raw = orbit_rows(rows, None, todo.workers, todo.progress)
+    hard = np.flatnonzero(~easy | (raw["status"] != _FOUND))
+    if not len(hard):  # half a dozen segments of the 32 that there is room for
+        most = max(int(raw["seg_count"].max(initial=0)), 1)
+        raw |= {name: np.ascontiguousarray(raw[name][:, :most]) for name in ("seg_time", "seg_code")}
+    _scale(raw, np.where(driven, arcs.drive, 1.0), arcs.omega, arcs.period)
+    if len(hard):
+        _wait_for(raw, hard, todo)
+    return exact.summary(todo, raw), {**{name: raw[name] for name in _WAYS}, "along": arcs.along}
+
+
+def solve_waiting(todo: Request) -> tuple[Summary, dict[str, Array]]:
+    """The same period after period from the start that was asked for; beside the summary the ways [m] and v_end [m/s]."""
+    raw = exact.batch(todo)
+    return exact.summary(todo, raw), {**ways_from(raw, reduced(todo.model), todo.workers), "v_end": raw["v_end"]}
+
+
+def _scale(raw: dict[str, Array], drive: Array, omega: Array, period: Array) -> None:
+    """From the units of the kernel to metres and seconds."""
+    for name in ("displacement", "limit", *_WAYS):
+        raw[name] = raw[name] * (drive / omega**2)
+    for name in ("v_max", "v_min", "wide_max", "wide_min"):
+        raw[name] = raw[name] * (drive / omega)
+    raw["seg_time"] = raw["seg_time"] * period[:, None]
+
+
+def _wait_for(raw: dict[str, Array], hard: Array, todo: Request) -> None:
+    """Solve some cases by the mode machine, period after period, and look at the motion that it ends in."""
+    model = some_of(todo.model, hard)
+    found, arcs = exact.solve_batch(model, todo.periods, "auto", None, todo.workers), reduced(model)
+    found["seg_time"] = found["seg_time"] * arcs.period[:, None]
+    found |= ways_from(found, arcs, todo.workers)
+    for name in (*NEEDED, *_WAYS):
+        raw[name][hard] = found[name]
+
+
+def ways_from(raw: dict[str, Array], arcs: Arcs, workers: int = 1) -> dict[str, Array]:
+    """The ways forwards and backwards of the motions in which runs of `exact.solve_batch` ended [m]; NaN where that was none."""
+    rows, _ = exact._rows(arcs, raw["v_end"])
+    settled = (raw["status"] <= _FOUND) & (raw["period"] > 0) & np.isfinite(rows).all(axis=1) & (arcs.drive > 0)
+    rows[~settled] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    ways = orbit_rows(rows, np.where(settled, raw["period"], 0), workers)
+    metres = np.where(arcs.drive > 0, arcs.drive, np.nan) / arcs.omega**2
+    return {name: np.where(settled & (ways["status"] == _FOUND), ways[name] * metres, np.nan) for name in _WAYS}

@@ -1,0 +1,78 @@
+"""The cases of a batch as the engine's lanes take them, and what their ends are: the one place that knows the order of the columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import numbers_by_name
+from stickslip.engine import lanes, trace
+from stickslip.engine.tangent import part_in
+from stickslip.fields import replace_leaf
+from stickslip.machine_adapter import machine_of
+
+__all__ = ["CaseTable"]
+
+Array = Any
+
+
+class CaseTable:
+    """Rows of numbers, starts (way, the states, the memories), and what to add to the lanes' states to get velocities.
+
+    Parameters
+    ----------
+    model : Robot or machine
+        One case, or a batch.
+    kernel : lanes.Kernel
+    start : array (cases, 2 coordinates + inner states + memories)
+        Positions, velocities, inner states and memories, each in the order of coordinates and contacts.
+    span : array
+        Length of a period [s], one for all or one for each case.
+    along : dict of arrays (cases,), optional
+        Parts of a direction in the model's numbers, for the kernel of a tangent (see `stickslip.engine.tangent`).
+    which : slice, optional
+        The cases of the model that `start` and `span` are of: a large batch is made into tables part by part.
+    more : dict of arrays (cases,), optional
+        Numbers of the kernel that are none of the model.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        kernel: lanes.Kernel,
+        start: Array,
+        span: Any,
+        along: dict[str, Array] | None = None,
+        which: slice = slice(None),
+        more: dict[str, Array] | None = None,
+    ):
+        cases, own, machine = len(start), numbers_by_name(model, which), machine_of(model)
+        self.span = np.broadcast_to(span, (cases,))
+        known = {trace.SPAN: self.span} | (more or {}) | {part_in(name): part for name, part in (along or {}).items()} | own
+        self.rows = np.empty((cases, len(kernel.names)))
+        for column, name in enumerate(kernel.names):
+            self.rows[:, column] = known.get(name, 0.0)
+        self.count = count = len(kernel.owners)
+        offsets = machine_of(replace_leaf(model, own)).mechanics.offsets(0.0)
+        self.offsets = np.empty((cases, count))
+        for coordinate, contact in enumerate(kernel.owners):
+            self.offsets[:, coordinate] = 0.0 if contact is None else -offsets[contact]
+        self.cyclic = bool(kernel.layout.ways)
+        steps = self.cyclic and not machine.has_inner_states
+        self.carried = self.offsets[:, 0] if steps else 0.0 * self.offsets[:, 0]  # Taylor steps integrate the way over the contact
+        self.inner = sum(machine.mechanics.inner)
+        self.start = self.placed(start)
+
+    def placed(self, start: Array, which: Any = slice(None)) -> Array:
+        """Other starts of the same cases, or of some of them, as lanes take them: the way, the states, the memories."""
+        count = self.count
+        q, u, z, memory = np.split(start, [count, 2 * count, 2 * count + self.inner], axis=1)
+        places = q[:, 1:] - q[:, :1] if self.cyclic else q
+        return np.ascontiguousarray(np.hstack([q[:, :1], u - self.offsets[which], z, places, memory]))
+
+    def ends(self, results: lanes.Results) -> tuple[Array, Array, Array]:
+        """Of every case at its end positions (what they are more than the first, where only that is a state), velocities, inner states."""
+        found, n = results.end, self.count
+        last = found.shape[1] - (n - 1 if self.cyclic else n)
+        return found[:, last:], found[:, 1 : 1 + n] + self.offsets, found[:, 1 + n : last]

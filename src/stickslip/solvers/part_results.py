@@ -1,0 +1,131 @@
+"""What a batch solver finds of each body, contact and stop of a machine that lists them, and the columns that are made of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.coded_words import CodedWords
+from stickslip.machine_adapter import MachineAdapter
+from stickslip.segments import type_of
+from stickslip.variables import VARIABLES
+
+__all__ = ["OF_SEVERAL", "RawParts", "columns_of_parts", "left_out", "nothing", "of_own_parts", "typed"]
+
+Array = Any
+#: Columns that only machines have that list their parts.
+_OF_EACH_BODY = ("body_velocity", "body_displacement")
+OF_SEVERAL = (*_OF_EACH_BODY, "slip_max", "slip_min", "hits", "impulse_max", "stop_force_max")
+_FRACTIONS = ("margin", "stick_fraction", "forward_fraction", "backward_fraction")
+
+
+@dataclass(frozen=True, eq=False)
+class RawParts:
+    """For each case, and each of its bodies, contacts or stops; all but what is said to be otherwise over the last motion period."""
+
+    displacement: Array  # (cases, bodies), over the window of the mean [m]
+    v_max: Array  # (cases, bodies)
+    v_min: Array
+    wide_max: Array  # (cases, bodies), over the window, at the ends of steps
+    wide_min: Array
+    slip_max: Array  # (cases, contacts)
+    slip_min: Array
+    slipped: Array  # (cases, contacts): integral of the slip velocity [m]
+    friction_work: Array  # (cases, contacts) [J]
+    seg_count: Array  # (cases, contacts)
+    seg_time: Array  # (cases, contacts, segments) [s]
+    seg_code: Array
+    margin_force: float
+    hits: Array  # (cases, stops): how often they are hit, or begin to be pressed
+    impulse_max: Array  # (cases, stops) [N s]; NaN of an elastic one
+    stop_force_max: Array  # (cases, stops) [N]; NaN of one with restitution
+
+
+def typed(
+    seg: tuple[Array, Array, Array],
+    T: Array,
+    period: Array,
+    margin_force: Any,
+    net: Array,
+    extremes: tuple[Array, Array],
+    spans: Array,
+    dwell: float,
+    rtol: float,
+    good: Array,
+) -> dict[str, Array]:
+    """Motion types of contacts, one for each case, with all that goes with them.
+
+    `spans` is over how many drive periods `net` [m] is, `rtol` the part of the largest velocity below which net motion has no direction.
+    """
+    count, time, code = seg
+    highest, lowest = extremes
+    floor = max(1e-12, rtol) * abs(np.maximum(highest, -lowest)) * T * spans
+    found = type_of(count, time / T[:, None], code, period, margin_force, net, dwell, (highest > 0) | (lowest < 0), floor)
+    found["motion_type"] = np.where(good, found["motion_type"], "unsolved")
+    return found | {name: np.where(good, found[name], np.nan) for name in _FRACTIONS}
+
+
+def columns_of_parts(raw: RawParts, T: Array, spans: Array, period: Array, good: Array, lasting: Array, dwell: float, rtol: float) -> Any:
+    """The columns with an axis of bodies, contacts or stops, of cases whose periods last T [s] and whose windows `spans` periods."""
+    fine, repeated = good[:, None], lasting[:, None]
+    contacts = raw.seg_count.shape[1]
+
+    def of_each(values: Array) -> Array:
+        return np.repeat(values, contacts)
+
+    def flat(values: Array) -> Array:
+        return values.reshape(-1, *values.shape[2:])
+
+    seg, lasted = (flat(raw.seg_count), flat(raw.seg_time), flat(raw.seg_code)), T * np.maximum(period, 1)
+    told = typed(
+        seg, of_each(T), of_each(period), raw.margin_force, flat(raw.slipped), (flat(raw.slip_max), flat(raw.slip_min)),
+        of_each(np.maximum(period, 1)), dwell, rtol, of_each(good),
+    )  # fmt: skip
+    told |= {name: CodedWords.of(told[name]) for name in ("motion_type", "pattern")} | {"direction": told["direction"].astype(np.int8)}
+    with np.errstate(invalid="ignore", divide="ignore"):
+        numbers = {
+            "body_velocity": raw.displacement / (spans * T)[:, None],
+            "body_displacement": raw.displacement,
+            "velocity_max": np.where(repeated, raw.v_max, np.maximum(raw.v_max, raw.wide_max)),
+            "velocity_min": np.where(repeated, raw.v_min, np.minimum(raw.v_min, raw.wide_min)),
+            "slip_max": raw.slip_max,
+            "slip_min": raw.slip_min,
+            "friction_power": raw.friction_work / lasted[:, None],
+            "impulse_max": raw.impulse_max,
+            "stop_force_max": raw.stop_force_max,
+        }
+    shaped = {name: values.reshape((len(T), contacts)) for name, values in told.items()}
+    hits = np.where(fine & np.isfinite(raw.hits), raw.hits, -1).astype(np.int32)
+    found = shaped | {name: np.where(fine, values, np.nan) for name, values in numbers.items()} | {"hits": hits}
+    return {name: values for name, values in found.items() if values.shape[1] > 0}
+
+
+def of_own_parts(columns: dict[str, Any], machine: MachineAdapter) -> dict[str, Any]:
+    """The columns of a machine; of one body on one contact, or of the principal ones, without their axis."""
+    own, without = machine.own, left_out(machine)
+    found = {name: values for name, values in columns.items() if name not in without}
+    return {name: np.asarray(of)[:, own[_dim(name)]] if _dim(name) in own else of for name, of in found.items()}
+
+
+def left_out(machine: MachineAdapter) -> tuple[str, ...]:
+    """Columns that a machine of one body on one contact does not have, or one with a principal body, whose mean velocity says it all."""
+    return OF_SEVERAL if machine.is_single else _OF_EACH_BODY if machine.own else ()
+
+
+def _dim(name: str) -> str:
+    return VARIABLES[name].dims[0]
+
+
+def nothing(bodies: int, contacts: int, stops: int) -> RawParts:
+    """Of a case that could not be solved."""
+    sizes = {name: bodies for name in ("displacement", "v_max", "v_min", "wide_max", "wide_min")}
+    sizes |= dict.fromkeys(("slip_max", "slip_min", "slipped", "friction_work"), contacts)
+    sizes |= dict.fromkeys(("hits", "impulse_max", "stop_force_max"), stops)
+    segments = {
+        "seg_count": np.zeros((1, contacts), int),
+        "seg_time": np.zeros((1, contacts, 1)),
+        "seg_code": np.zeros((1, contacts, 1), np.int8),
+    }
+    return RawParts(**{name: np.full((1, size), np.nan) for name, size in sizes.items()}, **segments, margin_force=np.inf)

@@ -1,0 +1,346 @@
+"""A machine's equations in plain floats, in one mode; the state is q, u and the inner states z of each contact in turn.
+
+A mode says on which side of zero slip each contact is (0: a set-valued one rests), which stops are closed, and what conditions and
+memories hold. A stop that is closed is a contact that rests, with the limits -infinity and 0; both are rows of one list here.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import SolveError
+from stickslip.friction.adapter import TINY, Switches
+from stickslip.machine_adapter import machine_of
+from stickslip.position import knows_position
+from stickslip.solvers.plain.deciding import ROUNDING, blocks
+from stickslip.solvers.plain.kinks import Sides, Watching
+from stickslip.solvers.plain.resting import Group, group_of
+
+__all__ = ["Equations", "Memory", "Mode", "Motion"]
+
+_HELD = 1e-14  # of the velocity scale: what rounding makes of a velocity that a law without a state holds
+_ASIDE = 1e-13  # of a period: how far from a break the drive is asked, so that it answers from the right side of it
+
+Memory = tuple[int, ...]
+Floats = list[float]
+
+
+@dataclass(frozen=True)
+class Mode:
+    """What is held while an integrator steps."""
+
+    sides: tuple[int, ...]  # of each contact, then of each stop: 0 closed, 1 open
+    memory: tuple[Memory, ...]  # of each contact's law
+    kinks: tuple[Sides, Sides] = ((), ())  # of forces, of loads
+    aloft: frozenset[int] = frozenset()  # contacts in flight; their sides are those of their slips
+
+    def moved(self, sides: dict[int, int]) -> Mode:
+        """With other sides."""
+        return replace(self, sides=tuple(sides.get(i, side) for i, side in enumerate(self.sides)))
+
+
+@dataclass
+class Motion:
+    """What a mode does with a state: rates of all states, and the forces of all rows."""
+
+    u: Floats
+    accelerations: Floats
+    inner: Floats
+    R: Floats
+    push: Floats  # rate of each slip, less what resting rows do to it
+
+
+class Equations:
+    """What a solver asks of a machine, within one interval between known instants."""
+
+    def __init__(self, model: Any):
+        machine = machine_of(model)
+        self.model, self.mechanics = model, (mechanics := machine.mechanics)
+        self.laws, self.stops, self.single, self.principal = mechanics.laws, mechanics.stops, machine.is_single, machine.principal
+        self.masses = [float(m) for m in mechanics.masses]
+        self.rows = [tuple(map(float, row)) for row in (*mechanics.directions, *(stop.direction for stop in self.stops))]
+        self.weights = [[g / m for g, m in zip(row, self.masses, strict=True)] for row in self.rows]
+        self.G = [[_dot(row, weight) for weight in self.weights] for row in self.rows]
+        self.alone = [next((c for c, g in enumerate(row) if g), 0) if sum(map(bool, row)) == 1 else None for row in self.rows]
+        self.effective = [
+            _effective(row, c, self.masses, self.G[i][i]) for i, (row, c) in enumerate(zip(self.rows, self.alone, strict=True))
+        ]
+        self.dynamic = [*(law.dynamic for law in self.laws), *(False for _ in self.stops)]
+        self._count()
+        self.cyclic = self.single and not knows_position(model)
+        self.scale_of_time, self.scale_of_velocity = float(machine.time_scale or 1.0), float(machine.velocity_scale)
+        self.least = [law.least_creep(self.scale_of_velocity, mechanics.difference(i)) for i, law in enumerate(self.laws)]
+        self.no_reversal = [_HELD * self.scale_of_velocity if law.holds_velocity else 0.0 for law in self.laws]
+        self.first, self.last, self.first_loads = -math.inf, math.inf, [0.0] * len(self.laws)
+        self.forces, self.pressing = Watching(self._moved), Watching(mechanics.loads)
+        self.largest: tuple[dict[int, float], dict[int, float]] = ({}, {})  # difference that each condition has seen
+        self.groups = lru_cache(maxsize=256)(self._groups)
+
+    def _count(self) -> None:
+        self.n, self.k = len(self.masses), len(self.laws)
+        self.applied = [i for i, law in enumerate(self.laws) if law.needs_applied]
+        if any(self.G[i][j] != 0 for i in self.applied for j in range(self.k) if j != i):
+            names = ", ".join(self.laws[i].name for i in self.applied)
+            raise SolveError(f"{names} asks for the force that holds its contact, and another contact of the same body decides on it too")
+        ends = list(itertools.accumulate(self.mechanics.inner, initial=2 * self.n))
+        self.inner = list(itertools.pairwise(ends))
+        self.flying = [i for i, law in enumerate(self.laws) if law.flies]
+        self.size = ends[-1]
+        self.held = slice(self.size - self.mechanics.controllers.count, self.size)
+
+    # ---- time and state ----
+    def between(self, first: float, last: float) -> None:
+        """Ask the drive between two of its breaks only."""
+        aside = _ASIDE * self.scale_of_time + 2 * math.ulp(last)
+        self.first, self.last = first + aside, last - aside
+
+    def time(self, t: float) -> float:
+        """An instant on this side of the breaks."""
+        return min(max(float(t), self.first), self.last)
+
+    def state(self, y: Any) -> tuple[Floats, Floats]:
+        """Coordinates and their velocities."""
+        values = np.asarray(y[: 2 * self.n], float).tolist()
+        return values[: self.n], values[self.n :]
+
+    def z(self, y: Any, i: int) -> tuple[float, ...]:
+        """Inner states of a contact."""
+        first, last = self.inner[i]
+        return tuple(map(float, y[first:last]))
+
+    def controlled(self, y: Any) -> Floats:
+        """States of the controllers."""
+        return list(map(float, y[self.held]))
+
+    def sampled(self, t: float, y: Any) -> Any:
+        """The state after a sample of the controllers."""
+        y, (q, u) = np.array(y, float), self.state(y)
+        y[self.held] = list(map(float, self.mechanics.control_sampled(self.time(t), q, u, self.controlled(y))))
+        return y
+
+    def sizes(self, t: float, y: Any) -> Any:
+        """A typical size of each state, against which errors are measured."""
+        T, speed = self.scale_of_time, self.scale_of_velocity or 1.0
+        inner: Floats = []
+        speeds = [speed] * self.n
+        for i, (law, load) in enumerate(zip(self.laws, self.loads(t, y), strict=True)):
+            creep, c = law.creep_velocity(self.z(y, i), load), self.alone[i]
+            if creep is not None and c is not None:
+                speeds[c] = min(speeds[c], float(creep) + self.least[i])
+            typical = law.scale(load)
+            inner += [speed * T] * law.states if typical is None else [float(v) if v > 0 else speed * T for v in typical]
+        inner += map(float, self.mechanics.controllers.scales)
+        return np.array([*[speed * T] * self.n, *speeds, *inner])
+
+    # ---- kinematics ----
+    def slips(self, t: float, u: Sequence[float]) -> Floats:
+        """Slip velocity of each contact, then opening velocity of each stop [m/s]."""
+        t = self.time(t)
+        return [*map(float, self.mechanics.slips(t, u)), *(float(stop.rate(t, u)) for stop in self.stops)]
+
+    def offset_rates(self, t: float) -> Floats:
+        """Their rates while no coordinate's velocity changes [m/s^2]."""
+        return [*map(float, self.mechanics.offset_rates(t)), *(float(stop.offset_rate(t)) for stop in self.stops)]
+
+    def noise_of_slips(self, t: float, u: Sequence[float], w: Sequence[float]) -> Floats:
+        """What rounding makes of slips that are differences."""
+        terms = [[abs(g * v) for g, v in zip(row, u, strict=True) if g] for row in self.rows]
+        rest = [abs(value - _dot(row, u)) for value, row in zip(w, self.rows, strict=True)]
+        told = [0.0 if b <= ROUNDING * sum(each) else b + self.scale_of_velocity for each, b in zip(terms, rest, strict=True)]
+        return [0.0 if len(each) == 1 and not b else ROUNDING * (sum(each) + b) for each, b in zip(terms, told, strict=True)]
+
+    def gaps(self, t: float, q: Sequence[float]) -> Floats:
+        """What is left until stops are closed [m]."""
+        t = self.time(t)
+        return [float(stop.gap(t, q)) for stop in self.stops]
+
+    def noise_of_gaps(self, q: Sequence[float]) -> float:
+        """What rounding makes of a gap."""
+        return ROUNDING * (max(map(abs, q)) + 0.01 * self.scale_of_velocity * self.scale_of_time) if self.stops else 0.0
+
+    # ---- forces ----
+    def loads(self, t: float, y: Any, mode: Mode | None = None) -> Floats:
+        """Normal forces [N]."""
+        return self.pressing(mode.kinks[1] if mode else (), self.time(t), self.state(y)[0])
+
+    def _moved(self, t: float, q: Any, u: Any, R: Any, z: Any) -> list[Any]:
+        """Accelerations of the coordinates, and rates of what controllers hold."""
+        m = self.mechanics
+        return [*m.accelerations(t, q, u, R, z), *(m.control_rates(t, q, u, z) if m.controllers.count else ())]
+
+    def pressed(self, t: float, q: Floats, mode: Mode) -> Floats:
+        """Normal forces, positive also a moment after a contact is lost: a step looks beyond its end."""
+        found = self.pressing(mode.kinks[1], t, q)
+        return [max(load, 1e-12 * first, TINY) for load, first in zip(found, self.first_loads, strict=True)]
+
+    def limits(self, loads: Floats) -> list[tuple[float, float]]:
+        """Static friction limits in each row [N]; a contact under a dynamic law never rests."""
+        own = [(0.0, 0.0) if law.dynamic else _floats(law.breakaway(load)) for law, load in zip(self.laws, loads, strict=True)]
+        return [*own, *((-math.inf, 0.0) for _ in self.stops)]
+
+    def sliding(self, i: int, side: int, w: float, load: float) -> float:
+        """Friction of a set-valued contact that slides, or is about to [N]; an open stop has none."""
+        return 0.0 if i >= self.k else float(self.laws[i].sliding(held(w, side), load))
+
+    def motion(self, t: float, y: Any, mode: Mode) -> Motion:
+        """Rates and forces of a state."""
+        t = self.time(t)
+        q, u = self.state(y)
+        u = self.settled(t, u, mode)
+        w, loads = [*map(float, self.mechanics.slips(t, u))], self.pressed(t, q, mode)
+        R, inner = self._friction(t, q, u, y, w, loads, mode)
+        found = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))
+        a, inner = found[: self.n], [*inner, *found[self.n :]]
+        R, rates = [*R, *(0.0 for _ in self.stops)], self.offset_rates(t)
+        push = [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
+        for group in self.groups(mode.sides):
+            held_by = group.hold([push[i] for i in group.rows], lambda: self.limits(loads))
+            for i, force in zip(group.rows, held_by, strict=True):
+                R[i] = force
+                a = [value - weight * force for value, weight in zip(a, self.weights[i], strict=True)]
+        for i, side in enumerate(mode.sides):
+            c = self.alone[i]
+            if side == 0 and c is not None:
+                a[c] = (0.0 - rates[i]) / self.rows[i][c]
+        return Motion(u, a, inner, R, push)
+
+    def _friction(self, t: float, q: Floats, u: Floats, y: Any, w: Floats, loads: Floats, mode: Mode) -> tuple[Floats, Floats]:
+        """Friction forces, 0 of what rests, and the rates of all inner states."""
+        R, inner = [0.0] * self.k, list[float]()
+        without = self.forces(mode.kinks[0], t, q, u, R, self.controlled(y))[: self.n] if self.applied else []
+        applied = self._applied(t, without)
+        for i, law in enumerate(self.laws):
+            side = mode.sides[i]
+            if not law.dynamic:
+                R[i] = self.sliding(i, side, w[i], loads[i]) if side and i not in mode.aloft else 0.0
+                inner += self._flight(t, q, y, mode, i) if law.flies else ()
+            else:
+                force, rate = law.response(held(w[i], side), self.z(y, i), loads[i], mode.memory[i], applied.get(i, 0.0), self.least[i])
+                R[i] = float(force)
+                inner += map(float, rate)
+        for i in self.applied:  # bodies that a closed stop moves as one bear together what is applied to all of them
+            as_one = self._as_one(self.alone[i] or 0, mode)
+            if len(as_one) > 1:
+                others = math.fsum(R[k] for k in range(self.k) if k != i and self.alone[k] in as_one)
+                left = sum(self.masses[c] * (without[c] + float(self.mechanics.offset_rates(t)[i])) for c in as_one) - others
+                R[i] = float(self.laws[i].response(held(w[i], mode.sides[i]), self.z(y, i), loads[i], mode.memory[i], left)[0])
+        return R, inner
+
+    def _as_one(self, first: int, mode: Mode) -> set[int]:
+        """The coordinates that closed stops move with one."""
+        found = {first}
+        closed = [row for row, side in zip(self.rows[self.k :], mode.sides[self.k :], strict=True) if side == 0]
+        for row in [row for row in closed for _ in closed]:
+            ends = {c for c, h in enumerate(row) if h}
+            found |= ends if found & ends else set()
+        return found
+
+    def _flight(self, t: float, q: Floats, y: Any, mode: Mode, i: int) -> tuple[float, float]:
+        """Rates of a contact's gap and of that rate."""
+        if i not in mode.aloft:
+            return 0.0, 0.0
+        load = self.pressing(mode.kinks[1], t, q)[i]
+        return self.z(y, i)[1], -load / self.masses[self.alone[i] or 0]
+
+    def _applied(self, t: float, without: Floats) -> dict[int, float]:
+        """What would keep the slip constant, for laws that ask, from the accelerations without friction [N]."""
+        rates = self.mechanics.offset_rates(t) if self.applied else ()
+        return {i: self.effective[i] * (_dot(self.rows[i], without) + float(rates[i])) for i in self.applied}
+
+    def right(self, mode: Mode) -> Callable[[float, Any], Floats]:
+        """The right side of y' in a mode."""
+
+        def finite(t: float, y: Any) -> Floats:
+            try:
+                motion = self.motion(t, y, mode)
+            except ArithmeticError:  # a trial step far too long: the integrator takes a shorter one
+                return [math.nan] * len(y)
+            return [*motion.u, *motion.accelerations, *motion.inner]
+
+        return finite
+
+    def slip_rates(self, t: float, y: Any, mode: Mode) -> Floats:
+        """Rates of all slips in a mode [m/s^2]."""
+        a, rates = self.motion(t, y, mode).accelerations, self.offset_rates(self.time(t))
+        return [_dot(row, a) + rate for row, rate in zip(self.rows, rates, strict=True)]
+
+    # ---- rest ----
+    def _groups(self, sides: tuple[int, ...]) -> list[Group]:
+        """Resting rows that push one another."""
+        resting = [i for i, side in enumerate(sides) if side == 0]
+        G = [[self.G[i][j] for j in resting] for i in resting]
+        return [group_of([resting[n] for n in block], self.G, self.effective) for block in blocks(G)]
+
+    def settled(self, t: float, u: Floats, mode: Mode) -> Floats:
+        """Velocities with which resting rows do not slip at all."""
+        if 0 not in mode.sides:
+            return u
+        u, w = list(u), self.slips(t, [0.0] * self.n)
+        for group in self.groups(mode.sides):
+            if all(self.alone[i] is not None for i in group.rows):
+                i = group.rows[0]
+                c = self.alone[i] or 0
+                u[c] = (0.0 - w[i]) / self.rows[i][c]
+            else:
+                for i, impulse in zip(group.rows, group.project([w[i] + _dot(self.rows[i], u) for i in group.rows]), strict=True):
+                    u = [value - weight * impulse for value, weight in zip(u, self.weights[i], strict=True)]
+        return u
+
+    def at_rest(self, t: float, y: Any, mode: Mode) -> Any:
+        """The state with resting rows settled."""
+        y = np.array(y, float)
+        y[self.n : 2 * self.n] = self.settled(self.time(t), self.state(y)[1], mode)
+        return y
+
+    # ---- memories and conditions ----
+    def switches(self, t: float, y: Any, i: int, mode: Mode) -> Switches:
+        """A law's switches: (guard, new memory, new inner states or None)."""
+        if not self.laws[i].switching:
+            return []
+        q, u = self.state(y)
+        w = float(self.mechanics.slips(self.time(t), u)[i])
+        return self.laws[i].switches(held(w, mode.sides[i]), self.z(y, i), self.pressed(self.time(t), q, mode)[i], mode.memory[i])
+
+    def passed_zero(self, t: float, y: Any, i: int, mode: Mode) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Inner states and memory after the switches that wait for the slip velocity to pass zero."""
+        load = self.pressed(self.time(t), self.state(y)[0], mode)[i]
+        return self.laws[i].passed_zero(self.z(y, i), load, mode.memory[i], mode.sides[i] or 1)
+
+    def differences(self, t: float, y: Any, kinks: tuple[Sides | None, Sides | None]) -> tuple[Floats, Floats]:
+        """What the conditions of forces and of loads compare."""
+        t, (q, u) = self.time(t), self.state(y)
+        return self.forces.differences(kinks[0], t, q, u, [0.0] * self.k, self.controlled(y)), self.pressing.differences(kinks[1], t, q)
+
+    def output(self, t: float, y: Any, mode: Mode) -> Floats:
+        """The states of the dense output: velocities of the coordinates, inner states, and positions where they are known."""
+        q, u = self.state(y)
+        return [*self.settled(self.time(t), u, mode), *map(float, y[2 * self.n :]), *(() if self.cyclic else q)]
+
+
+def held(w: float, side: int) -> float:
+    """A slip velocity, held on its side [m/s]."""
+    return w if side * w > TINY else side * TINY
+
+
+def _effective(row: Sequence[float], c: int | None, masses: Floats, own: float) -> float:
+    """Force that changes a slip at unit rate [kg]."""
+    return masses[c] / row[c] ** 2 if c is not None else 1.0 / own if own else math.inf
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    total = 0.0
+    for x, y in zip(a, b, strict=True):
+        if x:
+            total += x * y
+    return total
+
+
+def _floats(pair: Any) -> tuple[float, float]:
+    return float(pair[0]), float(pair[1])

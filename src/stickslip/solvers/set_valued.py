@@ -1,0 +1,246 @@
+"""Exact stick-slip of set-valued laws. Coulomb friction under a harmonic drive has closed arcs; all else goes by Taylor steps.
+
+Nothing is regularised: the body sticks, slides forwards or slides backwards, each arc is a closed formula, and only the
+instants at which the velocity comes to zero are searched. The kernel works with w = v omega / a and the phase omega t.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from stickslip.batch import labels_of
+from stickslip.dense_output import HarmonicArcs
+from stickslip.errors import SolveError
+from stickslip.pool import shared
+from stickslip.solvers import undriven
+from stickslip.solvers.closed_arcs import Arcs, reduced
+from stickslip.solvers.gather import NEEDED, Raw, gather, trajectory
+from stickslip.solvers.request import Request
+from stickslip.summary import Summary
+from stickslip.trajectory import Trajectory
+
+__all__ = ["batch", "solve", "solve_batch", "solve_one", "solve_rows", "summary"]
+
+Array = Any
+Progress = Callable[[int, int], None]  # cases done, cases
+
+SEGMENTS = 32
+REPEAT = 1e-8  # of 1 + |w|: strobe points this close count as the same point
+TINY = 1e-100  # a drive this small beside the resistance is no drive
+_SLICE = 0.05  # seconds between looks at the keyboard
+_COST = 3e-7  # seconds per drive period and case, generous
+_ROOM = 1 << 16  # arcs recorded in one slice
+_COLUMNS = ("r_plus", "r_minus", "s_plus", "s_minus", "gamma", "w")
+_IN_METRES = ("displacement", "x_end", "limit")
+_IN_METRES_PER_SECOND = ("v_max", "v_min", "v_end", "strobe_error", "wide_max", "wide_min")
+
+
+def solve(todo: Request) -> Trajectory | Summary:
+    """Solve as asked."""
+    if todo.keep == "trajectory":
+        return trajectory(todo, "exact", *solve_one(todo.model, todo.periods, _start_of(todo)))
+    return summary(todo, batch(todo))
+
+
+def _start_of(todo: Request) -> dict[str, Any]:
+    return dict(x=todo.start[:, 0].reshape(todo.labels.shape), v=todo.start[:, 1].reshape(todo.labels.shape))
+
+
+def batch(todo: Request) -> dict[str, Array]:
+    """The raw results of `solve_batch` as asked, times in seconds."""
+    raw = solve_batch(todo.model, todo.periods, "auto" if todo.auto else todo.settle, _start_of(todo), todo.workers, todo.progress)
+    raw["seg_time"] = raw["seg_time"] * reduced(todo.model).period[:, None]
+    return raw
+
+
+def summary(todo: Request, raw: dict[str, Array]) -> Summary:
+    """A summary from raw results."""
+    return gather(todo, "exact", [((0, todo.cases), Raw(**{name: raw[name] for name in NEEDED}))])
+
+
+def _kernel() -> Any:
+    from stickslip.engine.cache import load
+    from stickslip.engine.texts import coulomb_text
+
+    return load(coulomb_text("coulomb_harmonic_runs"), "coulomb_harmonic", "Coulomb × Harmonic")
+
+
+def _rows(arcs: Arcs, v0: Array) -> tuple[Array, Array]:
+    """Dimensionless rows of the kernel, and which cases have a drive to measure against."""
+    level = abs(np.stack([arcs.resist_plus, arcs.resist_minus, arcs.hold_plus, arcs.hold_minus, v0 * arcs.omega]))
+    driven = arcs.drive > TINY * np.max(level, axis=0)
+    a = np.where(driven, arcs.drive, 1.0)
+    columns = (arcs.resist_plus / a, arcs.resist_minus / a, arcs.hold_plus / a, arcs.hold_minus / a, arcs.along / a, v0 * arcs.omega / a)
+    return np.ascontiguousarray(np.stack(columns, axis=1)), driven
+
+
+def solve_rows(
+    rows: Array,
+    periods: int,
+    settle: int | str,
+    workers: int = 1,
+    progress: Progress | None = None,
+    skip: bool = True,
+    tolerance: float = REPEAT,
+) -> dict[str, Array]:
+    """Run dimensionless cases: columns r_plus, r_minus, s_plus, s_minus, gamma (gravity along the track), w at the start.
+
+    Returns the raw results of `solve_batch` in units of the kernel: w for velocities, w times radians for displacements.
+    With ``skip=False`` every period is run, also after the strobe point has come back to the last bit.
+    """
+    n = len(rows)
+    out, count = np.empty((n, 11)), np.zeros((n, 4), np.int64)
+    seg_time, seg_code = np.zeros((n, SEGMENTS)), np.zeros((n, SEGMENTS), np.int8)
+    auto, kernel = settle == "auto", _kernel()
+    whole = (periods, 0 if auto else int(settle), auto, skip, tolerance, out, count, seg_time, seg_code)
+    size = max(1, min(int(_SLICE / (_COST * periods)) + 1, -(-n // (8 * workers if workers > 1 else 1))))
+    starts = range(0, n, size)
+
+    def part(i: int) -> int:
+        kernel.run(rows, i, min(i + size, n), *whole)
+        return min(i + size, n) - i
+
+    done = 0
+    for _, finished in shared(part, starts, workers):
+        done += finished
+        if progress is not None:
+            progress(done, n)
+    names = ("displacement", "window", "v_max", "v_min", "margin_force", "strobe_error", "x_end", "v_end", "limit", "wide_max", "wide_min")
+    raw: dict[str, Array] = {name: out[:, k] for k, name in enumerate(names)}
+    raw |= {name: count[:, k] for k, name in enumerate(("status", "period", "periods_run", "seg_count"))}
+    return {**raw, "seg_time": seg_time, "seg_code": seg_code}
+
+
+def solve_batch(
+    model: Any,
+    periods: int,
+    settle: int | str,
+    start: dict[str, Any] | None = None,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> dict[str, Array]:
+    """Run every case of a batch without keeping trajectories.
+
+    Parameters
+    ----------
+    model : Robot
+        A model that `stickslip.solvers.closed_arcs.handles` takes.
+    periods : int
+        Drive periods to run; with ``settle="auto"`` the largest number of them.
+    settle : int or "auto"
+        Periods left out of the window; "auto" stops at the repeated strobe point, and the window is the last motion period.
+    start : dict
+        Position x [m] and velocity v [m/s] at t = 0, numbers or arrays that broadcast to the batch.
+    workers : int
+        Threads.
+    progress : callable
+        Called with (cases done, cases).
+
+    Returns
+    -------
+    dict of arrays, one entry (or row) for each case in C order
+        displacement over the window [m], window (its drive periods: whole motion periods where a period was found), v_max and v_min
+        of the last motion period [m/s], margin_force, strobe_error (estimated distance of the last strobe point from the periodic
+        motion [m/s]), x_end and v_end, limit (displacement in a drive period that the motion
+        approaches [m], see `stickslip.recurrence`), wide_max and wide_min (extremes over the window), status, period (0: none found),
+        periods_run, seg_count, seg_time (cases, 32),
+        seg_code (cases, 32).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> raw = solve_batch(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=[5.525e-4, 8e-4], law="coulomb"), periods=200, settle=100)
+    >>> (raw["displacement"] / (raw["window"] * 2 / 65.4)).round(9).tolist()  # mean velocity
+    [0.002014682, 0.004308808]
+    """
+    arcs = reduced(model)
+    x0, v0 = _start(model, start)
+    rows, driven = _rows(arcs, v0)
+    good = np.isfinite(rows).all(axis=1)
+    rows[~(good & driven)] = (2.0, 2.0, 2.0, 2.0, 0.0, 0.0)
+    raw = solve_rows(rows, periods, settle, workers, progress)
+    a = np.where(driven, arcs.drive, 1.0)
+    for name in (*_IN_METRES, *_IN_METRES_PER_SECOND):
+        raw[name] = raw[name] * (a / arcs.omega ** (2 if name in _IN_METRES else 1))
+    for i in np.flatnonzero(good & ~driven):
+        undriven.fill(raw, int(i), arcs, v0[i], periods, settle)
+    raw["x_end"] = raw["x_end"] + x0
+    for name in (*_IN_METRES, *_IN_METRES_PER_SECOND, "margin_force"):
+        raw[name][~good] = np.nan
+    raw["status"][~good], raw["seg_count"][~good], raw["period"][~good] = 5, 0, 0
+    return raw
+
+
+def _start(model: Any, start: dict[str, Any] | None) -> tuple[Array, Array]:
+    """x and v at t = 0 of every case."""
+    shape = labels_of(model).shape
+    x, v = (np.broadcast_to(np.asarray((start or {}).get(name, 0.0), float), shape).ravel() + 0.0 for name in "xv")
+    return x, v
+
+
+def solve_one(model: Any, periods: int, start: dict[str, Any] | None = None) -> tuple[HarmonicArcs, dict[str, int]]:
+    """Run one case and keep every arc.
+
+    Parameters
+    ----------
+    model : Robot
+        A single case that `stickslip.solvers.closed_arcs.handles` takes.
+    periods : int
+        Drive periods to run.
+    start : dict
+        Position x [m] and velocity v [m/s] at t = 0.
+
+    Returns
+    -------
+    arcs : HarmonicArcs
+        The dense output. Arcs also end at every whole drive period.
+    counts : dict
+        arcs, and switches of the mode.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> arcs, counts = solve_one(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4, law="coulomb"), periods=2)
+    >>> arcs.mode[:, 0].tolist(), counts
+    ([0, 1, 0, -1, -1, 0, 1, 0, -1], {'arcs': 9, 'switches': 7})
+    """
+    numbers = reduced(model)
+    (x0,), (v0,) = _start(model, start)
+    rows, driven = _rows(numbers, np.array([v0]))
+    if not np.isfinite(rows).all():
+        raise SolveError(
+            f"the numbers of this case are not all finite: {dict(zip(_COLUMNS, rows[0].tolist(), strict=True))}; check the law's numbers"
+        )
+    a, omega, T = (float(n[0]) for n in (numbers.drive, numbers.omega, numbers.period))
+    if driven[0]:
+        number, (phase, x, v), mode = _recorded(rows[0], periods)
+        t = np.minimum(number * T + phase / omega, (number + 1) * T)
+        x, v = x * (a / omega**2), v * (a / omega)
+    else:
+        t, x, v, mode = undriven.arcs_of(numbers, 0, v0, periods * T)
+    t = np.append(t, periods * T)
+    keep = np.diff(t) > 0
+    mode = mode[keep].astype(np.int8)
+    arcs = HarmonicArcs(
+        t=np.append(t[:-1][keep], t[-1]), mode=mode, x0=x[keep] + x0, v0=v[keep], drive_acceleration=a, omega=omega,
+        resist_plus=float(numbers.resist_plus[0]), resist_minus=float(numbers.resist_minus[0]),
+    )  # fmt: skip
+    return arcs, {"arcs": len(mode), "switches": int(np.count_nonzero(np.diff(mode)))}
+
+
+def _recorded(row: Array, periods: int) -> tuple[Array, Array, Array]:
+    """Drive period, (phase, displacement, w) and mode of all arcs."""
+    kernel, state, n, found = _kernel(), np.array([row[5], 0.0, 0.0, -1.0, -1.0]), 0, []
+    while n < periods:
+        number, arcs, mode = np.empty(_ROOM, np.int64), np.empty((_ROOM, 3)), np.empty(_ROOM, np.int64)
+        count, n = kernel.record(row, state, n, periods, number, arcs, mode)
+        if count < 0:
+            raise SolveError(
+                f"period {n} has too many arcs; this is a bug of the exact solver: please report it with the robot's to_toml()"
+            )
+        found.append((number[:count].copy(), arcs[:count].copy(), mode[:count].astype(np.int8)))
+    numbers, arcs, modes = (np.concatenate(part) for part in zip(*found, strict=True))
+    return numbers, arcs.T, modes

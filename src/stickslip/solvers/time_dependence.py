@@ -1,0 +1,76 @@
+"""Whether the equations of a model come back after its period: the compiled methods begin their time anew with each one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.machine_adapter import machine_of
+from stickslip.mechanics import Mechanics
+
+__all__ = ["check_period"]
+
+_INSTANTS = (0.5 * (3 - 5**0.5), 0.7236067977499789)  # of a period, at which no drive is likely to jump
+_SAME = 1e-9  # of the largest value
+_WHOLE = 1e-9  # of a number of samples
+
+
+def check_period(model: Any) -> None:
+    """Raise `InputError` where the load or the acceleration of a model is another one a period later.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> check_period(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4))
+    """
+    if model.period is None:
+        return
+    mechanics = machine_of(model).mechanics
+    _check_samples(model, mechanics)
+    try:
+        found = {name: _missed(mechanics, f) for name, f in (("load", _loads), ("acceleration", _free))}
+    except Exception:  # what is not written for these numbers is told where it is traced
+        return
+    for name, (missed, largest) in found.items():
+        if np.any(missed > _SAME * largest):
+            kind = type(model).__name__
+            raise InputError(
+                kind,
+                [f"its {name} is another one a period later, by up to {np.max(missed):.4g}; allowed is a period after which all parts of "
+                 f"the equations come back; write the property period of {kind} so, or, if there is none, take a method whose time goes "
+                 'on: method="dop853" or method="radau"'],
+            )  # fmt: skip
+
+
+def _check_samples(model: Any, mechanics: Mechanics) -> None:
+    """Note a period that is no whole number of the time between samples."""
+    between = mechanics.controllers.sample
+    if between is None:
+        return
+    ratio = np.asarray(model.period / between, float)
+    if np.any(abs(ratio - np.rint(ratio)) > _WHOLE * ratio):
+        kind = type(model).__name__
+        raise InputError(
+            kind,
+            [f"its controller samples every {between!r} s, of which its period of {model.period!r} s is no whole number; allowed is a "
+             f"period that is; make {kind} anew with these numbers, so that it finds its period"],
+        )  # fmt: skip
+
+
+def _free(mechanics: Mechanics, t: Any) -> Any:
+    still = (0.0,) * mechanics.coordinates
+    return mechanics.accelerations(t, mechanics.start, still, (0.0,) * len(mechanics.contacts))
+
+
+def _loads(mechanics: Mechanics, t: Any) -> Any:
+    return mechanics.loads(t, mechanics.start)
+
+
+def _missed(mechanics: Mechanics, f: Any) -> tuple[Any, Any]:
+    """How far a function of the machine and of time is from itself a period later, and its largest value, for each case."""
+    T = mechanics.period
+    rows = ([value for s in _INSTANTS for value in f(mechanics, (s + k) * T)] for k in (0, 1))
+    now, later = (np.array(np.broadcast_arrays(*values), float) for values in rows)
+    return np.max(abs(later - now), axis=0), np.max(np.maximum(abs(now), abs(later)), axis=0)

@@ -1,0 +1,95 @@
+"""A sweep of a switching flow: its numbers, and where it starts, as axes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError, Problems
+from stickslip.jsontext import plain
+from stickslip.pool import shared
+from stickslip.solvers.flow_solving import asked_of, columns_of
+from stickslip.status import STATUS, Status
+from stickslip.sweeps.progress import Watch
+from stickslip.sweeps.space import Space, space_of
+
+__all__ = ["sweep_of_flow"]
+
+Array = Any
+_START = "start."
+#: Arguments of `sweep` that are of machines, with the values that say nothing.
+_OF_MACHINES = {"continue_along": None, "out": None, "resume": False, "shard": None, "client": None}
+
+
+def sweep_of_flow(
+    flow: Any, designs: Sequence[Any], axes: dict[str, Any], workers: int, progress: Any, others: dict[str, Any], **arguments: Any
+) -> Any:
+    """The dataset: of every case what `solve` says of it with ``keep="summary"``."""
+    import xarray as xr
+
+    problems = Problems("sweep")
+    problems.whole("workers", workers, 1, example=2)
+    for name in [name for name, nothing in _OF_MACHINES.items() if others.get(name, nothing) is not nothing]:
+        problems.add(f"{name} is not known of a flow, whose sweeps are kept in memory; leave it out")
+    problems.check()
+    space = space_of(flow, designs, axes)
+    case = _cases(flow, space, arguments)
+    watch, found = Watch(space.cases, progress), [dict[str, Any]() for _ in range(space.cases)]
+    for k, columns in shared(case, range(space.cases), workers, watch):
+        found[k] = columns
+        watch.finished(k, np.array([columns["status"]]))
+    whole = {name: _column(found, name).reshape(space.shape) for name in next((c for c in found if len(c) > 1), {"status": 0})}
+    data = {name: (space.dims, values, _told(name)) for name, values in whole.items()}
+    coords = {name: (column.dims, column.values) for name, column in space.coords.items()}
+    coords |= {name: ((), float(value)) for name, value in flow.numbers.items() if name not in coords and np.ndim(value) == 0}
+    return xr.Dataset(data, coords, {"settings": json.dumps(plain(arguments | {"start": str(arguments["start"])}))})
+
+
+def _cases(flow: Any, space: Space, arguments: dict[str, Any]) -> Callable[[int], dict[str, Any]]:
+    """What gives the columns of one case."""
+    varying, fixed = space.at(np.arange(space.cases)), space.fixed
+    numbers, first = ({name: value for name, value in of.items() if not name.startswith(_START)} for of in (varying, fixed))
+    starts, begun = ({name.removeprefix(_START): v for name, v in of.items() if name.startswith(_START)} for of in (varying, fixed))
+    flow, start = flow.replace(first), arguments["start"]
+    if (starts or begun) and start is not None and not isinstance(start, dict):
+        raise InputError("sweep", [f"start = {start!r} beside axes of the start; allowed is a dict; type start={{'x': 0.1}}"])
+
+    def asked(k: int) -> Any:
+        own = {**(start or {}), **begun, **{name: float(values[k]) for name, values in starts.items()}} if starts or begun else start
+        return asked_of(flow.replace({name: float(values[k]) for name, values in numbers.items()}), **{**arguments, "start": own})
+
+    def case(k: int) -> dict[str, Any]:
+        try:
+            todo = asked(k)
+        except InputError:
+            return {"status": Status.BAD_INPUT}
+        return columns_of(todo.flow, todo.states[0], todo.mode, float(todo.spans[0]), float(todo.settled[0]))
+
+    good = np.flatnonzero(np.all([np.isfinite(values) for values in varying.values()], axis=0)) if varying else range(space.cases)
+    if len(good):
+        asked(int(good[0]))  # what is wrong with the arguments is told before the work
+    return case
+
+
+def _column(found: list[dict[str, Any]], name: str) -> Array:
+    """A column over all cases; what was not solved or not computed is not a number, -1, or its status."""
+    if name == "status":
+        return np.array([columns.get("status", Status.NOT_COMPUTED) for columns in found], np.int8)
+    known = [columns[name] for columns in found if name in columns]
+    whole = all(isinstance(value, (int, np.integer)) for value in known)
+    return np.array([columns.get(name, -1 if whole else np.nan) for columns in found])
+
+
+def _told(name: str) -> dict[str, str]:
+    """What a column is."""
+    what, _, state = name.partition("_")
+    long = {
+        "mean": f"mean of {state}", "min": f"smallest {state}", "max": f"largest {state}", "end": f"{state} at the end",
+        "switches": "number of switches", "period": "periods of the forcing until it repeats (0: none seen)",
+    }  # fmt: skip
+    if name == "status":
+        return {"long_name": "how the run ended", "flag_meanings": "; ".join(f"{k}: {said}" for k, said in STATUS.items())}
+    return {"long_name": long[what]}

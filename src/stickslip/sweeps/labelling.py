@@ -1,0 +1,163 @@
+"""The results of a sweep as a labelled dataset, from memory or from the tiles of a folder."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.fields import told_by_field
+from stickslip.jsontext import plain
+from stickslip.machine_adapter import machine_of
+from stickslip.naming import axis_of
+from stickslip.presets import DIMENSIONLESS
+from stickslip.quantities import axis_in
+from stickslip.sweeps.models_of_points import shared_numbers
+from stickslip.sweeps.planning import Plan
+from stickslip.sweeps.result_columns import COLUMNS, base_of, described, dim_of, stacked
+from stickslip.sweeps.space import Column
+from stickslip.variables import VARIABLES, unit_of
+
+__all__ = ["about", "assembled", "attributes_of", "dataset", "labels_of", "labels_of_parts", "maker_of", "provenance_of", "with_units"]
+
+Array = Any
+WAYS = np.array(["up", "down"])
+
+
+def maker_of(make: Any) -> str:
+    """What a maker is called."""
+    return getattr(make, "__name__", None) or type(make).__name__
+
+
+def provenance_of(plan: Plan) -> dict[str, Any]:
+    """Versions, settings and kinds: what it takes to make these results again."""
+    import stickslip
+
+    versions = {"stickslip": stickslip.__version__, "python": platform.python_version(), "numpy": np.__version__}
+    versions |= {name: _version(name) for name in ("numba", "scipy", "xarray")}
+    settings = {name: value for name, value in plan.options.items() if name != "observe"}
+    settings |= {"continue_along": plan.along} if plan.along else {}
+    settings |= {"observe": {name: each.fingerprint for name, each in plan.options["observe"].items()}} if plan.observed else {}
+    sample = plan.sample
+    kinds = {} if sample is None else {"law": machine_of(sample[0]).law_names, "model": type(sample[0]).__name__}
+    return {"versions": versions, "settings": settings, "kinds": kinds, **plan.space.attributes}
+
+
+def _version(name: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def labels_of(plan: Plan) -> dict[str, Column]:
+    """Coordinates of the dataset: labels of its dimensions, arguments that vary, and single numbers."""
+    found = dict(plan.space.coords)
+    if plan.along:
+        found["way"] = Column(("way",), WAYS)
+    for name, value in plan.space.fixed.items():
+        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and name not in (*found, *COLUMNS):
+            found[name] = Column((), np.asarray(float(value)))
+    return found
+
+
+def attributes_of(plan: Plan) -> dict[str, Any]:
+    """Attributes of the dataset: the maker, the arguments that do not vary, and what is known of its robots.
+
+    `numbers` are those that all robots share; `robot` is the study file of a robot that was given as it is.
+    """
+    fixed = {k: v if isinstance(v, (int, float, str, bool)) else str(v) for k, v in plan.space.fixed.items()}
+    words = {name: str(value) for name, value in fixed.items() if isinstance(value, (str, bool))}
+    told = {
+        "maker": maker_of(plan.make),
+        "fixed": json.dumps(plain(fixed)),
+        "numbers": json.dumps(numbers := shared_numbers(plan.make, plan.space)),
+        "described": json.dumps(_described(plan, numbers), ensure_ascii=False),
+    }
+    return {**words, **told, **_units_of(plan), **_robot_of(plan.make)}
+
+
+def _units_of(plan: Plan) -> dict[str, str]:
+    """The units of columns of machines that turn about an axis; nothing of others."""
+    model = plan.sample[0] if plan.sample is not None else None
+    found = {name: unit_of(name, model) for name in COLUMNS if name in VARIABLES and unit_of(name, model) != VARIABLES[name].unit}
+    return {"units": json.dumps(found)} if found else {}
+
+
+def _described(plan: Plan, numbers: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """What axes and shared numbers are called, and their units, as far as fields and makers say it."""
+    found = {name: axis_of(name, plan.make) for name in labels_of(plan)}
+    if plan.sample is not None:
+        found |= {name: axis_in(told_by_field(plan.sample[0], name)) for name in numbers}
+    return {name: axis for name, axis in found.items() if axis}
+
+
+def _robot_of(make: Any) -> dict[str, str]:
+    """A robot or mechanism as the text of a study file; nothing of a function, or where a part is a class of the user's own."""
+    try:
+        return {} if callable(make) else {"robot": make.to_toml()}
+    except (AttributeError, InputError):
+        return {}
+
+
+def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: dict[str, int]) -> Any:
+    """The columns, flat in the order of the results, as an `xarray.Dataset`."""
+    from stickslip.sweeps.solving import kept_columns
+
+    kept = {}
+    for name in kept_columns(plan):
+        values, dim = stacked(name, columns, plan.parts), dim_of(name, plan.parts)
+        kept[name] = ((*plan.dims, *([dim] if dim else [])), values.reshape((*plan.shape, *values.shape[1:])))
+    attributes = {**attributes_of(plan), **{k: json.dumps(plain(v)) for k, v in more.items()}}
+    if notes:
+        attributes["notes"] = json.dumps(notes, ensure_ascii=False)
+    found = assembled(kept, labels_of(plan) | labels_of_parts(plan.parts), attributes)
+    return with_units(found, {name: about(each) for name, each in (plan.options.get("observe") or {}).items()})
+
+
+def about(each: Any) -> dict[str, str]:
+    """Unit and meaning of a user's own column."""
+    return {"units": each.unit, "long_name": each.says}
+
+
+def with_units(grid: Any, observed: dict[str, dict[str, str]]) -> Any:
+    """The dataset, with what is known of a user's own columns on them."""
+    for name, told in observed.items():
+        grid[name].attrs.update(told)
+    return grid
+
+
+def labels_of_parts(parts: dict[str, Any]) -> dict[str, Column]:
+    """The names of bodies, contacts and stops as coordinates."""
+    return {dim: Column((dim,), np.array(names)) for dim, names in parts.items()}
+
+
+def assembled(columns: dict[str, tuple[tuple[str, ...], Any]], labels: dict[str, Column], attributes: dict[str, Any]) -> Any:
+    """A dataset of columns, given by their dimensions and values, with units and names on everything."""
+    import xarray as xr
+
+    unitless = {"units": "1"} if attributes.get("maker") in DIMENSIONLESS else {}
+    units = json.loads(attributes.get("units", "{}"))
+    own = {name: {"units": units[base_of(name)]} if base_of(name) in units else {} for name in columns}
+    data = {name: (dims, values, described(name) | own[name] | unitless) for name, (dims, values) in columns.items()}
+    known = json.loads(attributes.get("described", "{}"))
+    coords = {name: (column.dims, _label(column.values), _told(name, known)) for name, column in labels.items()}
+    return xr.Dataset(data, coords=coords, attrs=attributes)
+
+
+def _label(values: Array) -> Array:
+    """Words as text, so that files can keep them."""
+    if values.dtype.kind == "O" and all(isinstance(v, str) for v in values.ravel().tolist()):
+        return values.astype(str)
+    return values
+
+
+def _told(name: str, known: dict[str, tuple[str, str]]) -> dict[str, str]:
+    found = known.get(name) or axis_of(name)
+    return {"long_name": found[0], "units": found[1]} if found else {}

@@ -1,0 +1,73 @@
+"""The coordinates of a study as a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.sweeps.result_columns import characters, from_characters
+from stickslip.sweeps.seals import Damaged, read_sealed, sealed
+from stickslip.sweeps.space import Column
+from stickslip.sweeps.tiles import mark_of, written
+
+__all__ = ["AXES", "axes_bytes", "read_labels"]
+
+AXES = "axes.nc"
+
+
+def axes_bytes(labels: dict[str, Column], manifest: dict[str, Any]) -> bytes:
+    """The coordinates as a netCDF4 file; words as fixed-length characters."""
+    variables = {}
+    for i, (name, column) in enumerate(labels.items()):
+        values, dims, attrs = np.asarray(column.values), column.dims, {"coordinate": name}
+        if values.dtype.kind not in "iuf":
+            values, kept = characters(values)
+            dims, attrs = (*dims, f"characters_{i}"), {**attrs, "kept_as": kept}
+        variables[name.replace(".", "_") if name not in dims else name] = (dims, values, attrs)
+    return sealed(written(variables, {"stickslip_content": "axes of a study"}), str(mark_of(manifest, "axes")))
+
+
+def read_labels(folder: Path, manifest: dict[str, Any]) -> dict[str, Column]:
+    """The coordinates of a study."""
+    path = folder / AXES
+    sizes = dict(zip(manifest["dims"], manifest["shape"], strict=True))
+
+    def columns(file: Any) -> dict[str, Column]:
+        found = [_label(file, variable, variable[...]) for variable in file.values()]
+        labels = {name: column for name, column in found if name}
+        for name, column in labels.items():
+            if np.shape(column.values) != tuple(sizes[dim] for dim in column.dims):
+                raise Damaged(f"{name} has shape {np.shape(column.values)}")
+        return labels
+
+    try:
+        return read_sealed(path, mark_of(manifest, "axes"), columns)
+    except FileNotFoundError:
+        what = f"{str(path)!r} is missing"
+    except Damaged as error:
+        what = f"{str(path)!r} is damaged ({error}); delete it"
+    raise InputError("study", [f"{what}; type the sweep again with resume=True (--resume), which writes it anew"])
+
+
+def _label(file: Any, variable: Any, values: Any) -> tuple[str, Column]:
+    """A coordinate's name and values; the name is empty where a variable is only a dimension."""
+    if "coordinate" not in variable.attrs:
+        return "", Column((), values)
+    dims = tuple(_dim(file, variable, i) for i in range(variable.ndim))
+    if "kept_as" in variable.attrs:
+        dims, texts = dims[:-1], np.ascontiguousarray(values).view(f"S{values.shape[-1]}")[..., 0]
+        values = from_characters(texts, _text(variable.attrs["kept_as"]))
+    return _text(variable.attrs["coordinate"]), Column(dims, values)
+
+
+def _dim(file: Any, variable: Any, i: int) -> str:
+    """Name of a dimension of a netCDF4 variable: the scale that is attached to it, or itself."""
+    scales = variable.dims[i]
+    return str(scales[0].name if len(scales) else variable.name).lstrip("/")
+
+
+def _text(value: Any) -> str:
+    return value.decode() if isinstance(value, bytes) else str(value)

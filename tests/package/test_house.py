@@ -1,0 +1,174 @@
+"""The house is in order: what README promises is there, floors hold, public names explain themselves."""
+
+import ast
+import inspect
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+
+from house import PAGES, ROOT, blocks
+
+SOURCES = sorted(p for p in (ROOT / "src" / "stickslip").rglob("*.py") if p.parent.name != "kernels")  # kernel texts are not modules
+HEAVY = ("numba", "llvmlite", "scipy", "matplotlib", "xarray", "pandas", "h5py", "pydantic", "jinja2")
+
+
+def id_of(path):
+    return path.relative_to(ROOT).as_posix()
+
+
+def python(code, *arguments):
+    """Run code in a fresh interpreter and return what it prints."""
+    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def loaded(modules, code, *arguments):
+    """Which of these modules are loaded after running code."""
+    last = f"\nimport sys; print('LOADED', *(m for m in {tuple(modules)!r} if m in sys.modules))"
+    return python(code + last, *arguments).rsplit("LOADED", 1)[1].split()
+
+
+# README -----------------------------------------------------------------------------------------------------------
+
+
+def test_readme_begins_with_two_commands_of_one_line_each():
+    commands = [block.text.strip() for block in blocks(ROOT / "README.md", "bash")[:2]]
+    assert [command.count("\n") for command in commands] == [0, 0]
+    for command, last in zip(commands, ("stickslip paper", "pytest"), strict=True):
+        steps = [step.strip() for step in command.split("&&")]
+        assert steps[0] == "python3 -m venv .venv"
+        assert steps[1].startswith(".venv/bin/pip install ") and "--no-compile" in steps[1]
+        assert steps[-1].startswith(f".venv/bin/{last}")
+
+
+def test_every_command_in_the_docs_exists():
+    shown = {m[1] for page in PAGES for block in blocks(page, "bash") for m in re.finditer(r"\bstickslip ([a-z]+)", block.text)}
+    told = python("from stickslip.cli import main; main()", "--help")
+    missing = [command for command in sorted(shown) if not re.search(rf"\b{command}\b", told)]
+    assert shown and not missing, f"`stickslip --help` does not know {missing}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=id_of)
+def test_every_link_within_the_repository_leads_somewhere(page):
+    text = re.sub(r"^( *)(```+).*?^\1\2 *$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    targets = [target.split("#")[0] for target in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in target]
+    missing = [target for target in targets if target and not (page.parent / target).exists()]
+    assert not missing
+
+
+def test_the_version_is_the_same_everywhere():
+    import stickslip
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.M)
+    assert {project["version"], cited[1], stickslip.__version__} == {project["version"]}
+
+
+# floors -----------------------------------------------------------------------------------------------------------
+
+
+def test_the_import_contracts_hold():
+    code = "import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports(no_cache=True, no_logo=True))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+#: Modules that still import one another, all inside functions: what adds up to a sum, and what chooses among all methods.
+CIRCLES = [
+    {"drives.force", "drives.harmonic_force"},
+    {"friction.law", "friction.stribeck", "friction.sum", "friction.viscous"},
+    {"identifying.fit", "identifying.uncertainty"},
+    {"machines.machine", "machines.mirrored"},
+    {"sweeps.following", "sweeps.planning", "sweeps.solving"},
+]
+
+
+def circles():
+    """Sets of modules that import one another, directly or not, inside functions too."""
+    import grimp
+
+    graph = grimp.build_graph("stickslip", exclude_type_checking_imports=True, cache_dir=None)
+    around = {m: graph.find_upstream_modules(m) & graph.find_downstream_modules(m) for m in graph.modules - {"stickslip"}}
+    found = {frozenset({m.removeprefix("stickslip.") for m in (*others, m)} - {"stickslip"}) for m, others in around.items() if others}
+    return [set(each) for each in found if len(each) > 1]
+
+
+def test_no_modules_import_one_another_but_those_that_are_named():
+    new = [found for found in circles() if found not in CIRCLES and not all(m.startswith("solvers.") for m in found)]
+    assert not new, f"these modules import one another: {new}; move what they share into a file of its own"
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    assert loaded((*HEAVY, "numpy"), "import stickslip") == []
+
+
+def test_asking_for_help_loads_neither_numpy_nor_a_compiler():
+    code = "import stickslip.cli\ntry:\n    stickslip.cli.main()\nexcept SystemExit:\n    pass"
+    assert loaded(("numpy", *HEAVY), code, "--help") == []
+
+
+# words ------------------------------------------------------------------------------------------------------------
+
+
+def public_definitions(tree):
+    """The public classes and functions of a module, and the public methods of its public classes."""
+    for node in tree.body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+            yield node
+            if isinstance(node, ast.ClassDef):
+                yield from (m for m in node.body if isinstance(m, ast.FunctionDef) and not m.name.startswith("_"))
+
+
+def is_overload(node):
+    """Whether its implementation, further down, has the docstring."""
+    return any(isinstance(d, ast.Name) and d.id == "overload" for d in node.decorator_list)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=id_of)
+def test_everything_public_has_a_docstring(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    defined = [node for node in public_definitions(tree) if not is_overload(node)]
+    missing = [f"{node.name} (line {node.lineno})" for node in defined if not ast.get_docstring(node)]
+    assert ast.get_docstring(tree) or not tree.body, f"{id_of(path)} has no module docstring"
+    assert not missing
+
+
+def public_names():
+    import stickslip as ss
+
+    return [name for name in ss.__all__ if not name.startswith("__") and not inspect.ismodule(getattr(ss, name))]
+
+
+def test_every_public_name_has_an_example_that_runs():
+    import stickslip as ss
+
+    objects = {name: getattr(ss, name) for name in public_names()} | {f"plot.{name}": getattr(ss.plot, name) for name in ss.plot.__all__}
+    owed = {
+        name: thing for name, thing in objects.items() if callable(thing) and not (inspect.isclass(thing) and issubclass(thing, Exception))
+    }
+    missing = [name for name, thing in owed.items() if ">>>" not in (inspect.getdoc(thing) or "")]
+    assert not missing, f"their docstrings have no example: {', '.join(missing)}"
+
+
+def test_every_public_name_is_on_the_api_page():
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    missing = [name for name in public_names() if not re.search(rf":: (stickslip\.)?{name}$", page, re.M)]
+    assert not missing, f"add to docs/api.md: {', '.join(missing)}"
+
+
+def test_no_module_hides_a_public_name():
+    modules = [".".join(path.relative_to(ROOT / "src").with_suffix("").parts).removesuffix(".__init__") for path in SOURCES]
+    load_all = "\n".join(f"import {module}" for module in modules if not module.endswith("__main__"))
+    modules_in_all = "\nimport inspect, stickslip as ss; print(*(n for n in ss.__all__ if inspect.ismodule(getattr(ss, n))))"
+    hidden = set(python(load_all + modules_in_all).split()) - set(python(modules_in_all).split())
+    assert not hidden, f"once every module is imported, these are modules and no longer what they were: {sorted(hidden)}"
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=id_of)
+def test_no_word_is_left_unfinished(path):
+    words = re.findall(r"\b(TODO|FIXME|XXX|NotImplementedError|import pickle|from pickle)\b", path.read_text(encoding="utf-8"))
+    assert not words

@@ -1,0 +1,143 @@
+"""Every machine at every door: it works, or it is refused with a reason; nothing else, and no silent answer about the first body."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+import stickslip as ss
+from every import Case, door_of, every_door, every_machine
+from stickslip.analysis.works import lost_at_hits
+
+PAGE = Path(__file__).parents[2] / "docs" / "which-machine.md"
+sys.path.insert(0, str(PAGE.parent / "_ext"))
+
+from which_machine import cell, kept_table, table  # noqa: E402
+
+
+@pytest.fixture(params=every_machine, scope="module")
+def case(request, tmp_path_factory):
+    return Case(request.param, *every_machine[request.param], tmp_path_factory.mktemp("every"))
+
+
+@pytest.mark.parametrize("door", every_door)
+def test_every_machine_is_taken_or_refused_with_a_reason(case, door):
+    """As the page says: a door that opens and is not in the table, or closes and is, is as wrong as an AttributeError."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = cell(door_of(door, case), case)
+    kept = kept_table(PAGE.read_text(encoding="utf-8"))
+    assert found == kept[case.name, door], "if that is meant, python docs/_ext/which_machine.py writes the page anew"
+
+
+def test_the_page_lists_every_machine_and_every_door():
+    kept = kept_table(PAGE.read_text(encoding="utf-8"))
+    assert set(kept) == {(name, door) for name in every_machine for door in every_door}
+    assert table(kept) in PAGE.read_text(encoding="utf-8")
+
+
+def test_a_list_where_parts_are_meant_says_to_write_a_tuple():
+    pair = ss.Chain.example()
+    with pytest.raises(ss.InputError, match=r"a list is no tuple, and a tuple means several parts; .* type modules=\(head, tail\)"):
+        ss.Chain(list(pair.modules), pair.link)
+    with pytest.raises(ss.InputError, match="a list is no tuple, and a tuple means several links"):
+        ss.Chain(pair.modules, [pair.link])
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [
+        ss.Chain.example(),
+        ss.Chain.example().replace({"phases.1": [0.1, 0.2, 0.3]}),
+        ss.Chain(ss.Chain.example().modules * 2, link=(ss.Spring(1.0), ss.Rigid(), ss.Spring(2.0, 0.1, 0.03))),
+        ss.Chain((ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4), ss.Chain.example().modules[0]), link=ss.Rigid()),
+    ],
+)  # fmt: skip
+def test_chains_come_back_from_their_files(chain):
+    assert ss.Chain.from_toml(chain.to_toml()) == chain
+    assert chain.to_toml().startswith('[mechanism]\nkind = "chain"')
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('kind = "spring"', 'kind = "springy"', "mechanism.link.kind = 'springy'; did you mean 'spring'"),
+        ("body_mass", "body_mas", "mechanism.modules.0.body_mas is not known; did you mean 'body_mass'"),
+        ("[mechanism.link]", "[mechanism.lonk]", r"\[mechanism.link\] is missing or no table"),
+        ("stiffness = 1200.0", "stiffness = -1.0", "mechanism.link.stiffness = -1.0; allowed is zero or more"),
+    ],
+)
+def test_what_is_wrong_with_a_chain_in_a_file_is_said(old, new, said):
+    with pytest.raises(ss.InputError, match=said):
+        ss.Chain.from_toml(ss.Chain.example().to_toml().replace(old, new))
+
+
+def test_a_run_of_a_machine_of_ones_own_asks_for_its_class(tmp_path):
+    tow = every_machine["a machine of your own"][0]
+    path = ss.solve(tow, periods=4).save(tmp_path / "run.nc")
+    with pytest.raises(ss.InputError, match=r"the machine Tow, which is not part of stickslip; .* type ss.load\(path, machines=\[Tow\]\)"):
+        ss.load(path)
+    assert ss.load(path, machines=[type(tow)]).model == tow
+
+
+def test_equal_modules_move_as_one_of_them_alone():
+    """Each contact of a chain in phase is the contact of one robot: same pattern, same margin, by other code for the forces."""
+    robot = every_machine["Robot"][0]
+    chain = ss.motion(ss.solve(ss.Chain((robot, robot), ss.Spring(1200.0, 0.4)), periods=60))
+    alone = ss.motion(ss.solve(robot, periods=60))
+    for each in chain.contacts.values():
+        assert (each.type, each.pattern, each.period, each.direction) == (alone.type, alone.pattern, alone.period, alone.direction)
+        assert each.margin == pytest.approx(alone.margin, rel=1e-9) and each.stick_fraction == pytest.approx(alone.stick_fraction, rel=1e-9)
+    with pytest.raises(AttributeError, match=r"no type as a whole; type motion.contacts\[name\].type"):
+        chain.type  # noqa: B018
+
+
+def test_contacts_that_never_move_are_anchored():
+    robot = every_machine["Robot"][0]
+    run = ss.solve(ss.Chain((robot, robot.replace(body_mass=3.0)), ss.Spring(1200.0, 0.4)), periods=60)
+    m = ss.motion(run)
+    assert m.anchored == ("module 2",) and m.contacts["module 2"].type == "rest"
+    assert not run.contacts["module 2"].mode.any()
+
+
+def test_bodies_that_drift_apart_are_noted():
+    robot = every_machine["Robot"][0]
+    apart = ss.solve(ss.Chain((robot, robot.replace(body_mass=3.0)), ss.Spring(0.0)), periods=60)
+    assert any("module 1 and module 2 drift apart" in note for note in apart.notes)
+    together = ss.solve(ss.Chain((robot, robot), ss.Spring(1200.0, 0.4)), periods=60)
+    assert not any("drift" in note for note in together.notes)
+
+
+def test_energy_of_several_bodies_is_balanced_to_rounding():
+    """Friction, dampers, an elastic stop, a moving belt and hits: each period's balance closes as it does for one robot."""
+    from dataclasses import dataclass
+
+    from every import DRY, Capsule
+
+    @dataclass(frozen=True, eq=False)
+    class OnBelt(Capsule):
+        def contacts(self):
+            return {"capsule": ss.Contact("capsule", self.friction, load=1.5, on=0.05)}
+
+        def stops(self):
+            return {("hammer", "capsule"): ss.Stop(gap=self.gap, restitution=0.4)}
+
+    soft, hits = (ss.solve(cls(300.0, DRY), periods=30) for cls in (Capsule, OnBelt))
+    assert ss.energy(soft).damping[-1] > 0.1 * ss.energy(soft).friction[-1]
+    lost = [loss for _, loss, _ in lost_at_hits(hits, hits.model.mechanics)]
+    assert max(lost) > 1e-3 * ss.energy(hits).drive[-1]
+    assert max(ss.energy(run).worst for run in (soft, hits)) < 1e-10  # exact runs: rounding of some hundred steps in a period
+
+
+def test_columns_of_one_contact_are_asked_of_several_in_vain():
+    many = ss.solve(ss.Chain.example().replace({"phases.1": [0.5, 1.0]}), periods=12)
+    with pytest.raises(AttributeError, match="it is of one body on one contact, and a Chain lists several; there are mean_vel"):
+        many.drive_power  # noqa: B018
+    with pytest.raises(AttributeError, match="it is of stops, and this Chain has none; there are mean_vel"):
+        many.hits  # noqa: B018
+    grid = ss.map(ss.Chain.example(), **{"phases.1": [0.5, 1.0], "link.stiffness": [500.0, 1200.0]}, periods=12)
+    with pytest.raises(ss.InputError, match=r"the dataset has motion_type of each contact \(module 1, module 2\); choose one"):
+        ss.plot.motion_map(grid)
