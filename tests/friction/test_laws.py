@@ -20,7 +20,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import at_rest
 from stickslip.fields import leaves
 from stickslip.forces import inner_start
 from stickslip.friction.adapter import adapted, mirrored
-from stickslip.identifying.driven import driven_force
+from stickslip.identifying.law_forces import driven_force
 from stickslip.identifying.motions import Motion
 from stickslip.maths import asinh, exp, log, where
 from stickslip.testing import Claim, LawReport, check_law

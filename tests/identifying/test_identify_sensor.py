@@ -10,9 +10,9 @@ import pytest
 import stickslip as ss
 from stickslip.errors import InputError
 from stickslip.friction.adapter import adapted
-from stickslip.identifying.driven import _at_once, _step_by_step, driven_force
 from stickslip.identifying.effects import EFFECTS
 from stickslip.identifying.fitting import problem_of
+from stickslip.identifying.law_forces import _at_once, _step_by_step, driven_force
 from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.problems import SteadyProblem
 from stickslip.identifying.search import polished

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.friction.adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
-from stickslip.identifying.driven import Stepped, law_force
+from stickslip.identifying.law_forces import Stepped, law_force
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 from stickslip.units import quantity_of

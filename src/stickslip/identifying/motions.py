@@ -11,6 +11,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.identifying.clocks import together
+from stickslip.identifying.law_forces import driven_force
 from stickslip.identifying.weighting import weights_at
 from stickslip.sealing import sealed
 
@@ -115,8 +116,6 @@ class Motion:
 
         A contact that is held is pushed to the side, and after each gap it comes from where that force is least or greatest.
         """
-        from stickslip.identifying.driven import driven_force  # which needs this module
-
         bridged, own = self.bridged(side)
         return driven_force(law, bridged, cases, reading, side * _PUSH * float(np.max(self.load)))[own]
 

@@ -1,0 +1,146 @@
+"""Friction forces of a law over a prescribed motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.friction.adapter import LawAdapter, adapted
+
+if TYPE_CHECKING:
+    from stickslip.identifying.motions import Motion
+
+__all__ = ["Stepped", "driven_force", "law_force"]
+
+_NUDGE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """Instants [s], and the mean slip velocity over the interval that ends at each [m/s]."""
+
+    t: Any
+    v: Any
+
+
+def driven_force(law: Any, motion: Motion, cases: int = 1, reading: dict[str, Any] | None = None, applied: float | None = None) -> Any:
+    """Friction force of a law at every sample of a motion: array (samples, cases) [N].
+
+    Between samples the velocity is constant. Inner states follow by exponential steps, which are exact where their rate is linear in
+    them; a law's discrete memory is switched at the end of a step. A law that holds a body (a set-valued one at rest, Karnopp's in its
+    band) gives there `applied`, within its break-away, or whatever was measured where that is None; `reading` may have a preload.
+    """
+    known, reading = adapted(law), reading or {}
+    load = np.add.outer(motion.load, reading.get("preload", np.zeros(1)))
+    return law_force(known, motion, load, (motion.force if applied is None else np.full(len(motion.t), applied))[:, None], cases)
+
+
+def law_force(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+    """The same from loads and from what would be borne at rest: columns [N]."""
+    if not known.dynamic:
+        return _set_valued(known, motion.v[:, None], load, measured, cases)
+    found = None if known.modes or known.random else _at_once(known, motion, load, measured, cases)
+    return _step_by_step(known, motion, load, measured, cases) if found is None else found
+
+
+def _step_by_step(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+    out = np.empty((len(motion.t), cases))
+    z = _wide(known.start(load[0]), cases)
+    mode = tuple(np.zeros(cases) for _ in range(known.modes))
+    nudge = _nudges(known, load.mean(axis=0), cases)
+    steps, side = np.diff(motion.t, prepend=motion.t[0]), 0.0
+    one = load.shape[1] == 1
+    columns = motion.v.tolist(), load[:, 0].tolist() if one else load, steps.tolist(), measured
+    for k, (v, N, h, given) in enumerate(zip(*columns, strict=True)):
+        if mode and v * side < 0:
+            z, mode = _switched(known, 0.0, N, z, mode, came=side)
+        side = v or side
+        z, mode = _stepped(known, v, N, h, z, mode, nudge)
+        out[k] = known.response(v, tuple(z), N, mode, given)[0]
+    return out
+
+
+def _at_once(known: LawAdapter, motion: Motion | Stepped, load: Any, measured: Any, cases: int) -> Any:
+    """The same for a law whose inner states have rates linear in them, each in its own, all samples together; None where they have not."""
+    v, h = motion.v[:, None], np.diff(motion.t, prepend=motion.t[0])[:, None]
+    states, count = known.states, len(motion.t)
+    try:
+        typical = _nudges(known, load.mean(axis=0), cases) / _NUDGE
+        rates = [_rates(known, v, part[:, None] * typical, load, (count, cases)) for part in _PARTS[:, :1] * np.ones(states)]
+        slope = (rates[1] - rates[0]) / (_PARTS[1, 0] * typical[:, None])
+        uneven = _PARTS[2, np.arange(states) % _PARTS.shape[1]][:, None] * typical
+        there = _rates(known, v, uneven, load, (count, cases))
+    except (ValueError, TypeError):  # a law that takes one velocity at a time
+        return None
+    told = rates[0] + slope * uneven[:, None]
+    if not (abs(there - told) <= 1e-9 * (abs(rates[0]) + abs(slope * uneven[:, None]))).all():
+        return None
+    return _recurrent(known, v, h, rates[0], slope, load, measured)
+
+
+#: Inner states at which rates are looked at, in typical sizes: none, all alike, each its own.
+_PARTS = np.array([[0.0, 0.0, 0.0, 0.0, 0.0], [0.7, 0.7, 0.7, 0.7, 0.7], [-0.41, 0.63, 0.29, -0.83, 0.57]])
+
+
+def _rates(known: LawAdapter, v: Any, z: Any, load: Any, shape: tuple[int, ...]) -> Any:
+    """Rates of the inner states at all samples: array (states, samples, cases)."""
+    parts = known.rate(v, tuple(np.broadcast_to(each, shape) for each in z), load)
+    return np.array([np.broadcast_to(part, shape) for part in parts], float).reshape(known.states, *shape)
+
+
+def _recurrent(known: LawAdapter, v: Any, h: Any, rate: Any, slope: Any, load: Any, measured: Any) -> Any:
+    """Forces where z after a step is A z + B."""
+    moves = (v != 0) & (h > 0)
+    a = np.minimum(slope * h, 30.0)
+    part = h * np.where(abs(a) < 1e-8, 1.0, np.expm1(a) / np.where(abs(a) < 1e-8, 1.0, a))
+    A, B = np.where(moves, 1.0 + part * slope, 1.0), np.where(moves, part * rate, 0.0)
+    states, count, cases = rate.shape
+    z, path = _wide(known.start(load[0]), cases), np.empty_like(rate)
+    for k in range(count if states else 0):
+        z = A[:, k] * z + B[:, k]
+        path[:, k] = z
+    return np.broadcast_to(known.response(v, tuple(path), load, (), measured)[0], (count, cases)) + 0.0
+
+
+def _nudges(law: LawAdapter, load: Any, cases: int) -> Any:
+    """Small steps of the inner states: array (states, cases)."""
+    typical = law.scale(load)
+    return _NUDGE * abs(_wide((1e-6,) * law.states if typical is None else typical, cases))
+
+
+def _wide(parts: tuple[Any, ...], cases: int) -> Any:
+    """A number, or one for each case, of each inner state: array (states, cases)."""
+    return np.array([np.broadcast_to(part, cases) for part in parts], float).reshape(len(parts), cases)
+
+
+def _stepped(law: LawAdapter, v: float, N: Any, h: float, z: Any, mode: Any, nudge: Any) -> tuple[Any, Any]:
+    """Inner states and memory after a step of length h at constant velocity."""
+    if v != 0 and h > 0 and z.size:
+        f, ahead = (_wide(law.rate(v, tuple(at), N, mode), z.shape[1]) for at in (z, z + nudge))
+        slope = (ahead - f) / nudge
+        a = np.minimum(slope * h, 30.0)
+        small = abs(a) < 1e-8
+        z = z + h * f * np.where(small, 1.0, np.expm1(a) / np.where(small, 1.0, a))
+    return _switched(law, v, N, z, mode) if mode else (z, mode)
+
+
+def _switched(law: LawAdapter, v: float, N: Any, z: Any, mode: Any, came: float | None = None) -> tuple[Any, Any]:
+    """The memory after every switch whose guard has fallen; where v passes zero, every one that falls only there."""
+    before = None if came is None else [guard for guard, _, _ in law.switches(came, tuple(z), N, mode)]
+    for i, (guard, new_mode, new_z) in enumerate(law.switches(v, tuple(z), N, mode)):
+        fallen = np.asarray(guard) <= 0
+        if before is not None:
+            fallen = fallen & (np.asarray(before[i]) > 0)
+        mode = tuple(np.where(fallen, new, old) for new, old in zip(new_mode, mode, strict=True))
+        if new_z is not None:
+            z = np.where(fallen, _wide(new_z, z.shape[1]), z)
+    return z, mode
+
+
+def _set_valued(law: LawAdapter, v: Any, N: Any, F: Any, cases: int) -> Any:
+    moving = v != 0
+    sliding = np.broadcast_to(law.sliding(np.where(moving, v, 1.0), N), (len(v), cases))
+    backward, forward = law.breakaway(N)
+    return np.where(moving, sliding, np.clip(F, backward, forward))
