@@ -134,6 +134,7 @@ COVERING = [
     ("dop853", "sum", "threephase", "downhill"),
     ("dop853", "bristle", "harmonic", "level"),
     ("rodas4", "lugre", "verticalvibration", "level"),
+    ("taylor", "lugre", "harmonic", "downhill"),
     ("rodas5p", "dahl", "harmonic", "varying"),
     ("radau", "dahl", "verticalvibration", "level"),
     ("lsoda", "lugre", "multiharmonic", "varying"),

@@ -37,8 +37,9 @@ ss.sweep(ss.presets.piezo_rig, **axes, out=sys.argv[1], resume=True, workers=int
 
 
 def files(folder):
-    """Every file of a study but its manifest (which has the time it was begun), as bytes."""
-    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in Path(folder).rglob("*") if p.is_file() and p.name != "manifest.json"}
+    """Every file of a study as bytes, but its manifest (which has the time it was begun) and the command that began it."""
+    own = ("manifest.json", "command.json")
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in Path(folder).rglob("*") if p.is_file() and p.name not in own}
 
 
 @pytest.fixture(scope="module")
