@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,22 @@ def joint(law: str, d: Draw) -> Any:
     torque = _torque(d, inertia, swing) if d.choice.random() < 0.5 else None
     own = {"torque": torque} if torque is not None else {}
     hanging = {"gravity_torque": 0.2 * d.uniform(0.0, 1.0), "load_gain": d.uniform(0.0, 2.0)} if d.choice.random() < 0.4 else {}
-    return ss.Joint(inertia=inertia, friction=rubs, control=control, angle=d.uniform(-0.5, 0.5), **own, **hanging, **_gear(d))
+    angle, gear = d.uniform(-0.5, 0.5), _gear(d)
+    if gear:
+        control, gear = _stable(inertia, control, gear)
+    return ss.Joint(inertia=inertia, friction=rubs, control=control, angle=angle, **own, **hanging, **gear)
+
+
+def _stable(inertia: Any, control: Any, gear: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Gains for all that turns, and a gear damped enough for feedback from its far end, or the linear loop would grow without bounds.
+
+    Without kp and ki Routh's condition is J d (J k + d kd) > Jm Jl k kd, with J = Jm + Jl; twice what that asks for is given.
+    """
+    motor = gear["motor_inertia"]
+    whole = inertia + motor
+    control = replace(control, **{name: getattr(control, name) * whole / inertia for name in ("kp", "ki", "kd")})
+    least = 2 * inertia * motor * control.kd / whole**2 if control.feedback == "joint" else 0.0
+    return control, gear | {"gear_damping": gear["gear_damping"] + least}
 
 
 def _control(d: Draw, inertia: Any, swing: Any, sample: float | None) -> Any:

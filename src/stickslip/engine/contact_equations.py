@@ -120,17 +120,19 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
     pull = -(m.accelerations({i: backward}, {j: still})[j] - held)
     graph.assumed.clear()
 
-    rest = graph.select(push, one, graph.select(pull, -one, zero))
-    stopped, first, flight = rest, rest, add_flight(parts, i) if law.flies else None
+    holds = any(m.lift(limit) is not zero for limit in (backward, forward))  # else a slip that falls to zero goes on to the other side
+    rest = graph.select(push, one, graph.select(pull, -one, zero if holds else one))
+    stopped = rest if holds else -mode
+    first, flight = rest, add_flight(parts, i) if law.flies else None
     if flight is not None:
         add_take_off_and_landing(parts, i, flight, rest, still, held)
-        stopped = graph.select(flight.aloft, -mode, rest)
+        stopped = graph.select(flight.aloft, -mode, stopped)
         first = graph.select(flight.first, side_in_flight(parts, i, held), rest)
     near = zero if owned else _NEAR * m.lift(m.machine.velocity_scale)
     parts.events += [
         (graph.by_side(mode, slip + near, near - slip, one), {place: stopped}, {j: still}, 0),
-        (graph.by_side(mode, one, one, -push), {place: one}, {}, 0),
-        (graph.by_side(mode, one, one, -pull), {place: -one}, {}, 0),
+        (graph.by_side(mode, one, one, -push if holds else one), {place: one}, {}, 0),
+        (graph.by_side(mode, one, one, -pull if holds else one), {place: -one}, {}, 0),
     ]
     parts.first_modes[place] = graph.by_side(slip, one, -one, first)
     moved = graph.by_side(mode, sliding[0], sliding[1], held)

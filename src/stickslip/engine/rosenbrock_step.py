@@ -69,7 +69,7 @@ class _StepWriter(EventWriter):
         self.slips = {c.guard: c.state for c in eq.contacts if c.guard is not None and c.state is not None}
         self.degree = len(tableau.dense) + 1
         self.dt = "_hh"
-        self.extended = set[int]()
+        self.extended, self.falls = set[int](), dict[str, str]()
         news = [new for switch in eq.switches.values() for new in (*switch.modes, *switch.states) if new is not None]
         creeps = [node for c in eq.contacts if c.creep_velocity is not None for node in (c.creep_velocity, c.slip, c.least)]
         roots = [*eq.f, *(j for row in eq.jacobian for j in row), *eq.by_time, *eq.guards, *eq.guard_rates, *news, *creeps]

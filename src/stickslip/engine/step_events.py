@@ -6,13 +6,17 @@ or, if it began on the wrong side, the flag flips and the step is done again.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
+from stickslip.engine.graphs import Along
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import System
 from stickslip.engine.write import Writer, horner
 
 __all__ = ["EventWriter"]
+
+_FALLS = 1.2  # steps in which a guard that falls as it begins would be at zero, if it may be there and back within one
 
 
 class EventWriter:
@@ -31,6 +35,7 @@ class EventWriter:
     slips: dict[int, int]  # guards that are the slip of a contact -> the state that is that slip
     scale_v: str
     extended: set[int]  # states whose dense output is written
+    falls: dict[str, str]  # rate of a guard -> how far it falls in a step, and a little more
     _extend: Any  # writes that of a state
     _bind: Any  # names for time and states -> names for everything that an expression depends on
 
@@ -59,8 +64,9 @@ class EventWriter:
             end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
             w.line("_g0s", f"{self.guard_start[0]} * _b0")
             w.line("_g0e", f"{w.value(self.eq.guards[0], end)} * _b0")
-            w.line("_te", "1.0")
-            w.line("_ge", "1.0 * _g0e")
+            self._sag(0, "_tiny")
+            w.line("_te", "1.0 * _te0")
+            w.line("_ge", "1.0 * _ge0")
         else:
             w.line("_g0s", f"_y{state} * _b0")
             w.line("_g0e", f"_n{state} * _b0")
@@ -145,6 +151,53 @@ class EventWriter:
         w.line(f"_te{suffix}", "_tx if _dip else 1.0")
         w.line(f"_ge{suffix}", f"_low if _dip else {end}")
 
+    @cached_property
+    def _rates(self) -> dict[int, Sym]:
+        """How guards that are no state change: expressions of the slopes of the states, by number of the guard."""
+        graph, zero = self.eq.graph, self.eq.graph.constant(0.0)
+        flow = Along(graph, {y.name: graph.variable(f"slope of {y.name}") for y in self.eq.y} | {self.eq.t.name: graph.constant(1.0)})
+        rates = {k: flow.of(guard) for k, guard in enumerate(self.eq.guards) if k not in self.slips}
+        return {k: rate for k, rate in rates.items() if rate is not zero}
+
+    def _on_step(self, theta: str, node: Sym) -> str:
+        """An expression of time, states and their slopes at a place of the dense output."""
+        w, wanted = self.w, self.eq.graph.varies(node)
+        there = self._bind(
+            w.line(w.fresh(), f"fma({theta}, _hh, _t)"),
+            [w.line(w.fresh(), self._at(f"_k{i}", theta)) if y.name in wanted else "0.0" for i, y in enumerate(self.eq.y)],
+        )
+        slopes = {f"slope of {y.name}": self._rate_at(f"_k{i}", theta) for i, y in enumerate(self.eq.y)}
+        there |= {name: w.line(w.fresh(), f"({slope}) * _ih") for name, slope in slopes.items() if name in wanted}
+        return w.value(node, there)
+
+    def _sag(self, k: int, noise: str) -> None:
+        """Where a guard that is no state is least in the step: _te<k> and _ge<k>, at its end, or at a minimum within, if that is negative.
+
+        It is looked for where the guard falls so fast at the start that it would be gone by the end, and is not: at the minimum of the
+        cubic that has its values and rates at both ends, which one Newton step moves to that of the dense output.
+        """
+        w, guard, rate = self.w, self.eq.guards[k], self._rates.get(k)
+        w.line(f"_te{k}", "1.0")
+        w.line(f"_ge{k}", f"1.0 * _g{k}e")
+        if rate is None:
+            return
+        if self.guard_rate[k] not in self.falls:
+            self.falls[self.guard_rate[k]] = w.line(w.fresh(), f"{_FALLS} * _hh * {self.guard_rate[k]}")
+        w.line("_dip", f"fma({self.falls[self.guard_rate[k]]}, _b{k}, _g{k}s) < 0.0 and _g{k}e >= {noise}")
+        w.begin("if _dip")
+        w.line("_d0", f"{self.guard_rate[k]} * _hh * _b{k}")
+        w.line("_d1", f"{self._on_step('1.0', rate)} * _hh * _b{k}")
+        w.line("_rise", f"_g{k}e - _g{k}s")
+        w.line("_bend", "3.0 * _rise - 2.0 * _d0 - _d1")
+        w.line("_root", "math.sqrt(abs(fma(_bend, _bend, -3.0 * (_d0 + _d1 - 2.0 * _rise) * _d0)))")
+        w.line("_tx", "-_d0 / (_bend + _root)")
+        w.line("_tx", f"_tx - 0.5 * {self._on_step('_tx', rate)} * _b{k} * _hh / _root")
+        w.line("_low", f"{self._on_step('_tx', guard)} * _b{k}")
+        w.line("_dip", f"_dip and _g{k}s > 0.0 and _d1 > 0.0 and _tx > 0.0 and _tx < 1.0 and _low < {noise}")
+        w.line(f"_te{k}", f"_tx if _dip else _te{k}")
+        w.line(f"_ge{k}", f"_low if _dip else _ge{k}")
+        w.end()
+
     def _begins_at_zero(self, k: int, near: str) -> str:
         """Whether a guard is at its zero where the step begins: it has just flipped there, and is no farther than its event is located.
 
@@ -162,12 +215,14 @@ class EventWriter:
         w.line(f"_g{k}s", f"{self.guard_start[k]} * _b{k}")
         w.line(f"_g{k}e", f"{w.value(guard, end)} * _b{k}")
         w.line(f"_size{k}", self._size(guard, end))
+        least, at = f"_ge{k}", f"_te{k}"
         if state is None:
-            least, at, near = f"_g{k}e", "1.0", f"1e-6 * _size{k}"
+            near = f"1e-6 * _size{k}"
             w.line("_noise", f"-1e-11 * _size{k}" if guard.op in ("add", "subtract", "select", "sin", "cos") else "0.0")
+            self._sag(k, "_noise")
         else:
+            near = "-1e4 * _tiny"
             self._dip(state, f"_b{k}", f"_g{k}e", str(k))
-            least, at, near = f"_ge{k}", f"_te{k}", "-1e4 * _tiny"
             w.line("_noise", "1.0 * _tiny")
         # far on the wrong side, a flag that has just flipped itself was moved by the flip of another
         if state is None and k < self.eq.signs:  # held where its event was located, its guard is off zero by what that left over
@@ -177,8 +232,7 @@ class EventWriter:
         w.line(f"_out{k}", f"{least} < _noise")
         w.line(f"_cr{k}", f"_out{k} or _late")
         w.line(f"_gp{k}", f"_g{k}s if _g{k}s > 0.0 else 0.0")
-        reached = f"_gp{k} / (_gp{k} - {least} if _out{k} else 1.0)"
-        w.line(f"_th{k}", reached if state is None else f"{at} * {reached}")
+        w.line(f"_th{k}", f"{at} * _gp{k} / (_gp{k} - {least} if _out{k} else 1.0)")
         w.line("_first", f"_cr{k} and (not _cr or _th{k} < _th)")
         w.line("_pre", f"({self._begins_at_zero(k, near)}) if _first else _pre")
         w.line("_wrong", f"(_late or {self._leaves(self.guard_rate[k], f'_b{k}', f'_out{k}')}) if _first else _wrong")

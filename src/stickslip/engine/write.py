@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from stickslip.engine.lines import Lines, literal
 from stickslip.engine.symbols import CASE, STATE, Sym
@@ -65,15 +66,19 @@ class Writer(Lines):
         self.case_nodes: list[Sym] = []  # expressions of the case's numbers, computed once per case
         self._uses: dict[int, int] = {}
         self._depth: dict[int, int] = {}
+        self._outside: list[dict[Any, str]] = []  # what was written before each part that was begun
 
     def begin(self, head: str) -> None:
         """What follows is within a loop, ``for m in range(1, 17)``, or, for kernels of one lane, a condition, ``if _a > 0.0``."""
         self.lines.append(f"{self.indent}{head}:")
         self.indent += "    "
+        self._outside.append(dict(self._known))
 
     def end(self) -> None:
-        """End of the innermost part that was begun, if there is one."""
+        """End of the innermost part that was begun, if there is one; what was written there first is written again where it is needed."""
         self.indent = self.indent[:-4]
+        if self._outside:
+            self._known = self._outside.pop()
 
     def count_uses(self, roots: Iterable[Sym]) -> None:
         """Note how often each node is used, so that a product used once can be fused."""
