@@ -110,9 +110,7 @@ class Bench:
         inertial = np.broadcast_to(m.masses[0] * (self.acceleration[:, None] - self._mean(free, cases)), (self.count, cases))
         if not m.contacts:
             return inertial / factor
-        push = (
-            side * np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
-        )
+        push = side * np.sign(factor) * _PUSH * (np.max(abs(self.y)) * abs(factor) + np.max(abs(inertial)))
         return (inertial + self._friction(m, np.broadcast_to(push, inertial.shape), cases)) / factor
 
     @property
