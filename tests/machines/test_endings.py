@@ -137,3 +137,18 @@ def test_hits_that_turn_a_slip_round_end_a_step_once():
     coarse, fine = (ss.solve(many, duration=0.2, rtol=rtol, start=start, keep="summary") for rtol in (1e-6, 1e-7))
     assert coarse.status_counts == fine.status_counts == {"finished": 100}
     assert np.median(abs(coarse.displacement - fine.displacement)) < 1e-6 * 0.2 * 0.2  # of the way at the largest velocity
+
+
+def test_several_contacts_that_are_lost_at_one_instant_are_all_told():
+    """Both inner masses lift at once: N = (M + m) g - m B w^2 sin(w t) is zero at arcsin((M + m) g/(m B w^2))/w."""
+    M, m, B, omega = 0.06, 0.01, 3e-3, 200.0
+    drive = ss.VerticalVibration(ss.Harmonic(amplitude=5e-4, omega=omega), amplitude=B)
+    module = ss.Robot(body_mass=M, inner_mass=m, drive=drive, friction=ss.Coulomb(0.15, 0.25))
+    pair = ss.Chain((module, module), link=ss.Spring(stiffness=100.0))
+    run = ss.solve(pair, periods=20)
+    lost = [event.t for event in run.events if event.kind == "contact lost"]
+    assert lost == pytest.approx([np.arcsin((M + m) * 9.81 / (m * B * omega**2)) / omega] * 2, rel=1e-12)
+    assert "contact lost" in str(run.status)
+    held = module.replace({"drive.amplitude": np.array([B, 1e-4])})
+    many = ss.solve(ss.Chain((held, held), link=ss.Spring(stiffness=100.0)), periods=20, keep="summary")
+    assert many.status_counts == {"contact lost: the load fell to zero": 1, "finished": 1}
