@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sphinx.application import Sphinx
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 FOLDER = "_downloads/notebooks"
 _CODE = re.compile(r"^```(?:python|\{drawn\}[^\n]*)\n(?P<code>.*?)^```$", re.M | re.S)

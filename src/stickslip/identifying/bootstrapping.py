@@ -83,7 +83,8 @@ def _stepped(fit: Fit, problems: list[Any], pool: ThreadPoolExecutor) -> tuple[A
         cost = np.sum(rests**2, axis=1)
         falls = cost <= costs[open_ones] * (1 + 1e-9)
         costs[open_ones] = cost
-        moved = np.clip(places[open_ones] - rests @ inverse.T, low, high)
+        steps = np.array([inverse @ rest.copy() for rest in rests])  # one by one: sums do not depend on how many there are
+        moved = np.clip(places[open_ones] - steps, low, high)
         step = moved - places[open_ones]
         near = np.linalg.norm(step @ fit.jacobian.T, axis=1) <= _NEAR * fit.scale
         done = falls & near & (abs(step) <= small).all(axis=1)
