@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.arguments import explains_arguments
 from stickslip.batch import shape_of, some_of
 from stickslip.dynamics.derivatives.sensitivity import directions_of, seeds_of
-from stickslip.dynamics.derivatives.tangents import creeps, not_followed
+from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.periodic.steady_motions import Closing, Settled, settled
 from stickslip.dynamics.stroboscopic.chunks import parts_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
@@ -108,7 +108,7 @@ def _first_of(model: Any) -> Any:
 
 def _checked(first: Any, at: Coordinates, asked: dict[str, Derived]) -> list[list[str]]:
     """The names of columns, those of one quantity together; `InputError` for what has no derivative."""
-    if why := not_followed(first) or ("its friction turns over within velocities of creep" if creeps(first) else ""):
+    if why := not_followed(first):
         raise InputError("derivative", [f"small changes are not followed along the motion of this {type(first).__name__}, as {why}"])
     if first.period is None:
         raise InputError("derivative", [f"{type(first).__name__} has no period; allowed are machines with a drive, such as a Robot"])

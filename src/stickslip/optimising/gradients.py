@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import labels_of, spread
 from stickslip.dynamics.derivatives.sensitivity import directions_of, notes_of, seeds_of
-from stickslip.dynamics.derivatives.tangents import creeps, has_corners_of, not_followed
+from stickslip.dynamics.derivatives.tangents import has_corners_of, not_followed
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
 from stickslip.dynamics.periodic.steady_motions import Closed, Closing, settled
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, at_rest, coordinates, spread_over, strobe_map
@@ -116,7 +116,7 @@ def gradient(
     moved = directions_of("gradient", model, wrt)
     if model.period is None:
         raise InputError("gradient", [f"{type(model).__name__} has no period; allowed are machines with a drive, such as a Robot"])
-    if not_followed(model) or creeps(model):
+    if not_followed(model):
         return _by_differences(_orbit_of_runs(model), of, moved)
     at, seeds = coordinates(model), seeds_of(moved)
     exact = exactly(of, model, at, seeds, len(moved))

@@ -23,7 +23,7 @@ from stickslip.sealing import sealed
 from stickslip.status import Status
 
 __all__ = [
-    "Changes", "Follower", "changes_along", "creeps", "has_corners_of", "jacobian_of", "jacobians_of", "means_named", "not_followed",
+    "Changes", "Follower", "changes_along", "has_corners_of", "jacobian_of", "jacobians_of", "means_named", "not_followed",
     "orders_differ",
 ]  # fmt: skip
 
@@ -249,13 +249,15 @@ def has_corners_of(model: Any) -> bool:
 
 
 def not_followed(model: Any) -> str:
-    """Why changes are not followed along the runs of a model; "" where they are."""
-    return "" if all(law.compiles for law in machine_of(model).laws) else "a law is written for plain numbers only"
+    """Why changes are not followed along the runs of a model; "" where they are.
 
-
-def creeps(model: Any) -> bool:
-    """Whether contacts turn over within velocities in which changes go on faster than time has digits: there they are not followed."""
-    return any(law.creep_velocity((0.0,) * law.states, 1.0) is not None for law in machine_of(model).laws)
+    A contact that creeps turns over within velocities in which changes go on faster than time has digits.
+    """
+    laws = machine_of(model).laws
+    if not all(law.compiles for law in laws):
+        return "a law is written for plain numbers only"
+    creep = any(law.creep_velocity((0.0,) * law.states, 1.0) is not None for law in laws)
+    return "its friction turns over within velocities of creep" if creep else ""
 
 
 def orders_differ(model: Any, state: Array, periods: int = 1, rtol: float = 1e-12, tolerance: float = 1e-6) -> bool:
