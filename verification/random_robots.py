@@ -32,7 +32,7 @@ import numpy as np
 import stickslip as ss
 from stickslip.batch import rows_of
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.friction.adapter import TINY
+from stickslip.friction.law_adapter import TINY
 from stickslip.mechanics import Mechanics
 
 __all__ = ["columns_of_parts", "held_by_controllers"]

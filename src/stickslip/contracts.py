@@ -11,7 +11,7 @@ __all__ = ["BalancingLaw", "Drive", "DynamicLaw", "Law", "Machine", "SetValuedLa
 
 
 class SetValuedLaw(Protocol):
-    """A law that may hold a body at rest; read through `stickslip.friction.adapter`, which knows what else it may say."""
+    """A law that may hold a body at rest; read through `stickslip.friction.law_adapter`, which knows what else it may say."""
 
     def sliding(self, v: Any, load: Any) -> Any:
         """Friction force [N] at a slip velocity v [m/s] that is not zero."""

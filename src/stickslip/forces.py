@@ -11,7 +11,7 @@ from stickslip.batch import flat, labels_of
 from stickslip.contact_forces import columns_of_parts
 from stickslip.errors import InputError, Problems
 from stickslip.fields import is_array, leaves
-from stickslip.friction.adapter import TINY, adapted, is_law, law_of
+from stickslip.friction.law_adapter import TINY, adapted, is_law, law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 

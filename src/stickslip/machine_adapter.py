@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.contracts import Drive, Machine, Track
-from stickslip.drives.adapter import drive_of, lacking, unlikely
+from stickslip.drives.drive_adapter import drive_of, lacking, unlikely
 from stickslip.fields import is_record
-from stickslip.friction.adapter import LawAdapter
+from stickslip.friction.law_adapter import LawAdapter
 from stickslip.layout import of_principal
 from stickslip.mechanics import Mechanics, OneBody, declares_parts, parts_of
 

@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.arguments import Model, explains_arguments
 from stickslip.drives.turned import Reversed
 from stickslip.errors import InputError
-from stickslip.friction.adapter import law_of, mirrored as mirrored_law
+from stickslip.friction.law_adapter import law_of, mirrored as mirrored_law
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.track_profiles import mirrored_track

@@ -8,13 +8,13 @@ from typing import Any
 
 from stickslip.arguments import explains_arguments
 from stickslip.batch import check_shape, shape_of
-from stickslip.drives.adapter import NEEDS, drive_of, lacking, needs_of
+from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking, needs_of
 from stickslip.drives.force import FORCE_NEEDS
 from stickslip.drives.together import Together, common_cycles
 from stickslip.errors import Problems
 from stickslip.fields import Frozen, leaves
 from stickslip.forces import check_law
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.quantities import BODY_MASS, GRAVITY, INNER_MASS
 from stickslip.tables import from_toml, record_html, to_toml
 from stickslip.track_profiles import place_grip_of

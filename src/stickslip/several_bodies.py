@@ -7,7 +7,7 @@ from typing import Any
 
 from stickslip.controllers import Controllers
 from stickslip.fields import Frozen
-from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.maths import maximum, pi, sqrt
 from stickslip.mechanics import Mechanics, Numbers, signed_less
 

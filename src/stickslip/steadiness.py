@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip import recurrence
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load

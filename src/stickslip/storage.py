@@ -24,7 +24,7 @@ from stickslip.datasets import attributes, dims_of, flat_columns, headed, names_
 from stickslip.dense_output import kind_of, pieces_from_arrays
 from stickslip.errors import InputError, as_path, is_one_of
 from stickslip.friction import LAWS, Coulomb
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.jsontext import plain
 from stickslip.layout import StateLayout
 from stickslip.mechanics import lists_parts

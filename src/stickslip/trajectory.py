@@ -15,7 +15,7 @@ from stickslip.dense_output import HarmonicArcs, Pieces, PolynomialPieces, inner
 from stickslip.errors import InputError
 from stickslip.events import Event, aloft_of, events_of, flights_of, hits_of, nodes_at
 from stickslip.faces import Drawn
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
 from stickslip.part_notes import shared_at_rest

@@ -16,7 +16,7 @@ from stickslip.benching.contact import Contact, steady
 from stickslip.benching.probe import Probe
 from stickslip.engine.traced_law import TracedLaw
 from stickslip.friction import LAWS
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.maths import tanh, where
 
 LOAD = 0.7

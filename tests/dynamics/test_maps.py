@@ -12,7 +12,7 @@ import stickslip as ss
 from stickslip.analysis import closed_form
 from stickslip.analysis.coulomb_borders import BORDERS, border_functions
 from stickslip.solvers import set_valued as exact
-from stickslip.solvers.coulomb_orbits import orbit_rows
+from stickslip.solvers.coulomb_steady_motions import orbit_rows
 
 RIG, UNIT = ss.presets.piezo_rig, ss.presets.coulomb_robot
 

@@ -18,7 +18,7 @@ from stickslip.engine.letters import formula, spread, symbol
 from stickslip.engine.tex import indices, letters_of, text_of
 from stickslip.fields import leaves, replace_leaf
 from stickslip.friction import LAWS
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.machine_adapter import machine_of
 from stickslip.maths import sin
 from stickslip.report.mathml import mathml

@@ -11,17 +11,17 @@ import pytest
 from scipy.optimize import brentq
 
 import stickslip as ss
-from stickslip.drives.adapter import drive_of
 from stickslip.drives.beam_notes import largest_slope
 from stickslip.drives.cantilever import cantilever_eigenvalues, mode_shape
 from stickslip.drives.drive import agree
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.drives.fourier import extremes
 from stickslip.drives.patch_moment import modal_amplitudes
 from stickslip.errors import Problems
 from stickslip.forces import check_law, slip_ratio_of
-from stickslip.friction.adapter import adapted, is_law
 from stickslip.friction.bristle import _draw, _mix
 from stickslip.friction.law import several
+from stickslip.friction.law_adapter import adapted, is_law
 from stickslip.friction.sides import by_side
 
 LOAD = 0.7

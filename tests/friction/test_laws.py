@@ -19,7 +19,7 @@ from stickslip.dynamics.periodic.periodic_orbits import states_of
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest
 from stickslip.fields import leaves
 from stickslip.forces import inner_start
-from stickslip.friction.adapter import adapted, mirrored
+from stickslip.friction.law_adapter import adapted, mirrored
 from stickslip.identifying.law_forces import driven_force
 from stickslip.identifying.motions import Motion
 from stickslip.maths import asinh, exp, log, where

@@ -9,7 +9,7 @@ import stickslip as ss
 from registries import examples
 from stickslip.errors import InputError
 from stickslip.faces import rounded
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.identifying.law_forces import driven_force
 from stickslip.identifying.motions import Motion, motion_of
 from stickslip.identifying.targets import target

@@ -9,7 +9,7 @@ import pytest
 
 import stickslip as ss
 from stickslip.errors import InputError
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.identifying.effects import EFFECTS
 from stickslip.identifying.fitting import problem_of
 from stickslip.identifying.law_forces import _at_once, _step_by_step, driven_force

@@ -102,6 +102,19 @@ def test_no_modules_import_one_another_but_those_that_are_named():
     assert not new, f"these modules import one another: {new}; move what they share into a file of its own"
 
 
+def modules_and_texts():
+    """All files of Python in the package but the commands, which are named for what people type, and what opens a folder."""
+    found = (ROOT / "src" / "stickslip").rglob("*.py")
+    return [p for p in found if p.parent.name != "cli" and not p.name.startswith("__")]
+
+
+def test_no_file_name_means_two_things():
+    paths = sorted(modules_and_texts())
+    named = {p.stem: [id_of(q) for q in paths if q.stem == p.stem] for p in paths}
+    twins = [" and ".join(found) for found in named.values() if len(found) > 1]
+    assert len(named) > 300 and not twins, f"{'; '.join(twins)}: rename one to what somebody who looks for it expects"
+
+
 def test_importing_the_package_loads_nothing_heavy():
     assert loaded((*HEAVY, "numpy"), "import stickslip") == []
 

@@ -13,7 +13,7 @@ import stickslip as ss
 from stickslip.batch import rows_of
 from stickslip.drives.shifted import Shifted
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 
 #: Bonds that form again by chance are plain Python, which is the judge itself: there is nothing to hold it against.
 LAWS = tuple(sorted(set(LAW_NAMES) - {"bristle"}))

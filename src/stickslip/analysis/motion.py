@@ -16,7 +16,7 @@ from stickslip.errors import InputError
 from stickslip.faces import Drawn
 from stickslip.fields import everywhere
 from stickslip.friction import Coulomb
-from stickslip.friction.adapter import adapted, law_of
+from stickslip.friction.law_adapter import adapted, law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.summary import Summary
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.forces import columns, offered_force, slip_ratio_of
-from stickslip.friction.adapter import LawAdapter, law_of
+from stickslip.friction.law_adapter import LawAdapter, law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load

@@ -9,7 +9,7 @@ from typing import Any
 
 from stickslip.benching.probe import Probe
 from stickslip.errors import SolveError
-from stickslip.friction.adapter import TINY
+from stickslip.friction.law_adapter import TINY
 
 __all__ = ["Contact", "Motion", "steady", "swing"]
 

@@ -19,7 +19,7 @@ from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import is_array, leaves
 from stickslip.forces import check_law
 from stickslip.friction import LAWS
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 
 __all__ = ["EXPERIMENTS", "bench"]
 

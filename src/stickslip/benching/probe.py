@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 
 __all__ = ["Probe"]
 

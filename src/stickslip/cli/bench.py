@@ -10,7 +10,7 @@ from stickslip.cli import show
 from stickslip.cli.arguments import names_of, parser, settings, subject
 from stickslip.cli.study_files import found
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.friction.adapter import is_law
+from stickslip.friction.law_adapter import is_law
 
 __all__ = ["act", "asked_laws"]
 

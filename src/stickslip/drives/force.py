@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stickslip.drives.adapter import lacking
 from stickslip.drives.common import MOST_REPEATS, own_time, repeated, repeats_of
+from stickslip.drives.drive_adapter import lacking
 from stickslip.errors import InputError, Problems
 from stickslip.fields import Frozen
 from stickslip.maths import within

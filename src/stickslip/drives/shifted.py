@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.adapter import drive_of
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.drives.harmonic import Harmonic
 from stickslip.drives.wrapper import Around
 from stickslip.maths import where, wrapped

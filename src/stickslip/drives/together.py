@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from stickslip.drives.adapter import drive_of
 from stickslip.drives.common import MOST_REPEATS, own_time, repeated, repeats_of, times
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.errors import Problems
 from stickslip.maths import within
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from stickslip.drives.adapter import drive_of
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.drives.two_phase import TwoPhase
 from stickslip.drives.wrapper import Around
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any
 
-from stickslip.drives.adapter import lacking
+from stickslip.drives.drive_adapter import lacking
 from stickslip.fields import is_record
 
 __all__ = ["drives_within"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from stickslip.drives.adapter import NEEDS, drive_of, lacking
 from stickslip.drives.drive import Drive
+from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking
 from stickslip.errors import Problems
 from stickslip.maths import pi
 

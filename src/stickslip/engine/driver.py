@@ -47,7 +47,7 @@ FUNCTIONS = {
 _APART = {
     "parts": (
         ("begin_parts", "begin_signals", "hold", "reduce_step", "widen", "widen_all", "note_parts"),
-        ("columns", "segments", "reducing"),
+        ("columns", "noting_segments", "reducing"),
         "what machines of several parts share",
     ),
     "changes": (("rates_now", "settle_changes", "note_late", "shift_changes"), ("columns", "flags", "changes"), "what all tangents share"),
@@ -162,7 +162,7 @@ def load() -> Any:
     """The compiled driver."""
     constants = [*_LOOKS, status_text(), recurrence_text()]
     return cache.load(
-        _source("the driver of all kernels", constants, ("columns", "flags", "segments", "watching", "lanes")),
+        _source("the driver of all kernels", constants, ("columns", "flags", "noting_segments", "watching", "driving_lanes")),
         "driver",
         "what all kernels share",
     )

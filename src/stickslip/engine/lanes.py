@@ -87,7 +87,7 @@ class Parts:
 
 @dataclass(frozen=True)
 class Results:
-    """What a kernel found, one row for each case (see ``kernels/lanes.py``, `finish`)."""
+    """What a kernel found, one row for each case (see ``kernels/driving_lanes.py``, `finish`)."""
 
     displacement: Any  # over the window [m]
     window: Any  # [drive periods]

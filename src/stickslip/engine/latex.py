@@ -12,7 +12,7 @@ from stickslip.engine.letters import symbol
 from stickslip.engine.tex import letters_of, text_of
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import is_law
+from stickslip.friction.law_adapter import is_law
 from stickslip.machine_adapter import is_machine
 
 __all__ = ["latex", "written"]

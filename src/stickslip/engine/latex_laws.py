@@ -6,7 +6,7 @@ from typing import Any
 
 from stickslip.engine.letters import Formula, symbol
 from stickslip.engine.tex import subscripted, text_of
-from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.friction.law_adapter import LawAdapter, adapted
 
 __all__ = ["lines_of_law"]
 

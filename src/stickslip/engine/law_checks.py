@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.engine.symbols import TraceError
 from stickslip.errors import InputError, Problems
-from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.machine_adapter import machine_of
 
 __all__ = ["check_numbers", "check_signatures", "explained", "finite"]

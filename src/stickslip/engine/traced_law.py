@@ -10,7 +10,7 @@ from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.values import needed_by
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves, replace_leaf
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 
 __all__ = ["TracedLaw"]
 

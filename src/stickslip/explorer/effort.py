@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from stickslip.errors import InputError
-from stickslip.friction.adapter import LawAdapter
+from stickslip.friction.law_adapter import LawAdapter
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import Mechanics
 

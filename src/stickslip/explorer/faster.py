@@ -16,9 +16,9 @@ from stickslip.explorer.machines import OF_A_ROBOT, Shown
 from stickslip.explorer.requests import Message
 from stickslip.explorer.sliders import PARAMETERS, Parameter
 from stickslip.explorer.surroundings import PATIENCE, Stop, Stopped
+from stickslip.optimising.best_candidate import values_of
 from stickslip.optimising.candidates import Candidates, Stopped as Ended
 from stickslip.optimising.constraints import Limit
-from stickslip.optimising.findings import values_of
 from stickslip.optimising.peaks import LIMITS
 from stickslip.optimising.searching import search
 from stickslip.optimising.unknowns import Unknowns, Varied

@@ -13,8 +13,8 @@ from stickslip.arguments import described_arguments
 from stickslip.drives import DRIVES as _KINDS, Harmonic, MultiHarmonic, Pieces, PiezoBeam, Recorded, Reversed, VerticalVibration
 from stickslip.fields import described_by, is_number_field
 from stickslip.friction import LAWS, Tabulated
-from stickslip.friction.adapter import adapted
 from stickslip.friction.coefficients import F0, F_MINUS, F_PLUS, MU0, MU_MINUS, MU_PLUS, V_S
+from stickslip.friction.law_adapter import adapted
 from stickslip.maths import cos, exp, maximum, sin
 from stickslip.presets import piezo_beam_rig
 from stickslip.quantities import AMPLITUDE, OMEGA, PHASE, TILT_DEG, quantity

@@ -11,7 +11,7 @@ from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.exporting.names import prefix_of
 from stickslip.fields import checked_number
-from stickslip.friction.adapter import is_law
+from stickslip.friction.law_adapter import is_law
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.quantities import at_least, positive
 

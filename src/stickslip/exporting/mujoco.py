@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.benching.setup import Setup
 from stickslip.benching.velocity import shown
 from stickslip.errors import InputError
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 
 __all__ = ["Reduction", "reduced", "written_for_mujoco"]
 

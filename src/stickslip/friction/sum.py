@@ -7,8 +7,8 @@ from typing import Any
 
 from stickslip.errors import InputError, Problems
 from stickslip.fields import everywhere
-from stickslip.friction.adapter import LawAdapter, adapted, is_law
 from stickslip.friction.law import Law
+from stickslip.friction.law_adapter import LawAdapter, adapted, is_law
 from stickslip.maths import minimum
 
 __all__ = ["DynamicSum", "ModalSum", "SlidingSum", "Sum"]

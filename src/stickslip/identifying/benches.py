@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.friction.adapter import LawAdapter
+from stickslip.friction.law_adapter import LawAdapter
 from stickslip.identifying.clocks import Clock, clock_of
 from stickslip.identifying.law_forces import Stepped, law_force
 from stickslip.machine_adapter import machine_of

@@ -13,7 +13,7 @@ from stickslip.arguments import Law, Measured, Model, explains_arguments
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.faces import Drawn, Text
 from stickslip.friction import LAWS
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.identifying.problems import _best_phase, _curve
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
 from stickslip.identifying.targets import Target, target

@@ -14,7 +14,7 @@ from stickslip.callbacks import told_of_progress
 from stickslip.distributions import ALLOWED, distribution_of
 from stickslip.errors import InputError, Problems, is_one_of
 from stickslip.fields import checked_number
-from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.friction.law_adapter import LawAdapter, adapted
 from stickslip.identifying.benches import bench_of, takes_records
 from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit import Fit

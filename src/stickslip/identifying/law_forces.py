@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.friction.adapter import LawAdapter, adapted
+from stickslip.friction.law_adapter import LawAdapter, adapted
 
 if TYPE_CHECKING:
     from stickslip.identifying.motions import Motion

@@ -8,7 +8,7 @@ from typing import Any
 from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.forces import check_law
-from stickslip.friction.adapter import mirrored as mirrored_law
+from stickslip.friction.law_adapter import mirrored as mirrored_law
 from stickslip.quantities import MASS
 
 __all__ = ["Bodies"]

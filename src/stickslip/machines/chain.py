@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from stickslip.drives.adapter import drive_of
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.drives.shifted import begun_at
 from stickslip.errors import Problems
 from stickslip.fields import describe, everywhere, replace_leaf

@@ -10,7 +10,7 @@ from stickslip.controllers import NEEDS
 from stickslip.errors import Problems, did_you_mean
 from stickslip.fields import checked_number, describe, everywhere
 from stickslip.forces import check_law
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.machines.parts import Body, Contact, Stop
 from stickslip.quantities import positive
 

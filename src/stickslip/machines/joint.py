@@ -11,7 +11,7 @@ from stickslip.drives import FORCES
 from stickslip.errors import Problems
 from stickslip.fields import everywhere, is_record
 from stickslip.forces import check_law
-from stickslip.friction.adapter import adapted
+from stickslip.friction.law_adapter import adapted
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact, Stop
 from stickslip.machines.periodic_inputs import (

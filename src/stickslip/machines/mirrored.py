@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.fields import Frozen
-from stickslip.friction.adapter import mirrored as mirrored_law
+from stickslip.friction.law_adapter import mirrored as mirrored_law
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from stickslip.drives.adapter import NEEDS, drive_of, lacking
+from stickslip.drives.drive_adapter import NEEDS, drive_of, lacking
 from stickslip.drives.turned import Reversed
 from stickslip.errors import Problems
 from stickslip.fields import everywhere
 from stickslip.forces import check_law
-from stickslip.friction.adapter import adapted, mirrored as mirrored_law
+from stickslip.friction.law_adapter import adapted, mirrored as mirrored_law
 from stickslip.machines.checks import periods_differ
 from stickslip.machines.machine import Machine
 from stickslip.machines.parts import Body, Contact

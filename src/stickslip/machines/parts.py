@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.adapter import lacking
+from stickslip.drives.drive_adapter import lacking
 from stickslip.drives.shifted import Shifted, within_one
 from stickslip.errors import Problems
 from stickslip.fields import Frozen

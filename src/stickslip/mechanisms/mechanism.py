@@ -9,7 +9,7 @@ from stickslip.batch import check_shape, shape_of
 from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.forces import check_law
-from stickslip.friction.adapter import law_of, mirrored as mirrored_law
+from stickslip.friction.law_adapter import law_of, mirrored as mirrored_law
 from stickslip.maths import pi, sqrt
 from stickslip.quantities import DAMPING, LOAD, MASS, STIFFNESS, Rule, positive, quantity
 from stickslip.tables import from_toml, record_html, to_toml

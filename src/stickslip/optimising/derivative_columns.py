@@ -11,7 +11,7 @@ from stickslip.batch import shape_of, some_of
 from stickslip.dynamics.derivatives.sensitivity import directions_of, seeds_of
 from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.periodic.steady_motions import Closing, Settled, settled
-from stickslip.dynamics.stroboscopic.chunks import parts_of
+from stickslip.dynamics.stroboscopic.chunked_runs import parts_of
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates
 from stickslip.errors import InputError, Problems
 from stickslip.fields import leaves, replace_leaf

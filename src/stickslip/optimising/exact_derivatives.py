@@ -13,7 +13,7 @@ from stickslip.dynamics.derivatives.slopes import number_slopes
 from stickslip.dynamics.derivatives.tangents import means_named
 from stickslip.dynamics.periodic.steady_motions import Closed
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates
-from stickslip.engine.closed_arcs import steady_force
+from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.machine_adapter import machine_of
 from stickslip.observables import Observable
 

@@ -9,9 +9,9 @@ import numpy as np
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, StickslipError, is_whole
+from stickslip.optimising.best_candidate import told
 from stickslip.optimising.candidates import Candidates, Stopped
 from stickslip.optimising.constraints import KEPT, checked_limits, scales_within
-from stickslip.optimising.findings import told
 from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.results import check_quantity
 from stickslip.optimising.searching import search as searched

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.drives.adapter import drive_of
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.fields import leaves
 
 __all__ = ["LIMITS", "peaks_of"]

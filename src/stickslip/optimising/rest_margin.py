@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import StickslipError
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 
 __all__ = ["nearness"]

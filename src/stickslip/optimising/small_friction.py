@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.drives.adapter import drive_of
+from stickslip.drives.drive_adapter import drive_of
 from stickslip.errors import StickslipError
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.optimising.constraints import Limit
 from stickslip.tracks import grip_of

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.drives import Pieces
 from stickslip.errors import StickslipError
 from stickslip.fields import leaves
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.optimising.unknowns import Unknowns
 from stickslip.optimising.waveforms import unknowns_of_pieces

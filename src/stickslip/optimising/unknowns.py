@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.drives.adapter import lacking
+from stickslip.drives.drive_adapter import lacking
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.number_names import numbers_meant

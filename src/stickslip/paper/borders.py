@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.analysis.closed_form import coulomb_type
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.paper.words import listed
 
 __all__ = ["Stretch", "exact_types", "longest", "stretches", "told"]

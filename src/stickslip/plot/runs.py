@@ -13,7 +13,7 @@ from stickslip.arguments import Ax, Run, explains_arguments
 from stickslip.datasets import names_of
 from stickslip.errors import InputError
 from stickslip.flow import is_flow
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load

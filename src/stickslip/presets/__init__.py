@@ -4,7 +4,7 @@ from stickslip.presets.capsules import capsubot, capsule
 from stickslip.presets.chains import two_modules, worm
 from stickslip.presets.joints import servo
 from stickslip.presets.robots import coulomb_robot, piezo_beam_rig, piezo_rig
-from stickslip.presets.tracks import conveyor, stick_slip_stage
+from stickslip.presets.stages_and_conveyors import conveyor, stick_slip_stage
 
 __all__ = [
     "DIMENSIONLESS",

@@ -1,7 +1,7 @@
 """A model whose motion is made of closed arcs, in the numbers of its arcs.
 
-Whether a motion is so is asked of the traced equations (`engine/closed_arcs.py`), never of classes; so are the numbers. The motion is
-v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwards, at rest while -s_minus <= a sin(omega t) <= s_plus.
+Whether a motion is so is asked of the traced equations (`engine/closed_arc_conditions.py`), never of classes; so are the numbers. The
+motion is v' = a sin(omega t) - r, with r = r_plus forwards and -r_minus backwards, at rest while -s_minus <= a sin(omega t) <= s_plus.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import labels_of, numbers_by_name
-from stickslip.engine.closed_arcs import Rows, closed_of
-from stickslip.friction.adapter import law_of
+from stickslip.engine.closed_arc_conditions import Rows, closed_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
 

@@ -15,7 +15,7 @@ from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, did_you_mean, is_one_of, is_whole
 from stickslip.fields import leaves, number
 from stickslip.forces import inner_start
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import is_machine, machine_of
 from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts

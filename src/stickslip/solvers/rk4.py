@@ -16,7 +16,7 @@ from stickslip.batch import rows_of, with_row
 from stickslip.dense_output import PolynomialPieces
 from stickslip.engine import fixed_steps as engine
 from stickslip.errors import InputError, SolveError, is_whole
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.pool import shared
 from stickslip.solvers import strobes
 from stickslip.solvers.gather import Raw, gather, trajectory

@@ -11,7 +11,7 @@ from stickslip.engine import lanes, law_checks as checks
 from stickslip.engine.slaved import Series
 from stickslip.engine.tableaux import Tableau
 from stickslip.errors import SolveError
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.layout import StateLayout
 from stickslip.machine_adapter import machine_of
 from stickslip.pool import shared

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.forces import slip_ratio_of
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
 from stickslip.steadiness import outcome_of, window_count
 

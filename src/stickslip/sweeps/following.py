@@ -9,10 +9,10 @@ import numpy as np
 
 from stickslip.batch import spread
 from stickslip.errors import InputError
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
-from stickslip.solvers import coulomb_orbits as orbits, rosenbrock, set_valued as exact, stepping
+from stickslip.solvers import coulomb_steady_motions as orbits, rosenbrock, set_valued as exact, stepping
 from stickslip.solvers.closed_arcs import handles
 from stickslip.solvers.request import Request, request
 from stickslip.status import Status

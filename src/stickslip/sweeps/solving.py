@@ -9,15 +9,15 @@ import numpy as np
 
 from stickslip.analysis.motion import coulomb_twin
 from stickslip.batch import numbers_by_name, shape_of, some_of
-from stickslip.engine.closed_arcs import steady_force
+from stickslip.engine.closed_arc_conditions import steady_force
 from stickslip.errors import InputError
 from stickslip.fields import leaves, replace_leaf
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.observables import parted
 from stickslip.part_notes import notes_of_cases
 from stickslip.pool import Cancelled
-from stickslip.solvers import coulomb_orbits as orbits, part_results as parts
+from stickslip.solvers import coulomb_steady_motions as orbits, part_results as parts
 from stickslip.solvers.closed_arcs import handles, reduced
 from stickslip.solvers.request import request
 from stickslip.status import Status

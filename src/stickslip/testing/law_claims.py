@@ -12,7 +12,7 @@ from stickslip.benching.probe import Probe
 from stickslip.engine.law_checks import ARGUMENTS, check_signatures, finite
 from stickslip.errors import InputError, Problems
 from stickslip.fields import checked_number, example_in, is_array, leaves
-from stickslip.friction.adapter import adapted, mirrored
+from stickslip.friction.law_adapter import adapted, mirrored
 from stickslip.quantities import between
 from stickslip.testing.moved_contact import burst, shaken
 from stickslip.testing.reports import Claim, LawReport

@@ -11,7 +11,7 @@ from stickslip.arguments import Maker, Numbers, explains_arguments
 from stickslip.dynamics.attractors.basins import Attractor, on_grid, settled_points, start_axes, told_apart, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, strobe_attrs
 from stickslip.dynamics.continuation.one_parameter import Family, family
-from stickslip.dynamics.stroboscopic.chunks import Report
+from stickslip.dynamics.stroboscopic.chunked_runs import Report
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, spread_over
 from stickslip.errors import InputError

@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.arguments import Model, explains_arguments
 from stickslip.batch import some_of
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, own_attrs, periods_of, state_attrs, steady_velocity, whole_motions
-from stickslip.dynamics.stroboscopic.chunks import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.phase_shift import shifted
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, spread_over, strobe_map, strobe_orbit

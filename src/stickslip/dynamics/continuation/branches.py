@@ -23,7 +23,7 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.errors import InputError, Problems, SolveError
 from stickslip.faces import Drawn
 from stickslip.flow import is_flow
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed
 

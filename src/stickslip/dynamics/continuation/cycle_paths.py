@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, ends_of, misses_of, states_on, unknowns
 from stickslip.dynamics.periodic.newton import Found
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 
 __all__ = ["CyclePath", "border_of_rest", "vanishing"]
 

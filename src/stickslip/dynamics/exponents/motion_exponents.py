@@ -13,7 +13,7 @@ from stickslip.batch import some_of
 from stickslip.dynamics.derivatives.tangents import Changes, changes_along, not_followed
 from stickslip.dynamics.exponents.general_exponents import STRETCHES, Lyapunov, error_of_mean, gathered
 from stickslip.dynamics.periodic.closed_orbits import resting
-from stickslip.dynamics.stroboscopic.chunks import Report, shared
+from stickslip.dynamics.stroboscopic.chunked_runs import Report, shared
 from stickslip.dynamics.stroboscopic.refusals import needs_model
 from stickslip.dynamics.stroboscopic.strobe_maps import at_rest, coordinates, flight, refuse_chance, strobe_map, strobe_states
 from stickslip.engine.tangent import with_volume

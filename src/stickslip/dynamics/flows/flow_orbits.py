@@ -16,7 +16,7 @@ from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, Problems, SolveError, is_whole
 from stickslip.faces import Drawn
 from stickslip.flow import Switch, SwitchingFlow, is_flow
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.mechanics import normal_load
 from stickslip.sealing import sealed
 

@@ -22,7 +22,7 @@ from stickslip.dynamics.derivatives.forward_ad import slopes_of, variables
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError
 from stickslip.forces import offered_force
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
 from stickslip.position import knows_position

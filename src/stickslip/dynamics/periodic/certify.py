@@ -17,7 +17,7 @@ import numpy as np
 from stickslip.batch import numbers_by_name
 from stickslip.dynamics.periodic.arc_sequences import Sequence, sequence_of
 from stickslip.dynamics.periodic.balls import Ball, Enclosure, above_zero, balls_of, flint_for, krawczyk
-from stickslip.engine.closed_arcs import closed_of
+from stickslip.engine.closed_arc_conditions import closed_of
 from stickslip.errors import InputError, Problems
 from stickslip.sealing import sealed
 from stickslip.solvers.closed_arcs import handles

@@ -20,7 +20,7 @@ from stickslip.dynamics.stroboscopic.sections import halved
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, flow_map
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, SolveError
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.layout import of_one_contact
 from stickslip.machine_adapter import machine_of
 from stickslip.sealing import sealed

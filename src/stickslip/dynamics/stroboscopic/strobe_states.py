@@ -9,7 +9,7 @@ from typing import Any
 from stickslip.engine.lanes import layout_of, needed_positions
 from stickslip.engine.refused import refusal_of
 from stickslip.errors import InputError
-from stickslip.friction.adapter import law_of
+from stickslip.friction.law_adapter import law_of
 from stickslip.layout import StateLayout
 from stickslip.machine_adapter import MachineAdapter, machine_of
 from stickslip.position import knows_position

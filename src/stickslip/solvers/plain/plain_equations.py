@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.errors import SolveError
-from stickslip.friction.adapter import TINY, Switches
+from stickslip.friction.law_adapter import TINY, Switches
 from stickslip.machine_adapter import machine_of
 from stickslip.position import knows_position
 from stickslip.solvers.plain.deciding import ROUNDING, blocks
