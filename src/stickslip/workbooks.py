@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.optional import library
 
 __all__ = ["write_workbook"]
 
@@ -23,7 +24,8 @@ def write_workbook(
     Numbers that are none (NaN) are empty cells. `InputError` of `doing` where openpyxl is missing or a sheet cannot hold so many rows.
     """
     _check(count, len(head), doing)
-    book = _openpyxl(doing).Workbook(write_only=True)
+    openpyxl = library(doing, "openpyxl", 'Excel files need openpyxl; type pip install "stickslip[io]", or give a .csv path')
+    book = openpyxl.Workbook(write_only=True)
     sheet, told = book.create_sheet("data"), book.create_sheet("about")
     sheet.freeze_panes = "A2"
     sheet.append(list(head))
@@ -38,14 +40,6 @@ def _check(rows: int, columns: int, doing: str) -> None:
     if rows >= _ROWS or columns > _COLUMNS:
         told = f"a sheet of Excel holds {_ROWS - 1} rows and {_COLUMNS} columns, and this is {rows} rows and {columns} columns"
         raise InputError(doing, [f"{told}; type a .csv, .nc or .parquet path, or give a part of it"])
-
-
-def _openpyxl(doing: str) -> Any:
-    try:
-        import openpyxl
-    except ImportError:
-        raise InputError(doing, ['Excel files need openpyxl; type pip install "stickslip[io]", or give a .csv path']) from None
-    return openpyxl
 
 
 def _cell(value: Any) -> Any:

@@ -102,6 +102,22 @@ def test_no_modules_import_one_another_but_those_that_are_named():
     assert not new, f"these modules import one another: {new}; move what they share into a file of its own"
 
 
+def test_architecture_has_the_floors_of_the_contract():
+    floors = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"][0]["layers"]
+    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    rows = [row.split("|")[2] for row in page.splitlines() if row.count("|") == 4][2:]
+    named = {name.rstrip("/") for row in rows for name in re.findall(r"`([a-z0-9_]+/?)`", row)} - {"plain"}  # a folder of solvers/
+    assert named == {name for floor in floors for name in re.findall(r"\w+", floor)}
+
+
+def test_files_named_by_those_who_explain_the_sources_are_there():
+    pages = "".join((ROOT / name).read_text(encoding="utf-8") for name in ("ARCHITECTURE.md", "CONTRIBUTING.md"))
+    named = set(re.findall(r"`+([a-z0-9_/]+\.(?:py|pyi|js))`", pages))
+    here = [p.as_posix() for folder in ("src", "tests") for p in (ROOT / folder).rglob("*")]
+    missing = sorted(name for name in named if not any(p.endswith(f"/{name}") for p in here))
+    assert len(named) > 40 and not missing
+
+
 def modules_and_texts():
     """All files of Python in the package but the commands, which are named for what people type, and what opens a folder."""
     found = (ROOT / "src" / "stickslip").rglob("*.py")

@@ -10,6 +10,7 @@ from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems
 from stickslip.identifying.fit_text import unit_of_parameter, unit_of_values
 from stickslip.identifying.spread import determined_spread, effective
+from stickslip.optional import library
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["bands", "posterior"]
 
+_NEEDED = 'samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"'
 _LEAST = 50  # autocorrelation times that a chain should have (the advice of emcee)
 _OPEN = 0.05  # parts of the bounds over which walkers begin along what the data do not determine
 _SPREAD = 0.5  # standard errors within which walkers begin
@@ -27,7 +29,7 @@ def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed:
     """Samples of the posterior by the affine-invariant ensemble of emcee."""
     import xarray as xr
 
-    emcee = _emcee()
+    emcee = library("sample", "emcee", _NEEDED)
     low, high = (np.array(side) for side in fit.problem.bounds())
     size = len(fit.place)
     count = max(2 * size + 2, 16) if walkers is None else walkers
@@ -53,16 +55,6 @@ def posterior(fit: Fit, draws: int, walkers: int | None, burn: int | None, seed:
         "note": "" if draws >= _LEAST * longest else few,
     }  # fmt: skip
     return xr.Dataset(data, coords={"draw": np.arange(draws), "walker": np.arange(count)}, attrs=attrs)
-
-
-def _emcee() -> Any:
-    try:
-        import emcee
-    except ImportError:
-        raise InputError(
-            "sample", ['samples of the posterior are drawn by emcee, which is not installed; type pip install "stickslip[bayes]"']
-        ) from None
-    return emcee
 
 
 def _check(draws: int, walkers: int, burn: int, size: int) -> None:

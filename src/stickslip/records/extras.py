@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import io
 import logging
 import re
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip import optional
 from stickslip.errors import InputError
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
@@ -23,10 +23,7 @@ __all__ = ["broken", "library", "parse_tdms"]
 
 def library(name: str, what: str) -> Any:
     """The library that reads a format; an error that says what to type where it is not installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise InputError("read", [f'{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"']) from None
+    return optional.library("read", name, f'{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"')
 
 
 def broken(what: str, error: Exception) -> InputError:

@@ -15,6 +15,7 @@ import numpy as np
 
 from stickslip.errors import InputError, StickslipError
 from stickslip.jsontext import plain
+from stickslip.optional import library
 from stickslip.storage import from_text
 from stickslip.sweeps.planning import Plan
 from stickslip.sweeps.progress import Watch
@@ -25,14 +26,15 @@ __all__ = ["connected", "from_message", "message", "tiles_from", "work"]
 Array = Any
 
 
+def _distributed() -> Any:
+    return library("sweep", "dask.distributed", 'a cluster needs Dask; type pip install "stickslip[dask]"')
+
+
 def connected(address: str) -> Any:
     """A client of the scheduler at this address."""
+    dask = _distributed()
     try:
-        from dask.distributed import Client
-    except ImportError:
-        raise InputError("sweep", ['a cluster needs Dask; type pip install "stickslip[dask]"']) from None
-    try:
-        return Client(address, timeout=10)
+        return dask.Client(address, timeout=10)
     except (OSError, ValueError) as error:
         raise InputError("sweep", [f"no Dask scheduler answers at {address!r} ({error}); start one with `dask scheduler`"]) from None
 
@@ -112,12 +114,8 @@ def tiles_from(
 
     A tile whose result was lost with its worker is sent again, and so is one that failed, up to `retries` times.
     """
-    try:
-        from dask.distributed import as_completed
-    except ImportError:
-        raise InputError("sweep", ['a cluster needs Dask; type pip install "stickslip[dask]"']) from None
     rest, running, tries = iter(todo), dict[Any, int](), dict[int, int]()
-    ready = as_completed(with_results=False)
+    ready = _distributed().as_completed(with_results=False)
 
     def send(k: int) -> None:
         tries[k] = tries.get(k, 0) + 1

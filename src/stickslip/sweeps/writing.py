@@ -12,6 +12,7 @@ import numpy as np
 
 from stickslip.arguments import explains_arguments
 from stickslip.errors import InputError, Problems, as_path
+from stickslip.optional import library
 from stickslip.status import STATUS
 from stickslip.storage import moved_into_place, unwritable
 from stickslip.sweeps.opening import open_study
@@ -279,11 +280,8 @@ def _excel(data: Any, path: Path) -> None:
 
 
 def _parquet(data: Any, path: Path) -> None:
-    try:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-    except ImportError:
-        raise InputError("export", ['Parquet needs pyarrow; type pip install "stickslip[parquet]", or give a .csv or .nc path']) from None
+    missing = 'Parquet needs pyarrow; type pip install "stickslip[parquet]", or give a .csv or .nc path'
+    pa, pq = (library("export", name, missing) for name in ("pyarrow", "pyarrow.parquet"))
     units = {name.encode(): str(data[name].attrs.get("units", "1")).encode() for name in _columns(data)}
     about = {b"stickslip": json.dumps({k: str(v) for k, v in data.attrs.items()}).encode(), **{b"unit " + k: v for k, v in units.items()}}
     writer = None

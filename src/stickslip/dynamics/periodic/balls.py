@@ -12,7 +12,7 @@ from typing import Any
 
 from stickslip.engine.symbols import Sym
 from stickslip.engine.values import needed_by
-from stickslip.errors import InputError
+from stickslip.optional import library
 from stickslip.sealing import sealed
 
 __all__ = ["Enclosure", "above_zero", "balls_of", "flint_for", "krawczyk"]
@@ -24,11 +24,7 @@ _MOST = 20_000  # parts of an interval after which a sign is given up
 
 def flint_for(what: str) -> Any:
     """python-flint; an error that says what to type where it is not installed."""
-    try:
-        import flint
-    except ImportError:
-        raise InputError(what, ['it needs python-flint, which is not installed; type pip install "stickslip[certify]"']) from None
-    return flint
+    return library(what, "flint", 'it needs python-flint, which is not installed; type pip install "stickslip[certify]"')
 
 
 @sealed
