@@ -115,12 +115,21 @@ def test_the_equations_say_which_machines_are_taken():
         ss.solve(rig(Curved()), periods=1, method="taylor")
 
 
-def test_a_slaved_state_solves_its_equation():
-    """z = (z' - p)/J put into the rate gives z' again, at any numbers: LuGre's quotients are inverted without one of their own."""
+@dataclass(frozen=True)
+class Squeezed(Rational):
+    """In steady slip its deflection grows with the velocity: the rate at rest holds it twice, the slope once."""
+
+    def rate(self, v, z, load):
+        return abs(v) * (v / self.v_0 - self.sigma0 * z / (load * self.mu))
+
+
+@pytest.mark.parametrize("law", [ss.LuGre.example(), Rational(), Squeezed()], ids=lambda law: type(law).__name__)
+def test_a_slaved_state_solves_its_equation(law):
+    """z = (z' - p)/J put into the rate gives z' again, at any numbers: quotients are inverted without one of their own."""
     from stickslip.engine.graphs import Substituted
     from stickslip.engine.values import values_of
 
-    eq = trace(rig(ss.LuGre.example()))
+    eq = trace(rig(law))
     law = slaving(eq)
     back = Substituted(eq.graph, {eq.y[1].name: law.z}).of(eq.f[1])
     rng = np.random.default_rng(3)

@@ -68,12 +68,13 @@ def _lacks(eq: System) -> str:
 
 def _quotient(a: Sym, b: Sym) -> Sym:
     """a / b of products: equal factors cancel, the quotient of a quotient is none, and what is held as a sign is its own reciprocal."""
-    graph, above, below = a.graph, _factors(a), _factors(b)
-    for node in list(above):
+    graph, above, below = a.graph, list[Sym](), _factors(b)
+    for node in _factors(a):
         k = next((k for k, other in enumerate(below) if other is node), None)
-        if k is not None:
-            above = [other for other in above if other is not node]
-            del below[k]
+        if k is None:
+            above.append(node)
+        else:
+            del below[k]  # one for one
     found = graph.constant(1.0)
     for node in above:
         found = found * node
