@@ -27,7 +27,8 @@ _GROWING = ("exp", "sinh", "cosh")
 _IN_NUMPY = {"asinh": "arcsinh", "atan": "arctan"}
 
 
-def _apply(name: str, x: Any) -> Any:
+def function_value(name: str, x: Any) -> Any:
+    """What the function of this name gives for a number, an array, or whatever says ``__ss_name__`` itself."""
     hook = getattr(x, f"__ss_{name}__", None)
     if hook is not None:
         return hook()
@@ -49,7 +50,7 @@ def _beyond(name: str, x: float) -> float:
     """The value of a function where `math` has none or an infinite one: that of NumPy, within its limits."""
     import numpy as np
 
-    return float(_apply(name, np.float64(x).reshape(1))[0])
+    return float(function_value(name, np.float64(x).reshape(1))[0])
 
 
 def exp(x: Any) -> Any:
@@ -60,52 +61,52 @@ def exp(x: Any) -> Any:
     >>> exp(0.0), exp(1e6) == exp(690.0)
     (1.0, True)
     """
-    return _apply("exp", x)
+    return function_value("exp", x)
 
 
 def log(x: Any) -> Any:
     """Natural logarithm; NaN of a negative number."""
-    return _apply("log", x)
+    return function_value("log", x)
 
 
 def sqrt(x: Any) -> Any:
     """Square root; NaN of a negative number."""
-    return _apply("sqrt", x)
+    return function_value("sqrt", x)
 
 
 def sin(x: Any) -> Any:
     """Sine of an angle [rad]."""
-    return _apply("sin", x)
+    return function_value("sin", x)
 
 
 def cos(x: Any) -> Any:
     """Cosine of an angle [rad]."""
-    return _apply("cos", x)
+    return function_value("cos", x)
 
 
 def atan(x: Any) -> Any:
     """The angle between -pi/2 and pi/2 whose tangent is x [rad]."""
-    return _apply("atan", x)
+    return function_value("atan", x)
 
 
 def sinh(x: Any) -> Any:
     """Hyperbolic sine; from abs(x) = 690 on it stays at 2e299."""
-    return _apply("sinh", x)
+    return function_value("sinh", x)
 
 
 def cosh(x: Any) -> Any:
     """Hyperbolic cosine; from abs(x) = 690 on it stays at 2e299."""
-    return _apply("cosh", x)
+    return function_value("cosh", x)
 
 
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent."""
-    return _apply("tanh", x)
+    return function_value("tanh", x)
 
 
 def asinh(x: Any) -> Any:
     """Inverse hyperbolic sine, log(x + sqrt(x^2 + 1)): what rate-and-state friction has in place of a logarithm."""
-    return _apply("asinh", x)
+    return function_value("asinh", x)
 
 
 def hypot(a: Any, b: Any) -> Any:

@@ -124,6 +124,14 @@ def modules_and_texts():
     return [p for p in found if p.parent.name != "cli" and not p.name.startswith("__")]
 
 
+@pytest.mark.parametrize("path", SOURCES, ids=id_of)
+def test_nobody_imports_what_another_module_keeps_to_itself(path):
+    imports = [n for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.ImportFrom)]
+    ours = [(n.module, a.name) for n in imports if (n.module or "").startswith("stickslip") for a in n.names]
+    private = [f"{name} of {module}" for module, name in ours if name.startswith("_") and not name.startswith("__")]
+    assert not private, f"{id_of(path)} imports {private}: give it a name without an underscore, and a docstring"
+
+
 def test_no_file_name_means_two_things():
     paths = sorted(modules_and_texts())
     named = {p.stem: [id_of(q) for q in paths if q.stem == p.stem] for p in paths}

@@ -105,9 +105,7 @@ def add_pressed(parts: Assembly, p: Pressed) -> None:
         open_ = others[k] if parts.f[k] is not None else m.accelerations(parts.forces, closed=None)[k]
         parts.f[k] = graph.select(p.closed, p.followed(m, others), open_)
     apart = closes(parts, p, now)
-    if any(
-        law.needs_applied for law in m.laws
-    ):  # what each end bears by itself leaves nothing for the stop: it is then no more than rounding
+    if any(law.needs_applied for law in m.laws):  # each end bears itself, and what is left for the stop is no more than rounding
         apart = apart + _NOTHING * p.mass(m) * m.lift(m.machine.velocity_scale) / m.period(m.model)
     parts.events.append((graph.select(p.closed, apart, one), {p.number: zero}, {}, 0))
     shut = Substituted(graph, {p.closed.name: one})

@@ -14,7 +14,7 @@ from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.faces import Drawn, Text
 from stickslip.friction import LAWS
 from stickslip.friction.law_adapter import law_of
-from stickslip.identifying.problems import _best_phase, _curve
+from stickslip.identifying.problems import best_phase, modelled_values
 from stickslip.identifying.steady_curves import SteadyCurve, steady_curve
 from stickslip.identifying.targets import Target, target
 from stickslip.records import Record
@@ -194,7 +194,7 @@ def compare(
     record, _, said = settled(record, settle, frequency)
     seen = target(record, using, noise, frequency, "record", 0)
     curves = {label: steady_curve(model, None, rtol) for label, model in robots.items()}
-    shifts = {label: _best_phase(seen, curve) for label, curve in curves.items()}
+    shifts = {label: best_phase(seen, curve) for label, curve in curves.items()}
     rows = tuple(_row(label, robots[label], curve, seen, shifts[label]) for label, curve in curves.items())
     best = min(rows, key=lambda row: row.rms).label
     measured = _measured(record, seen, shifts[best])
@@ -249,7 +249,7 @@ def _with_law(robot: Any, law: Any, problems: Problems) -> Any:
 
 
 def _row(label: str, model: Any, curve: SteadyCurve, seen: Target, shift: float) -> Row:
-    rest = _curve(seen, curve, seen.phase + shift) - seen.y
+    rest = modelled_values(seen, curve, seen.phase + shift) - seen.y
     spread, square = seen.mean_square(seen.y - np.average(seen.y, weights=seen.weight)), seen.mean_square(rest)
     phase = np.arange(_PHASES * curve.period) / _PHASES
     value = curve.v(phase) if seen.kind == "velocity" else curve.x(phase)

@@ -20,7 +20,7 @@ from stickslip.identifying.targets import Target
 from stickslip.information import Information
 from stickslip.sealing import sealed
 
-__all__ = ["Design", "Experiment", "design"]
+__all__ = ["USES", "Design", "Experiment", "curve_and_slopes", "design", "in_words", "record_of", "settings_of"]
 
 #: A parameter is told if its expected standard error is below this part of its value.
 TOLD = 0.25
@@ -97,7 +97,7 @@ class Design(Face):
     def __str__(self) -> str:
         lines = []
         for e in self.experiments[:_TOLD]:
-            where = " + ".join(map(_named, e.settings))
+            where = " + ".join(map(in_words, e.settings))
             errors = ", ".join(f"{n} {self._sure(n, v)}" for n, v in e.errors.items())
             apart = "" if np.isnan(e.separation) else f"; rivals {e.separation:.3g} standard deviations apart"
             lines.append(f"{where}: {errors}{apart}")
@@ -113,7 +113,7 @@ class Design(Face):
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("experiment", *(f"error of {name}" for name in self.values))
         told = (tuple(self._sure(name, e.errors[name]) for name in self.values) for e in self.experiments[:_TOLD])
-        return [[head, *((" + ".join(map(_named, e.settings)), *row) for e, row in zip(self.experiments, told, strict=False))]]
+        return [[head, *((" + ".join(map(in_words, e.settings)), *row) for e, row in zip(self.experiments, told, strict=False))]]
 
     __repr__ = __str__
 
@@ -176,13 +176,13 @@ def design(
     slopes, curves, apart, seen, dropped = {}, {}, {}, {}, []
     for i, chosen in enumerate(settings):
         try:
-            curves[i], slopes[i], period = _sensitivity(of, free, i, using, samples, rtol)
-            seen[i] = _target(curves[i], using, noise, period)
+            curves[i], slopes[i], period = curve_and_slopes(of, free, i, using, samples, rtol)
+            seen[i] = record_of(curves[i], using, noise, period)
             if rivals:
                 apart[i] = _apart(rivals, of, free, i, curves[i], using, samples, rtol)
         except (InputError, SolveError) as error:
             slopes.pop(i, None)
-            dropped.append(f"{_named(chosen)} is left out: {error}")
+            dropped.append(f"{in_words(chosen)} is left out: {error}")
     if len(slopes) < together:
         raise InputError(
             "design", [f"{len(slopes)} of {len(settings)} experiments can be solved, and together = {together} are wanted", *dropped]
@@ -202,7 +202,7 @@ def _checked(
 ) -> tuple[Parameters, list[dict[str, Any]]]:
     """Parameters and settings of all experiments; everything wrong with what the user gave is reported at once."""
     problems = Problems("design")
-    settings = _settings(experiments, problems)
+    settings = settings_of(experiments, problems)
     for name, value in free.items():
         if not _is_number(value):
             problems.add(f'free: {name} = {value!r}; allowed is the value where it is supposed to be; type for example "{name}": 0.18')
@@ -230,7 +230,7 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float, np.number)) and not isinstance(value, bool) and bool(np.isfinite(value))
 
 
-def _settings(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
+def settings_of(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
     """The settings of each experiment."""
     example = 'type for example experiments={"amplitude": [4e-4, 8e-4]}'
     if isinstance(experiments, dict):
@@ -249,7 +249,7 @@ def _settings(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
     return found
 
 
-def _named(settings: dict[str, Any]) -> str:
+def in_words(settings: dict[str, Any]) -> str:
     """The settings of one experiment in words."""
     return ", ".join(f"{k} = {v:.5g}" if isinstance(v, float) else f"{k} = {v}" for k, v in settings.items()) or "as given"
 
@@ -260,7 +260,7 @@ def _curve_of(model: Any, using: str, samples: int, rtol: float) -> Any:
     return curve.v(phase) if using == "velocity" else curve.x(phase)
 
 
-def _sensitivity(of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float) -> Any:
+def curve_and_slopes(of: Parameters, free: dict[str, float], i: int, using: str, samples: int, rtol: float) -> Any:
     """The curve of an experiment, its derivatives by the parameters and by the phase (and, for a position, its offset), and its period."""
     model = of.model(free, i)
     here = _curve_of(model, using, samples, rtol)
@@ -273,7 +273,7 @@ def _sensitivity(of: Parameters, free: dict[str, float], i: int, using: str, sam
     return here, (np.stack(columns, axis=1), np.stack(nuisances, axis=1)), float(model.drive.period)
 
 
-def _target(here: Any, using: str, noise: float, period: float) -> Target:
+def record_of(here: Any, using: str, noise: float, period: float) -> Target:
     """A record of the curve, as a fit would have it: one motion period in equal steps."""
     phase = np.arange(len(here)) / len(here)
     return Target(using, phase, here, noise, 1.0 / period, False, "experiment", np.ones(len(here)))

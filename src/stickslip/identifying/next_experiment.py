@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.errors import InputError, Problems, SolveError, did_you_mean
 from stickslip.fields import leaves
 from stickslip.identifying.benches import bench_of
-from stickslip.identifying.designing import USES, Design, Experiment, _named, _sensitivity, _settings, _target
+from stickslip.identifying.designing import USES, Design, Experiment, curve_and_slopes, in_words, record_of, settings_of
 from stickslip.identifying.driven import DrivenProblem
 from stickslip.identifying.fit_text import OVER_MOTION, listed
 from stickslip.identifying.motions import motion_of
@@ -34,7 +34,7 @@ _PERIODS = 3  # of a prescribed sine
 def next_experiment(fit: Fit, experiments: Any, noise: float | None, samples: int, using: str | None, sensor: Any) -> Design:
     """Experiments in the order in which they determine what a fit leaves open, then of the volume of what is left uncertain."""
     problems = Problems("next_experiment")
-    settings = _settings(experiments, problems)
+    settings = settings_of(experiments, problems)
     kind = fit.problem.targets[0].kind
     usual = {"using": (using or (kind if kind in USES else "velocity")), "sensor": sensor, "noise": _noise(fit) if noise is None else noise}
     known = _known(fit)
@@ -50,7 +50,7 @@ def next_experiment(fit: Fit, experiments: Any, noise: float | None, samples: in
         try:
             found.append(_expected(fit, rows, chosen, {**usual, **{k: v for k, v in chosen.items() if k in _HOW}}, samples))
         except (InputError, SolveError) as error:
-            dropped.append(f"{_named(chosen)} is left out: {error}")
+            dropped.append(f"{in_words(chosen)} is left out: {error}")
     if not found:
         raise InputError("next_experiment", ["none of the experiments can be computed", *dropped])
     found.sort(key=lambda pair: pair[1])
@@ -131,8 +131,8 @@ def _values(fit: Fit) -> dict[str, float]:
 def _driven(fit: Fit, chosen: dict[str, Any], how: dict[str, Any], samples: int) -> Any:
     """Derivatives of a record of steady motion by the parameters, the phase, and the numbers of its sensor."""
     of, using, noise = _of(fit, chosen), how["using"], float(how["noise"])
-    curve, (main, nuisances), period = _sensitivity(of, _values(fit), 0, using, samples, fit.problem.model.rtol)
-    target = _target(curve, using, noise, period)
+    curve, (main, nuisances), period = curve_and_slopes(of, _values(fit), 0, using, samples, fit.problem.model.rtol)
+    target = record_of(curve, using, noise, period)
     numbers, _ = _numbers(fit, how["sensor"], target)
     parts: list[Any] = [(target, target.y, {})]
     sensors = [of_records(number, parts)[:, None] for number in numbers]
@@ -189,8 +189,8 @@ def _verdict(fit: Fit, best: Experiment) -> str:
     left = [name for name in fit.undetermined if not np.isfinite(best.errors[name])]
     told = [name for name in fit.undetermined if name not in left]
     if not fit.undetermined:
-        return f"{_named(best.settings[0])} leaves the least uncertain; all parameters are determined already"
+        return f"{in_words(best.settings[0])} leaves the least uncertain; all parameters are determined already"
     if not told:
         return f"none of the experiments determines {listed(left)}; change what else an experiment sets, or fix {listed(left[:1])}"
     beside = f"; {listed(left)} stay open" if left else ""
-    return f"{_named(best.settings[0])} determines {listed(told)}{beside}"
+    return f"{in_words(best.settings[0])} determines {listed(told)}{beside}"

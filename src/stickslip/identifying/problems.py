@@ -14,7 +14,7 @@ from stickslip.identifying.steady_curves import SteadyCurve, steady_curve, trans
 from stickslip.identifying.targets import Target
 from stickslip.solvers import solve
 
-__all__ = ["SteadyProblem"]
+__all__ = ["SteadyProblem", "best_phase", "modelled_values"]
 
 _STEP = 2e-5  # of the distance between the bounds: differences for derivatives
 _GRID = 256  # phases tried for the alignment of a curve
@@ -115,7 +115,7 @@ class SteadyProblem:
             if target.kind == "mean":
                 parts.append(np.array([motion.mean_velocity]))
                 continue
-            parts.append(_curve(target, motion, self._phase(place, i)))
+            parts.append(modelled_values(target, motion, self._phase(place, i)))
         return np.concatenate(parts)
 
     def _starts(self, place: Any) -> dict[int, float]:
@@ -200,7 +200,7 @@ class SteadyProblem:
         parts = [np.zeros(t.count) for t in self.targets]
         if motions is not None:
             phase = self._phase(place, i)
-            up, down = (_curve(self.targets[i], motions[i], phase + sign * h) for sign in (1, -1))
+            up, down = (modelled_values(self.targets[i], motions[i], phase + sign * h) for sign in (1, -1))
             parts[i] = (up - down) / (2 * h)
         return np.concatenate(parts)
 
@@ -218,15 +218,15 @@ class SteadyProblem:
         """The best phase of one curve; that of a transient from its second half, which is taken as steady."""
         target = self.targets[i]
         if not target.transient:
-            return _best_phase(target, motion)
+            return best_phase(target, motion)
         late = target.phase > 0.5 * target.phase[-1]
         tail = dataclasses.replace(target, phase=target.phase[late], y=target.y[late], weight=(target.weight * np.ones(target.count))[late])
         try:
             steady = steady_curve(self.parameters.model(self.parameters.values(place), i), None, self.rtol)
         except (InputError, SolveError):
             return 0.0
-        phase = _best_phase(tail, steady) % 1.0
-        costs = {p: float(np.sum((_curve(target, motion, target.phase + p) - target.y) ** 2)) for p in (phase, phase - 1.0)}
+        phase = best_phase(tail, steady) % 1.0
+        costs = {p: float(np.sum((modelled_values(target, motion, target.phase + p) - target.y) ** 2)) for p in (phase, phase - 1.0)}
         return min(costs, key=lambda p: costs[p]) if phase > 0.9 else phase
 
     def bounds(self) -> tuple[Any, Any]:
@@ -286,7 +286,7 @@ def _speed(target: Target) -> float:
     return float(np.ptp(target.y)) * (1.0 if target.kind == "velocity" else target.frequency) or 1.0
 
 
-def _curve(target: Target, motion: Any, phase: Any) -> Any:
+def modelled_values(target: Target, motion: Any, phase: Any) -> Any:
     """What the model gives for one record; the offset of a position is that of least squares."""
     if target.kind == "velocity":
         return motion.v(phase)
@@ -294,7 +294,7 @@ def _curve(target: Target, motion: Any, phase: Any) -> Any:
     return x + np.average(target.y - x, weights=target.weight)
 
 
-def _best_phase(target: Target, motion: SteadyCurve) -> float:
+def best_phase(target: Target, motion: SteadyCurve) -> float:
     """The phase of the first sample at which curve and record agree best: on a grid, then by a parabola."""
     period = motion.period
     grid = np.arange(_GRID * period) / _GRID

@@ -14,10 +14,10 @@ from stickslip.identifying.averages import MOST, averaged
 from stickslip.identifying.weighting import weights_at
 from stickslip.records import Record
 from stickslip.records.given import given_frequency
-from stickslip.records.measures import LONGEST, _repeats, mean_velocity
+from stickslip.records.measures import LONGEST, mean_velocity, period_number_of
 from stickslip.records.overview import noise
 from stickslip.records.settling import settled
-from stickslip.records.tones import _finite
+from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 from stickslip.units import SI, quantity_of
 
@@ -100,7 +100,7 @@ def target(
     if kind == "mean":
         found = mean_velocity(rec, frequency)
         return dataclasses.replace(mean_target(found.value, sigma if sigma is not None else found.error, label), said=said)
-    t, y = _finite(rec[kind])
+    t, y = measured_samples(rec[kind])
     own = weights_at(rec, t)
     if own is not None:
         t, y, own = t[own > 0], y[own > 0], own[own > 0]
@@ -110,7 +110,7 @@ def target(
         level = 1e-6 * float(np.ptp(y)) or 1.0
     phase = (t - t[0]) * f
     slips = frequency is None and phase[-1] > 2
-    repeats = None if transient else _repeats(phase, y if kind == "velocity" else np.gradient(y, t))
+    repeats = None if transient else period_number_of(phase, y if kind == "velocity" else np.gradient(y, t))
     whole = Target(
         kind,
         phase,

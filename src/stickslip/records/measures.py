@@ -10,10 +10,21 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.given import given_frequency
 from stickslip.records.overview import noise
-from stickslip.records.tones import _finite
+from stickslip.records.tones import measured_samples
 from stickslip.sealing import sealed
 
-__all__ = ["Cycle", "Value", "cycle", "loop_friction", "mean_velocity", "period_number"]
+__all__ = [
+    "LONGEST",
+    "Cycle",
+    "Value",
+    "cycle",
+    "frequency_of",
+    "loop_friction",
+    "mean_velocity",
+    "period_number",
+    "period_number_of",
+    "velocity_of",
+]
 
 #: The longest period that is looked for, in drive periods.
 LONGEST = 4
@@ -54,15 +65,16 @@ class Cycle:
     noise: float
 
 
-def _velocity(rec: Any) -> tuple[Any, Any]:
+def velocity_of(rec: Any) -> tuple[Any, Any]:
     """Times [s] and velocity [m/s]; from the position where there is no velocity."""
     if "velocity" in rec or "position" not in rec:
-        return _finite(rec["velocity"])
-    t, x = _finite(rec["position"])
+        return measured_samples(rec["velocity"])
+    t, x = measured_samples(rec["position"])
     return t, np.gradient(x, t)
 
 
-def _frequency(rec: Any, frequency: float | None) -> float:
+def frequency_of(rec: Any, frequency: float | None) -> float:
+    """The drive frequency [Hz] that is given, or that of the drive's record."""
     return rec.drive_frequency().value if frequency is None else given_frequency(frequency)
 
 
@@ -77,8 +89,8 @@ def cycle(rec: Any, frequency: float | None = None, bins: int | None = None, per
     >>> round(float(c.v.max()), 2), round(c.periods, 2)
     (1.0, 10.0)
     """
-    t, v = _velocity(rec)
-    f = _frequency(rec, frequency)
+    t, v = velocity_of(rec)
+    f = frequency_of(rec, frequency)
     periods = (t[-1] - t[0]) * f * len(t) / max(len(t) - 1, 1)
     if periods < period:
         raise InputError("record", [f"holds {periods:.2f} drive periods; allowed is at least {period}; give a longer record"])
@@ -107,9 +119,9 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
     From a position channel it is the displacement over the time, else the mean of the velocity. The error holds the noise and what differs
     from one period to the next, not an offset of the sensor.
     """
-    f = _frequency(rec, frequency)
+    f = frequency_of(rec, frequency)
     position = "position" in rec and "velocity" not in rec
-    t, y = _finite(rec["position"]) if position else _velocity(rec)
+    t, y = measured_samples(rec["position"]) if position else velocity_of(rec)
     periods = int((t[-1] - t[0]) * f * (1.0 if position else 1 + 1 / max(len(t) - 1, 1)) + 1e-9)
     if periods < 1:
         raise InputError("record", [f"holds {(t[-1] - t[0]) * f:.2f} drive periods; allowed is at least 1; give a longer record"])
@@ -130,11 +142,11 @@ def mean_velocity(rec: Any, frequency: float | None = None) -> Value:
 
 def period_number(rec: Any, frequency: float | None = None) -> int | None:
     """After how many drive periods the motion repeats, 1 to 4; None if it does not, or not in a record this short."""
-    t, v = _velocity(rec)
-    return _repeats((t - t[0]) * _frequency(rec, frequency), v)
+    t, v = velocity_of(rec)
+    return period_number_of((t - t[0]) * frequency_of(rec, frequency), v)
 
 
-def _repeats(place: Any, v: Any) -> int | None:
+def period_number_of(place: Any, v: Any) -> int | None:
     """The period number of a velocity at these places, counted in drive periods."""
     longest = min(LONGEST, int((place[-1] - place[0]) // 2))
     left = {p: _left(place, v, p) for p in range(1, longest + 1)}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.records.measures import _frequency, cycle, period_number
+from stickslip.records.measures import cycle, frequency_of, period_number
 from stickslip.records.rests import Rest, rest_at
 from stickslip.sealing import sealed
 from stickslip.segments import intervals_of, type_of
@@ -113,7 +113,7 @@ def motion(rec: Any, frequency: float | None = None, threshold: float | None = N
     >>> ss.virtual_rig(robot, noise=1e-5).motion().type
     'I'
     """
-    f = _frequency(rec, frequency)
+    f = frequency_of(rec, frequency)
     number = period_number(rec, f)
     periods = number or 1
     rough = cycle(rec, f, period=periods)

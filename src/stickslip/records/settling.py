@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.errors import InputError, is_one_of, is_whole
 from stickslip.records.given import given_frequency
-from stickslip.records.measures import _repeats, _velocity
+from stickslip.records.measures import period_number_of, velocity_of
 
 __all__ = ["settled", "settling_periods"]
 
@@ -29,7 +29,7 @@ def settling_periods(rec: Any, frequency: float) -> int:
     >>> settling_periods(Record.of(t, {"v [m/s]": np.sin(2 * np.pi * t) + 2 * np.exp(-2 * t)}), 1.0)
     6
     """
-    t, v = _velocity(rec)
+    t, v = velocity_of(rec)
     place = (t - t[0]) * frequency
     periods = int(place[-1] + 1e-6 + frequency * (t[-1] - t[0]) / max(len(t) - 1, 1))
     if periods < _FEWEST:
@@ -40,7 +40,7 @@ def settling_periods(rec: Any, frequency: float) -> int:
     seen = held >= 0.5 * np.median(held[held > 0])
     if seen.sum() < _FEWEST or seen[periods // 2 :].sum() < _FEWEST // 2:
         return 0
-    repeats = _repeats(place[half], v[half]) or 1
+    repeats = period_number_of(place[half], v[half]) or 1
     bins, turn = int(np.clip(half.sum() / 8, 16, 400 * repeats)), np.mod(place / repeats, 1.0)
     index = np.minimum((turn * bins).astype(int), bins - 1)
     count = np.bincount(index[half], minlength=bins)
@@ -77,10 +77,10 @@ def settled(rec: Any, settle: int | str = "auto", frequency: float | None = None
     count = settling_periods(rec, f) if auto else int(settle)
     if count == 0:
         return rec, 0, None
-    start = float(_velocity(rec)[0][0])
+    start = float(velocity_of(rec)[0][0])
     kept = rec.between(start + (count - 1e-6) / f, np.inf)
     what = "differ from the later ones" if auto else "were to be left out"
-    late = auto and count >= int((_velocity(rec)[0][-1] - start) * f) // 2 - 1
+    late = auto and count >= int((velocity_of(rec)[0][-1] - start) * f) // 2 - 1
     more = "; the record may not have settled at all" if late else ""
     return (
         kept,

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.records.given import given_frequency
 
-__all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "spectrum"]
+__all__ = ["Frequency", "NotPeriodic", "drive_frequency", "harmonics", "measured_samples", "spectrum"]
 
 _MOST = 40_000  # samples that a refinement looks at
 _HARMONICS = 8
@@ -49,7 +49,7 @@ def spectrum(c: Any) -> tuple[Any, Any]:
     tuple of arrays
         Frequencies [Hz], and amplitudes [SI unit of the channel]: a sine of amplitude a on a line of the spectrum shows as a.
     """
-    t, y = _finite(c)
+    t, y = measured_samples(c)
     step = (t[-1] - t[0]) / (len(t) - 1)
     even = np.interp(t[0] + step * np.arange(len(t)), t, y)
     window = np.hanning(len(t) + 1)[:-1]
@@ -59,7 +59,7 @@ def spectrum(c: Any) -> tuple[Any, Any]:
     return np.fft.rfftfreq(len(t), step), amplitude
 
 
-def _finite(c: Any) -> tuple[Any, Any]:
+def measured_samples(c: Any) -> tuple[Any, Any]:
     """Times [s] and values [SI] of the samples that were measured, at rising times."""
     t, y = c.time, c.si
     good = np.isfinite(t) & np.isfinite(y)
@@ -112,7 +112,7 @@ def drive_frequency(rec: Any, about: float | None = None) -> Frequency:
     """
     role = next((r for r in ("drive", "velocity", "position", "acceleration", "force") if r in rec), "velocity")
     c = rec[role]
-    t, y = _finite(c)
+    t, y = measured_samples(c)
     if len(t) <= _MOST:
         return _strongest(c.name, t, y, about)
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.slaved import SERIES, Series
 from stickslip.engine.slaving import slaving
 from stickslip.engine.trace import kind_of, trace
@@ -14,7 +15,7 @@ __all__ = ["SAFETY", "lacks", "method"]
 #: ten thousand random robots, also where errors grow a hundredfold in a period (verification/series_of_robots.py).
 SAFETY = 0.05
 
-_said: dict[Any, str | None] = {}
+_reasons: Remembered[str | None] = Remembered()
 
 
 def method(rtol: float) -> tuple[Series, float]:
@@ -25,15 +26,9 @@ def method(rtol: float) -> tuple[Series, float]:
 
 def lacks(model: Any) -> str | None:
     """None where Taylor series take a machine, or why not; a kind that was seen before costs nothing."""
-    key = kind_of(model)
-    try:
-        if key not in _said:
-            _said[key] = _asked(model)
-        return _said[key]
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return _asked(model)
 
+    def found() -> str | None:
+        law = slaving(trace(model))
+        return law if isinstance(law, str) else None
 
-def _asked(model: Any) -> str | None:
-    found = slaving(trace(model))
-    return found if isinstance(found, str) else None
+    return _reasons(kind_of(model), found)

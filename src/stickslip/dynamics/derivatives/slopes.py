@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.batch import numbers_by_name
 from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.engine.graphs import Along
+from stickslip.engine.remembered import Remembered
 from stickslip.engine.symbols import Graph, Sym
 from stickslip.engine.tangent import part_in
 from stickslip.engine.trace import kind_of, numbers_of
@@ -21,7 +22,7 @@ from stickslip.machine_adapter import machine_of
 __all__ = ["Slopes", "number_slopes", "period_of", "start_changes"]
 
 Array = Any
-_functions: dict[Any, _Functions] = {}
+_functions: Remembered[_Functions] = Remembered()
 
 
 class _Functions:
@@ -31,40 +32,24 @@ class _Functions:
         self.graph, self.names, self.lock = Graph(), numbers_of(model), Lock()
         self.machine = machine_of(replace_leaf(model, {name: self.graph.case(name) for name in self.names}))
         self.along = Along(self.graph, {name: self.graph.case(part_in(name)) for name in along})
-        self._made: dict[Any, tuple[list[Sym], list[Sym]]] = {}
+        self._made: Remembered[tuple[list[Sym], list[Sym]]] = Remembered()
 
     def of(self, what: Callable[..., Any], *args: Any) -> tuple[list[Sym], list[Sym]]:
         """What a function of the machine gives, and the changes of that."""
         with self.lock:
-            try:
-                if (what, args) not in self._made:
-                    self._made[what, args] = self._nodes(what, args)
-                return self._made[what, args]
-            except TypeError:  # something that cannot be compared, such as a dict
-                return self._nodes(what, args)
+            return self._made((what, args), lambda: self._nodes(what, args))
 
     def _nodes(self, what: Callable[..., Any], args: Any) -> tuple[list[Sym], list[Sym]]:
         values = [value if isinstance(value, Sym) else self.graph.constant(value) for value in what(self.machine, *args)]
         return values, [self.along.of(value) for value in values]
 
 
-def _functions_of(model: Any, along: tuple[str, ...]) -> _Functions:
-    """Those of the kind of a model."""
-    key = kind_of(model), along
-    try:
-        known = _functions.get(key)
-    except TypeError:  # a part of the kind that cannot be compared, such as a list
-        return _Functions(model, along)
-    if known is None:
-        known = _functions[key] = _Functions(model, along)
-    return known
-
-
 class Slopes:
     """Values of a machine's plain functions, and their changes along directions in its numbers; functions of a module, with arguments."""
 
     def __init__(self, model: Any, along: dict[str, Array], cases: int):
-        self.functions, self.cases, own = _functions_of(model, tuple(along)), cases, numbers_by_name(model)
+        names, own, self.cases = tuple(along), numbers_by_name(model), cases
+        self.functions = _functions((kind_of(model), names), lambda: _Functions(model, names))
         self.known = {name: own[name] for name in self.functions.names} | {part_in(name): part for name, part in along.items()}
 
     def values(self, what: Callable[..., Any], *args: Any) -> list[Array]:

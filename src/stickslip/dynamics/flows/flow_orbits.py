@@ -11,10 +11,9 @@ import numpy as np
 
 from stickslip.arguments import Model, explains_arguments
 from stickslip.dynamics.flows.flow_stretches import Passage, derivative, passage, started
-from stickslip.dynamics.periodic.closed_orbits import multipliers_of, stability_of
+from stickslip.dynamics.periodic.closed_orbits import Repeating, multipliers_of
 from stickslip.dynamics.stroboscopic.strobe_states import needs_one_body
 from stickslip.errors import InputError, Problems, SolveError, is_whole
-from stickslip.faces import Drawn
 from stickslip.flow import Switch, SwitchingFlow, is_flow
 from stickslip.friction.law_adapter import law_of
 from stickslip.mechanics import normal_load
@@ -32,7 +31,7 @@ _PARTS = (2, 3, 5, 7, 11, 13)
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class FlowOrbit(Drawn):
+class FlowOrbit(Repeating):
     """A periodic orbit of a switching flow.
 
     Parameters
@@ -108,30 +107,18 @@ class FlowOrbit(Drawn):
         return solve(self.model, start=self.state, mode=self.mode, keep="trajectory", **length)
 
     @property
-    def stable(self) -> bool:
-        """Whether small disturbances die out."""
-        return stability_of(self.multipliers) == "stable"
-
-    @property
     def pattern(self) -> tuple[Any, ...]:
         """The modes in order."""
         return tuple(after for _, _, after in self.passage.events) or (self.mode,)
 
-    _drawn_by = "phase"
-
-    def _drawn(self) -> Any:
-        return self.run
-
     def _facts(self) -> dict[str, Any]:
-        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
-        stability = f"{stability_of(self.multipliers)}; multipliers {told}"
+        stability = f"{self.stability}; {self._multipliers_told}"
         return {"duration": f"{self.duration:.9g}", "switches": len(self.events), "stability": stability}
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        told, word = ", ".join(f"{m:.6g}" for m in self.multipliers), stability_of(self.multipliers)
-        length = f"{self.duration:.9g} long, {len(self.events)} switches"
-        return f"<FlowOrbit: {length}, {word} (multipliers {told}), mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
+        length, stability = f"{self.duration:.9g} long, {len(self.events)} switches", f"{self.stability} ({self._multipliers_told})"
+        return f"<FlowOrbit: {length}, {stability}, mode {self.mode!r}, {state}, residual {self.residual:.1e}>"
 
 
 @explains_arguments

@@ -17,6 +17,7 @@ import numpy as np
 from stickslip.batch import numbers_by_name
 from stickslip.dynamics.periodic.arc_sequences import Sequence, sequence_of
 from stickslip.dynamics.periodic.balls import Ball, Enclosure, above_zero, balls_of, flint_for, krawczyk
+from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit
 from stickslip.engine.closed_arc_conditions import closed_of
 from stickslip.errors import InputError, Problems
 from stickslip.sealing import sealed
@@ -134,12 +135,10 @@ def _check(orbit: Any, digits: Any) -> None:
     problems.check()
     if digits > 10_000:
         raise InputError("certify", [f"digits = {digits}; allowed are at most 10000; type digits=20"])
-    model = getattr(orbit, "model", None)
-    if model is None or not hasattr(orbit, "run"):
-        raise InputError(
-            "certify", [f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"]
-        )
-    if reason := handles(model):
+    if not isinstance(orbit, PeriodicOrbit):
+        told = f"orbit = {type(orbit).__name__}; allowed is a periodic orbit; type ss.certify(ss.periodic_orbit(robot))"
+        raise InputError("certify", [told])
+    if reason := handles(orbit.model):
         raise InputError("certify", [f"{reason}; a proof needs these formulas"])
 
 

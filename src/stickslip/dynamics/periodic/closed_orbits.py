@@ -11,22 +11,42 @@ from stickslip.dynamics.stroboscopic.strobe_maps import coordinates
 from stickslip.faces import Drawn
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["NEUTRAL", "ClosedMotion", "largest_first", "multipliers_of", "resting", "stability_of"]
+__all__ = ["NEUTRAL", "ClosedMotion", "Repeating", "largest_first", "multipliers_of", "resting", "stability_of"]
 
 Array = Any
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 
-class ClosedMotion(Drawn, ABC):
-    """A motion of a model that comes back to a state."""
+class Repeating(Drawn):
+    """A motion that repeats, and what its multipliers say of small disturbances."""
 
-    model: Any
-    state: Array
+    multipliers: Array
 
     _drawn_by = "phase"
 
     def _drawn(self) -> Any:
         return self.run
+
+    @property
+    def stable(self) -> bool:
+        """Whether small disturbances die out: all multipliers within the unit circle."""
+        return self.stability == "stable"
+
+    @property
+    def stability(self) -> str:
+        """What becomes of small disturbances, as `stability_of` its multipliers says."""
+        return stability_of(self.multipliers)
+
+    @property
+    def _multipliers_told(self) -> str:
+        return "multipliers " + ", ".join(f"{m:.6g}" for m in self.multipliers)
+
+
+class ClosedMotion(Repeating, ABC):
+    """A motion of a model that comes back to a state."""
+
+    model: Any
+    state: Array
 
     @property
     @abstractmethod
@@ -62,16 +82,6 @@ class ClosedMotion(Drawn, ABC):
     @abstractmethod
     def monodromy(self) -> Array:
         """The derivative of the state after the motion by the state before it."""
-
-    @property
-    def stable(self) -> bool:
-        """Whether small disturbances die out: all multipliers within the unit circle."""
-        return self.stability == "stable"
-
-    @property
-    def stability(self) -> str:
-        """What becomes of small disturbances, as `stability_of` its multipliers says."""
-        return stability_of(self.multipliers)
 
 
 def stability_of(multipliers: Array) -> str:

@@ -134,15 +134,12 @@ class LimitCycle(ClosedMotion):
         return "stick-slip" if law_of(self.model).dynamic else "reversing"
 
     def _facts(self) -> dict[str, Any]:
-        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
-        stability = f"{self.stability}; multipliers {told}"
+        stability = f"{self.stability}; {self._multipliers_told}"
         return {"type": self.type, "duration": f"{self.duration:.9g} s", "stability": stability}
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
-        return (
-            f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {self.stability} (multipliers {told}), residual {self.residual:.1e}>"
-        )
+        stability = f"{self.stability} ({self._multipliers_told})"
+        return f"<LimitCycle: {self.duration:.10g} s, type {self.type}, {stability}, residual {self.residual:.1e}>"
 
 
 def limit_cycle(model: Any, period: int = 1, guess: Any = None, *, rtol: float = 1e-12, tolerance: float = 1e-12) -> LimitCycle:

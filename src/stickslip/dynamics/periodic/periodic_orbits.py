@@ -183,17 +183,16 @@ class PeriodicOrbit(ClosedMotion):
             "mean velocity": f"{self.mean_velocity:.9g} {unit_of('v', self.model)}",
             **{name: text.replace("-", "−") for name, text in patterns.items()},
             "repeats after": f"{self.period} drive period{'s' * (self.period != 1)}",
-            "stability": f"{self.stability}; multipliers {', '.join(f'{m:.6g}' for m in self.multipliers)}",
+            "stability": f"{self.stability}; {self._multipliers_told}",
         }
 
     def __repr__(self) -> str:
         state = ", ".join(f"{name} = {value:.9g}" for name, value in zip(self.names, self.state, strict=True))
-        told = ", ".join(f"{m:.6g}" for m in self.multipliers)
         single = machine_of(self.model).is_single
         kind = f"type {self.type}" if single else ", ".join(f"{name} {pattern}" for name, pattern in self.patterns.items())
         return (
             f"<PeriodicOrbit: period {self.period}, {kind}, V = {self.mean_velocity:.9g} m/s, "
-            f"{self.stability} (multipliers {told}), strobe state {state}, residual {self.residual:.1e}>"
+            f"{self.stability} ({self._multipliers_told}), strobe state {state}, residual {self.residual:.1e}>"
         )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from stickslip.maths import _apply
+from stickslip.maths import function_value
 
 __all__ = ["Watching"]
 
@@ -67,7 +67,7 @@ def _lifted(name: str) -> Callable[..., Any]:
 
 
 def _function(name: str) -> Callable[[_Number], _Number]:
-    return lambda self: _Number(_apply(name, float(self)), self.book)
+    return lambda self: _Number(function_value(name, float(self)), self.book)
 
 
 for _name in ("add", "sub", "mul", "truediv", "pow", "floordiv", "mod"):
