@@ -17,12 +17,17 @@ Array = Any
 NEUTRAL = 1e-8  # how far from 1 a multiplier of 1 may be computed
 
 
-class Repeating(Drawn):
+class Repeating(Drawn, ABC):
     """A motion that repeats, and what its multipliers say of small disturbances."""
 
     multipliers: Array
 
     _drawn_by = "phase"
+
+    @property
+    @abstractmethod
+    def run(self) -> Any:
+        """Once around, with its dense output."""
 
     def _drawn(self) -> Any:
         return self.run
@@ -42,16 +47,11 @@ class Repeating(Drawn):
         return "multipliers " + ", ".join(f"{m:.6g}" for m in self.multipliers)
 
 
-class ClosedMotion(Repeating, ABC):
+class ClosedMotion(Repeating):
     """A motion of a model that comes back to a state."""
 
     model: Any
     state: Array
-
-    @property
-    @abstractmethod
-    def run(self) -> Any:
-        """Once around, with its dense output."""
 
     @property
     @abstractmethod
