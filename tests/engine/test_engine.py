@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -318,3 +320,15 @@ def test_a_case_that_cannot_be_solved_is_a_status():
     assert np.isnan(many.mean_velocity[1])
     with pytest.raises(ss.SolveError, match="stopped after"):
         ss.solve(base.replace({"friction.limit": 5e-3}), periods=3)
+
+
+# ---- the arrays of lanes ----
+def test_lanes_have_room_for_every_column_that_the_driver_names():
+    """`run` makes as many columns as the last name says; the driver's text counts them, and the exact arcs keep as many segments."""
+    from stickslip.engine.kernels import columns
+    from stickslip.engine.texts import coulomb_text
+
+    text = ast.parse(Path(columns.__file__).read_text(encoding="utf-8"))
+    named = [[name.id for name in node.targets[0].elts] for node in text.body if isinstance(getattr(node, "value", None), ast.Call)]
+    assert [(names[0], names[-1]) for names in named] == [("CASE", "SEGMENTS"), ("TQ", "BEFORE"), ("TOTAL", "SMALLEST")]
+    assert f"SEGS = {columns.SEGS} " in coulomb_text("coulomb_harmonic_runs")

@@ -15,6 +15,7 @@ from importlib import resources
 from typing import Any
 
 from stickslip.engine import cache, driver, slaved, taylor
+from stickslip.engine.kernels import columns
 from stickslip.engine.law_checks import check_numbers
 from stickslip.engine.lawtext import force, looks, prelude
 from stickslip.engine.observed import Observed, has_arms, lists_of, looked_at, signals_text
@@ -31,7 +32,6 @@ from stickslip.recurrence import KEPT, LONGEST
 
 __all__ = ["Job", "Kernel", "Results", "kernel", "kernel_of", "layout_of", "needed_positions", "ordered", "plain_name", "run"]
 
-SEGMENTS = 32
 #: Rows of numbers in which a step is looked at: at its ends and at the nodes of a quadrature, somewhere else, the states there, which parts
 #: of the step these are; then each state at all of them.
 ROOM = 11
@@ -355,15 +355,16 @@ def run(
     parts = k.contacts if signals else 1
     places = 1 + (len(k.owners) if signals else 0)
     S = _aligned((k.fields + 2 * bodies) * k.lanes)
-    lane_numbers = np.zeros((k.lanes, 8 + parts), dtype=np.int64)
-    lane_numbers[:, 0] = -1
-    lane_floats, ring, xs = np.zeros((k.lanes, 19)), np.zeros((k.lanes, KEPT, 1 + n + k.modes)), np.zeros((k.lanes, LONGEST + 1, places))
+    lane_numbers = np.zeros((k.lanes, columns.SEGMENTS + parts), dtype=np.int64)
+    lane_numbers[:, columns.CASE] = -1
+    lane_floats, ring = np.zeros((k.lanes, columns.BEFORE + 1)), np.zeros((k.lanes, KEPT, 1 + n + k.modes))
+    xs = np.zeros((k.lanes, LONGEST + 1, places))
     lane_parts = np.zeros((k.lanes, signals + bodies, 3))
     held, room = np.zeros((k.lanes, k.held)), np.zeros((ROOM + n, max(n, parts + signals, 8)))
     cursor = np.array([0, cases, 0], dtype=np.int64)
     out, count = np.full((cases, 9 + n + k.modes + places - 1), np.nan), np.zeros((cases, 5 + parts), dtype=np.int64)
     found = np.full((cases if signals else 0, signals + bodies, 3), np.nan)
-    seg_time, seg_code = np.zeros((cases, parts * SEGMENTS)), np.zeros((cases, parts * SEGMENTS), dtype=np.int8)
+    seg_time, seg_code = np.zeros((cases, parts * columns.SEGS)), np.zeros((cases, parts * columns.SEGS), dtype=np.int8)
     pieces, kept = np.empty((8192 if keep_pieces else 0, 4 + k.contacts + k.modes + n * (k.degree + 1))), []
     slice_calls = slice_calls or (8192 if k.lanes == 1 else 65536)  # about 2 and 30 milliseconds
     advance = driver.load().advance

@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.engine.symbols import Graph, Sym
 
-__all__ = ["needed_by", "values_of"]
+__all__ = ["Arithmetic", "needed_by", "values_of"]
 
 
 def values_of(graph: Graph, known: dict[str, Any], roots: Iterable[Sym] | None = None) -> dict[int, Any]:
@@ -27,11 +27,8 @@ def values_of(graph: Graph, known: dict[str, Any], roots: Iterable[Sym] | None =
     >>> values_of(graph, {"a": 2.0, "b": np.array([3.0, 4.0])})[product.number].tolist()
     [6.0, 8.0]
     """
-    values: dict[int, Any] = {}
     with np.errstate(all="ignore"):  # in a branch that is not taken
-        for node in graph.nodes if roots is None else needed_by(roots):
-            values[node.number] = _value(node, values, known)
-    return values
+        return Arithmetic(known).values(graph.nodes if roots is None else needed_by(roots))
 
 
 def needed_by(roots: Iterable[Sym]) -> list[Sym]:
@@ -56,25 +53,62 @@ def _held(flag: Sym) -> list[Sym]:
     return [] if name.startswith("mode") else [graph.guards[int(name[1:])]]
 
 
-def _value(node: Sym, values: dict[int, Any], known: dict[str, Any]) -> Any:
-    a = [values[arg.number] for arg in node.args]
-    match node.op:
-        case "constant":
-            return node.value
-        case "case" | "variable":
-            return known[node.name]
-        case "flag":
-            held = _held(node)
-            return np.where(values[held[0].number] > 0, 1.0, -1.0) if held else known[node.name]
-        case "add":
-            return a[0] + a[1]
-        case "subtract":
-            return a[0] - a[1]
-        case "multiply":
-            below = next((k for k in (1, 0) if node.args[k].op == "reciprocal"), None)  # a quotient is rounded once
-            return a[0] * a[1] if below is None else a[1 - below] / values[node.args[below].args[0].number]
-        case "select":
-            return np.where(a[0] > 0, a[1], a[2])
-        case "reciprocal":
-            return np.float64(1.0) / a[0]
-    return getattr(np, node.op)(a[0])
+class Arithmetic:
+    """What the operations of traced expressions mean for numbers and arrays; another kind of number says what is different.
+
+    Parameters
+    ----------
+    known : dict
+        Numbers by the names of the case's numbers and of the variables.
+    """
+
+    def __init__(self, known: dict[str, Any]):
+        self.known = known
+
+    def values(self, nodes: Iterable[Sym]) -> dict[int, Any]:
+        """The values of nodes, arguments before what is made of them, by their numbers."""
+        found: dict[int, Any] = {}
+        for node in nodes:
+            found[node.number] = self._value(node, found)
+        return found
+
+    def _value(self, node: Sym, values: dict[int, Any]) -> Any:
+        a = [values[arg.number] for arg in node.args]
+        match node.op:
+            case "constant":
+                return self.constant(node.value)
+            case "case" | "variable":
+                return self.named(node.name)
+            case "flag":
+                held = _held(node)
+                return np.where(values[held[0].number] > 0, 1.0, -1.0) if held else self.named(node.name)
+            case "add":
+                return a[0] + a[1]
+            case "subtract":
+                return a[0] - a[1]
+            case "multiply":
+                below = next((k for k in (1, 0) if node.args[k].op == "reciprocal"), None)  # a quotient is rounded once
+                return a[0] * a[1] if below is None else a[1 - below] / values[node.args[below].args[0].number]
+            case "select":
+                return self.select(*a)
+            case "reciprocal":
+                return self.one / a[0]
+        return self.function(node.op, a[0])
+
+    one: Any = np.float64(1.0)
+
+    def constant(self, value: Any) -> Any:
+        """A number of the expression."""
+        return value
+
+    def named(self, name: str) -> Any:
+        """A number of the case, or a variable."""
+        return self.known[name]
+
+    def select(self, condition: Any, above: Any, below: Any) -> Any:
+        """One of two values, as a condition is above zero or not."""
+        return np.where(condition > 0, above, below)
+
+    def function(self, name: str, x: Any) -> Any:
+        """A function of one number, by NumPy's name."""
+        return getattr(np, name)(x)

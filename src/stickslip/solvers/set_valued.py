@@ -13,6 +13,7 @@ import numpy as np
 
 from stickslip.batch import labels_of
 from stickslip.dense_output import HarmonicArcs
+from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.errors import SolveError
 from stickslip.pool import shared
 from stickslip.solvers import undriven
@@ -27,7 +28,6 @@ __all__ = ["batch", "solve", "solve_batch", "solve_one", "solve_rows", "summary"
 Array = Any
 Progress = Callable[[int, int], None]  # cases done, cases
 
-SEGMENTS = 32
 REPEAT = 1e-8  # of 1 + |w|: strobe points this close count as the same point
 TINY = 1e-100  # a drive this small beside the resistance is no drive
 _SLICE = 0.05  # seconds between looks at the keyboard

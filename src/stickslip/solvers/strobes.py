@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.engine.kernels.columns import SEGS as SEGMENTS
 from stickslip.forces import slip_ratio_of
 from stickslip.friction.law_adapter import law_of
 from stickslip.solvers.gather import NEEDED, Raw
 from stickslip.steadiness import outcome_of, window_count
 
 __all__ = ["NOTHING", "codes_of", "margin_force", "over_window", "raw", "reduced", "segments_of"]
-
-SEGMENTS = 32  # most segments of one motion period
 
 
 #: Results of a case that could not be solved.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.engine.symbols import Sym
-from stickslip.engine.values import needed_by
+from stickslip.engine.values import Arithmetic, needed_by
 from stickslip.optional import library
 from stickslip.sealing import sealed
 
@@ -70,29 +70,29 @@ def balls_of(arb: Any, known: dict[str, float], roots: Iterable[Sym]) -> dict[in
 
     Multiples of pi among the constants are taken as such.
     """
-    found: dict[int, Ball] = {}
-    for node in needed_by(roots):
-        found[node.number] = _ball(arb, node, [found[a.number] for a in node.args], known)
-    return found
+    return _Balls(arb, known).values(needed_by(roots))
 
 
-def _ball(arb: Any, node: Sym, a: list[Ball], known: dict[str, float]) -> Ball:
-    match node.op:
-        case "constant":
-            return _constant(arb, float(node.value))
-        case "case":
-            return arb(repr(float(known[node.name])))
-        case "add":
-            return a[0] + a[1]
-        case "subtract":
-            return a[0] - a[1]
-        case "multiply":
-            return a[0] * a[1]
-        case "reciprocal":
-            return 1 / a[0]
-        case "select":
-            return a[1] if a[0] > 0 else a[2] if a[0] <= 0 else a[1].union(a[2])
-    return getattr(a[0], _NAMES.get(node.op, node.op))()
+class _Balls(Arithmetic):
+    """Ball arithmetic."""
+
+    one = 1
+
+    def __init__(self, arb: Any, known: dict[str, float]):
+        super().__init__(known)
+        self.arb = arb
+
+    def constant(self, value: Any) -> Ball:
+        return _constant(self.arb, float(value))
+
+    def named(self, name: str) -> Ball:
+        return self.arb(repr(float(self.known[name])))
+
+    def select(self, condition: Ball, above: Ball, below: Ball) -> Ball:
+        return above if condition > 0 else below if condition <= 0 else above.union(below)
+
+    def function(self, name: str, x: Ball) -> Ball:
+        return getattr(x, _NAMES.get(name, name))()
 
 
 def _constant(arb: Any, value: float) -> Ball:
