@@ -75,7 +75,7 @@ def _function(eq: System, roots: Sequence[Sym], numbers: dict[str, float]) -> Ca
     lines.append(f"    return [{', '.join(f'n{root.number}' for root in roots)}]")
     space: dict[str, Any] = {**KNOWN, "inf": math.inf, "nan": math.nan}
     exec("\n".join(lines), space)  # text of our own graph
-    return space["told"]  # type: ignore[no-any-return]
+    return space["told"]
 
 
 def _settled(count: int, values: Callable[[list[float]], list[float]]) -> list[float]:
