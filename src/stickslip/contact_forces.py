@@ -131,12 +131,30 @@ def _hold(mechanics: Mechanics, resting: Array, t: Array, q: Any, u: Any, loads:
 
 
 def _multipliers(mechanics: Mechanics, G: Array, push: Array, loads: Array, held: Array) -> Array:
-    """Forces R with G R = push; contacts that hold one body together share what holds it in proportion to what each can bear."""
+    """Forces R with G R = push; contacts that hold one body together share what holds it in proportion to what each can bear.
+
+    The contacts come first, then closed stops; where ends of a stop rest on their own, it is pressed as far as that sharing asks, not more
+    than they can bear and not less than nothing.
+    """
     if np.linalg.matrix_rank(G) == len(G):
         return np.linalg.solve(G, push.T).T
-    bears = np.stack(
-        [np.asarray(mechanics.laws[i].breakaway(load)[1], float) * np.ones(len(push)) for i, load in zip(held, loads.T, strict=True)], 1
-    )
+    limits = [law.breakaway(load) for law, load in zip([mechanics.laws[i] for i in held], loads.T, strict=True)]
+    low, high = (np.stack([np.asarray(each[side], float) * np.ones(len(push)) for each in limits], 1) for side in (0, 1))
+    stops = np.zeros((len(push), len(G) - len(held)))
+    bears = np.hstack([high, stops + high.sum(axis=1, keepdims=True)])
     shared = np.einsum("ij,nj,kj->nik", G, bears, G)  # G R = push with R = bears (G^T y): the least R in units of what each can bear
     y = np.stack([np.linalg.lstsq(each, of, rcond=1e-12)[0] for each, of in zip(shared, push, strict=True)])
-    return bears * (y @ G)
+    return _allowed(G, bears * (y @ G), np.hstack([low, stops - np.inf]), np.hstack([high, stops]), len(held))
+
+
+def _allowed(G: Array, R: Array, low: Array, high: Array, contacts: int) -> Array:
+    """Forces between limits, moved by what a stop adds to the contacts at its ends without an effect on the motion."""
+    for p in range(contacts, len(G)):
+        along = np.eye(len(G))[p]
+        along[:contacts] = -np.linalg.lstsq(G[:contacts, :contacts], G[:contacts, p], rcond=1e-12)[0]
+        if np.max(abs(G @ along)) > 1e-9 * np.max(abs(G)):
+            continue  # its force is known
+        moved = np.flatnonzero(abs(along) > 1e-9)
+        ends = np.sort(np.stack([(limit[:, moved] - R[:, moved]) / along[moved] for limit in (low, high)]), axis=0)
+        R = R + np.clip(0.0, np.max(ends[0], axis=1), np.min(ends[1], axis=1))[:, None] * along
+    return R

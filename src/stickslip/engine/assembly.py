@@ -25,6 +25,7 @@ class Assembly:
         self.first_modes: list[Sym] = []
         self.memories: dict[int, list[tuple[int, Sym]]] = {}  # modes that a law with inner states remembers, by number of the contact
         self.events: list[tuple[Sym, dict[int, Sym], dict[int, Sym], int]] = []  # guard, new modes, new states, status
+        self.own_events: dict[int, int] = {}  # of a contact that decides for itself, the first of its three events
         self.at_rest: dict[int, tuple[dict[int, Sym], dict[int, Sym]]] = {}  # by number of the contact
         self.contacts: list[Contact] = []
         self.hits: dict[Any, tuple[int, Sym]] = {}  # of a stop with restitution, its event's number and the size of its impulse

@@ -129,6 +129,7 @@ def _add_set_valued(parts: Assembly, i: int, speed: Sym | None) -> None:
         stopped = graph.select(flight.aloft, -mode, stopped)
         first = graph.select(flight.first, side_in_flight(parts, i, held), rest)
     near = zero if owned else _NEAR * m.lift(m.machine.velocity_scale)
+    parts.own_events[i] = len(parts.events)
     parts.events += [
         (graph.by_side(mode, slip + near, near - slip, one), {place: stopped}, {j: still}, 0),
         (graph.by_side(mode, one, one, -push if holds else one), {place: one}, {}, 0),

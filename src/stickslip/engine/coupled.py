@@ -6,6 +6,7 @@ Between events the modes are held; at an event, and at the start, they are decid
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from functools import reduce
 from typing import Any
 
@@ -13,90 +14,129 @@ from stickslip.engine.assembly import Assembly
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Branches, Contact
 
-__all__ = ["SLIP", "add_box", "add_feet"]
+__all__ = ["SLIP", "Feet", "add_box", "add_feet", "limits_of", "sliding_both_ways"]
 
 _TIE = 1e-13  # of the terms of a condition: what rounding may make of one that holds with equality
 SLIP = 1.5e-14  # of a velocity, 64 roundings: what a slip may be that is zero
 
 
-def add_feet(parts: Assembly, feet: list[int], speeds: list[Sym | None]) -> None:
-    """Several contacts of one coordinate under laws that may hold it: one unknown acceleration, and a weighted median decides who rests."""
-    m = parts.m
-    graph, zero = m.graph, m.graph.constant(0.0)
-    one = graph.constant(1.0)
-    j = next(k for k, g in enumerate(m.directions[feet[0]]) if g)
-    alike = {i: [k for k in feet if m.slips[k] is m.slips[i]] for i in feet}  # feet that always move as one are one foot
-    every, feet = feet, [i for i in feet if alike[i][0] == i]
-    modes = {i: parts.modes[i] for i in feet}
-    held = {i: -graph.derivative(m.slips[i], m.t) for i in feet}  # acceleration at which the foot's slip stays as it is
-    slide = {i: _sums([sliding_both_ways(parts, k) for k in alike[i]]) for i in feet}
-    limits = {i: _sums([limits_of(parts, k) for k in alike[i]]) for i in feet}  # backward, forward
-    kinetic = {i: (slide[i][1], slide[i][0]) for i in feet}  # the same of feet that slide
+class Feet:
+    """Several contacts that hold one unknown acceleration, and a weighted median decides who rests.
 
-    def acceleration(now: dict[int, Sym], at_rest: dict[int, Sym]) -> Sym:
+    They are contacts of one coordinate, or of two that a closed stop makes move as one. Contacts that always move as one, `alike`, are
+    one foot, that of the first of them.
+    """
+
+    def __init__(self, parts: Assembly, acceleration: Callable[[dict[int, Sym]], Sym], held: dict[int, Sym], alike: dict[int, list[int]]):
+        self.parts, self.m, self.graph = parts, parts.m, parts.m.graph
+        self._acceleration, self.alike = acceleration, alike
+        self.feet = feet = [i for i in alike if alike[i][0] == i]
+        self.modes = {i: parts.modes[i] for i in feet}
+        self.held = held  # acceleration at which the foot's slip stays as it is
+        self.slide = {i: _sums([sliding_both_ways(parts, k) for k in alike[i]]) for i in feet}
+        self.limits = {i: _sums([limits_of(parts, k) for k in alike[i]]) for i in feet}  # backward, forward
+        self.kinetic = {i: (self.slide[i][1], self.slide[i][0]) for i in feet}  # the same of feet that slide
+
+    def acceleration(self, now: dict[int, Sym], at_rest: dict[int, Sym]) -> Sym:
         """With friction forces at rest as given."""
-        return m.accelerations({i: graph.by_side(now[i], *slide[i], at_rest[i]) for i in feet})[j]
+        return self._acceleration({i: self.graph.by_side(now[i], *self.slide[i], at_rest[i]) for i in self.feet})
 
-    def apart(i: int, k: int) -> Sym:
+    def apart(self, i: int, k: int) -> Sym:
         """To which side foot k slips where foot i rests: that to which its rest moves away."""
+        held, zero = self.held, self.graph.constant(0.0)
         away, sizes = held[i] - held[k], held[i] * held[i] + held[k] * held[k]
-        return graph.select(away * away - _TIE**2 * sizes, away, zero)  # feet that move alike may differ by rounding
+        return self.graph.select(away * away - _TIE**2 * sizes, away, zero)  # feet that move alike may differ by rounding
 
-    def at_rest(i: int) -> Sym:
-        """Mode of a foot at an event of another: its slip may be zero there too."""
-        sizes = m.y[j] * m.y[j] + parts.velocity_scale * parts.velocity_scale
-        return graph.select(m.slips[i] * m.slips[i] - SLIP**2 * sizes, modes[i], zero)
+    def at_rest(self, i: int, v: Sym) -> Sym:
+        """Mode of a foot at an event of another: its slip may be zero there too. `v` is the velocity of the body."""
+        sizes = v * v + self.parts.velocity_scale * self.parts.velocity_scale
+        slip = self.m.slips[i]
+        return self.graph.select(slip * slip - SLIP**2 * sizes, self.modes[i], self.graph.constant(0.0))
 
-    def pushed(i: int, now: dict[int, Sym], own: tuple[Sym, Sym], slips: dict[int, tuple[Sym, Sym]]) -> tuple[Sym, Sym]:
+    def pushed(self, i: int, now: dict[int, Sym], own: tuple[Sym, Sym], slips: dict[int, tuple[Sym, Sym]]) -> tuple[Sym, Sym]:
         """How strongly a foot is driven beyond its rest, forwards and backwards, with forces of its own and of those that would slip."""
 
         def besides(same: int) -> dict[int, Sym]:
-            return {k: own[same] if i == k else graph.by_side(apart(i, k), slips[k][1], slips[k][0], slips[k][same]) for k in feet}
+            return {
+                k: own[same] if i == k else self.graph.by_side(self.apart(i, k), slips[k][1], slips[k][0], slips[k][same])
+                for k in self.feet
+            }
 
-        return acceleration(now, besides(1)) - held[i], held[i] - acceleration(now, besides(0))
+        held = self.held[i]
+        return self.acceleration(now, besides(1)) - held, held - self.acceleration(now, besides(0))
 
-    def moved(i: int, now: dict[int, Sym], forces: dict[int, tuple[Sym, Sym]]) -> Sym:
+    def moved(self, i: int, now: dict[int, Sym], forces: dict[int, tuple[Sym, Sym]]) -> Sym:
         """The mode of a foot whose slip is zero, if these are the forces at which feet slip."""
-        push, pull = pushed(i, now, forces[i], forces)
+        graph, one, zero = self.graph, self.graph.constant(1.0), self.graph.constant(0.0)
+        push, pull = self.pushed(i, now, forces[i], forces)
         return graph.by_side(now[i], one, -one, graph.select(push, one, graph.select(pull, -one, zero)))
 
-    def decided(now: dict[int, Sym], rested: dict[int, Sym]) -> dict[int, Sym]:
+    def decided(self, now: dict[int, Sym], rested: dict[int, Sym]) -> dict[int, Sym]:
         """Modes of all feet. One that rested stays if it can while the others slide; else one rests that static friction holds.
 
         Where that holds none they slide, and if one comes to rest then, kinetic friction says which.
         """
-        found = {i: moved(i, now, limits) for i in feet}
-        if any(a is not b for i in feet for a, b in zip(limits[i], kinetic[i], strict=True)):
+        graph, feet, one, zero = self.graph, self.feet, self.graph.constant(1.0), self.graph.constant(0.0)
+        found = {i: self.moved(i, now, self.limits) for i in feet}
+        if any(a is not b for i in feet for a, b in zip(self.limits[i], self.kinetic[i], strict=True)):
             holds = _total([graph.by_side(found[i], zero, zero, one) for i in feet])
-            sliding = {i: moved(i, now, kinetic) for i in feet}
+            sliding = {i: self.moved(i, now, self.kinetic) for i in feet}
             found = {i: graph.select(holds, found[i], sliding[i]) for i in feet}
             for i in rested:
-                push, pull = pushed(i, now, limits[i], kinetic)
+                push, pull = self.pushed(i, now, self.limits[i], self.kinetic)
                 stays = graph.select(push, zero, graph.select(pull, zero, graph.by_side(rested[i], zero, zero, one)))
                 for k in feet:
-                    side = zero if i == k else graph.by_side(now[k], one, -one, graph.by_side(apart(i, k), one, -one, zero))
+                    side = zero if i == k else graph.by_side(now[k], one, -one, graph.by_side(self.apart(i, k), one, -one, zero))
                     found[k] = graph.select(stays, side, found[k])
-        return all_alike(found)
+        return self.all_alike(found)
 
-    def all_alike(new: dict[int, Sym]) -> dict[int, Sym]:
-        return {k: mode for i, mode in new.items() for k in alike[i]}
+    def all_alike(self, new: dict[int, Sym]) -> dict[int, Sym]:
+        """The same for those that are one foot."""
+        return {k: mode for i, mode in new.items() for k in self.alike[i]}
 
-    sliding = acceleration(modes, dict.fromkeys(feet, zero))
-    motion = sliding
-    for i in reversed(feet):
-        motion = graph.by_side(modes[i], motion, motion, held[i])
-    forwards = acceleration(modes, {k: limits[k][1] for k in feet})
-    backwards = acceleration(modes, {k: limits[k][0] for k in feet})
-    for i in feet:
-        mode, arrives = modes[i], {**{k: at_rest(k) for k in feet}, i: zero}
-        exactly = {j: m.y[j] - m.slips[i]}  # zero slip, to the last digit: after a break-away it grows more slowly than rounding at first
-        parts.events += [
-            (graph.by_side(mode, m.slips[i], -m.slips[i], one), decided(arrives, {k: modes[k] for k in feet if k != i}), exactly, 0),
-            (graph.by_side(mode, one, one, held[i] - forwards), all_alike({i: one}), exactly, 0),
-            (graph.by_side(mode, one, one, backwards - held[i]), all_alike({i: -one}), exactly, 0),
+    def motion(self, modes: dict[int, Sym]) -> tuple[Sym, Sym]:
+        """The acceleration if none rests, and as modes say."""
+        sliding = self.acceleration(modes, dict.fromkeys(self.feet, self.graph.constant(0.0)))
+        motion = sliding
+        for i in reversed(self.feet):
+            motion = self.graph.by_side(modes[i], motion, motion, self.held[i])
+        return sliding, motion
+
+    def breaks(self) -> tuple[Sym, Sym]:
+        """The accelerations at which what rests breaks away, forwards and backwards."""
+        return tuple(self.acceleration(self.modes, {k: self.limits[k][side] for k in self.feet}) for side in (1, 0))  # type: ignore[return-value]
+
+    def events(self, i: int, v: Sym, forwards: Sym, backwards: Sym) -> list[tuple[Sym, dict[int, Sym]]]:
+        """Guards of a foot, and the modes after them: its slip passes zero, it breaks away forwards, and backwards."""
+        graph, one, zero = self.graph, self.graph.constant(1.0), self.graph.constant(0.0)
+        mode, slip, held = self.modes[i], self.m.slips[i], self.held[i]
+        arrives = {**{k: self.at_rest(k, v) for k in self.feet}, i: zero}
+        others = {k: self.modes[k] for k in self.feet if k != i}
+        return [
+            (graph.by_side(mode, slip, -slip, one), self.decided(arrives, others)),
+            (graph.by_side(mode, one, one, held - forwards), self.all_alike({i: one})),
+            (graph.by_side(mode, one, one, backwards - held), self.all_alike({i: -one})),
         ]
-    first = decided({i: graph.by_side(m.slips[i], one, -one, zero) for i in feet}, {})
-    for number, new in first.items():
+
+    def first(self) -> dict[int, Sym]:
+        """Modes at the start, from the slips."""
+        graph, one, zero = self.graph, self.graph.constant(1.0), self.graph.constant(0.0)
+        return self.decided({i: graph.by_side(self.m.slips[i], one, -one, zero) for i in self.feet}, {})
+
+
+def add_feet(parts: Assembly, every: list[int], speeds: list[Sym | None]) -> None:
+    """Several contacts of one coordinate under laws that may hold it."""
+    m = parts.m
+    j = next(k for k, g in enumerate(m.directions[every[0]]) if g)
+    held = {i: -m.graph.derivative(m.slips[i], m.t) for i in every}
+    alike = {i: [k for k in every if m.slips[k] is m.slips[i]] for i in every}
+    feet = Feet(parts, lambda forces: m.accelerations(forces)[j], held, alike)
+    sliding, motion = feet.motion(feet.modes)
+    forwards, backwards = feet.breaks()
+    for i in feet.feet:
+        exactly = {j: m.y[j] - m.slips[i]}  # zero slip, to the last digit: after a break-away it grows more slowly than rounding at first
+        parts.events += [(guard, modes, exactly, 0) for guard, modes in feet.events(i, m.y[j], forwards, backwards)]
+    for number, new in feet.first().items():
         parts.first_modes[number] = new
     parts.f[j] = motion
     for i in every:

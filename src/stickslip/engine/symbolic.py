@@ -78,14 +78,14 @@ class Symbolic:
     def accelerations(self, R: dict[int, Any], at: dict[int, Sym] | None = None, closed: Any = AS_IT_IS) -> tuple[Sym, ...]:
         """Accelerations of the coordinates under the friction forces R by contact, with other states `at` those of the coordinates.
 
-        Stops are closed as their modes say; or none is (`closed` = None), or that one.
+        Stops are closed as their modes say, but those whose ends all rub are open; or none is closed (`closed` = None), or that one.
         """
         v = tuple((at or {}).get(j, y) + offset for j, (y, offset) in enumerate(zip(self.y, self.offsets, strict=True)))
         forces = [R.get(i, 0.0) for i in range(len(self.laws))]
         found = tuple(_spread(self.lift(a)) for a in self.equations.accelerations(self.t, self.places, v, forces, self.held))
         if closed is not AS_IT_IS:
             return found if closed is None else closed.closing(self, found)
-        for p in self.pressed:
+        for p in [p for p in self.pressed if not p.rubs]:
             found = tuple(self.graph.select(p.closed, shut, a) for shut, a in zip(p.closing(self, found), found, strict=True))
         return found
 

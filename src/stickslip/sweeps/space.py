@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import reprlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -112,13 +113,17 @@ def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -
     seen: set[str] = set(axes)
     for design in designs:
         if not isinstance(design, Design):
-            raise InputError(
-                "sweep", [f"{design!r} is no design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"]
-            )
+            raise InputError("sweep", [_no_design(design)])
         for name in [n for n in design.columns if n in seen]:
             problems.add(f"{name} is given twice")
         seen |= set(design.columns)
     return list(designs)
+
+
+def _no_design(given: Any) -> str:
+    if isinstance(given, Mapping) and given:
+        return f"axes are keyword arguments; type ** before the dictionary: sweep(..., **{{{next(iter(given))!r}: ...}})"
+    return f"{reprlib.repr(given)} is no design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"
 
 
 def _add_design(space: Space, design: Design) -> None:
