@@ -58,8 +58,8 @@ class Derived:
     ----------
     of, by : str or Observable, str
         What it is the derivative of, and by which number.
-    unit : str
-        Unit of the result.
+    unit : str or None
+        Unit of the result; None for that of `of` over that of the number.
     values : callable
         Columns of a batch, from the batch, how many cases it has, the columns that are asked for (by name) and the periods that a motion
         is given to settle.
@@ -67,7 +67,7 @@ class Derived:
 
     of: Any
     by: str
-    unit: str
+    unit: str | None
     values: Callable[[Any, int, dict[str, Derived], int], dict[str, Any]]
 
     @property

@@ -199,7 +199,12 @@ def _is_exact(machine, of, names, tolerance):
 
 
 def test_derivatives_are_columns_of_sweeps():
-    slopes = {"dV": ss.derivative("mean_velocity", "friction.mu_plus"), "dC": ss.derivative("cost_of_transport", "drive.amplitude", "1/m")}
+    slopes = {
+        "dV": ss.derivative("mean_velocity", "friction.mu_plus"),
+        "dC": ss.derivative("cost_of_transport", "drive.amplitude"),
+        "dw": ss.derivative("mean_velocity", "drive.omega"),
+        "dv": ss.derivative("state.v", "drive.amplitude", "1/ms"),
+    }
     more = {"v_square": ss.observable(lambda s: s.v**2)}
     rig = {"tilt_deg": 1.7, "law": "coulomb"}
     grid = ss.sweep(ss.presets.piezo_rig, amplitude=[5e-4, 6e-4, 8e-4], observe=slopes, **rig)
@@ -208,7 +213,8 @@ def test_derivatives_are_columns_of_sweeps():
         assert float(grid.dV[i]) == pytest.approx(ss.gradient(robot, wrt="friction.mu_plus")["friction.mu_plus"], rel=1e-9)
         found = ss.gradient(robot, "cost_of_transport", wrt="drive.amplitude")
         assert float(grid.dC[i]) == pytest.approx(found["drive.amplitude"], abs=1e-9 * found.value / amplitude)
-    assert grid.dC.attrs["units"] == "1/m"
+    units = {name: grid[name].attrs["units"] for name in slopes}
+    assert units == {"dV": "m/s", "dC": "1/m", "dw": "m/s/(rad/s)", "dv": "1/ms"}  # of the result over the number's
     assert "friction.mu_plus" in grid.dV.attrs["long_name"]
     with pytest.raises(ss.InputError, match="column of sweeps"):
         ss.solve(ss.presets.piezo_rig(amplitude=[5e-4, 6e-4], **rig), observe=slopes | more)

@@ -7,10 +7,12 @@ import pytest
 
 import stickslip as ss
 from stickslip.drives import DRIVES
+from stickslip.errors import Problems
 from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.coexisting import continued
+from stickslip.optimising.constraints import checked_limits
 from stickslip.optimising.peaks import LIMITS, peaks_of
-from stickslip.optimising.unknowns import Unknowns, Varied
+from stickslip.optimising.unknowns import Unknowns, Varied, checked_over
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 
 G, MU = 9.81, 0.1315
@@ -235,13 +237,47 @@ TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
         (dict(over={"drive.u1": (0.1, 0.2)}, minimise="drive_power"), "exactly one"),
         (dict(over={"drive.u1": (0.1, 0.2)}, starts="open"), "starts=None"),
         (dict(over={}), "over = "),
-        (dict(over={"drive.u1": (-0.2, -0.1)}), "positive number"),
+        (dict(over={"drive.u1": (-0.2, -0.1)}), "a positive velocity"),
+        (dict(over={"friction.mu_plus": (-0.1, 0.3)}), r"zero or more; type \(0, 0\.3\)"),
+        (dict(over={"drive.u1": (float("nan"), 0.2)}), "finite bounds"),
+        (dict(over={"drive.u1": "12"}), "not two numbers"),
+        (dict(over={"drive.u1": ("0.1", "0.2")}), "'0.1' is not a number"),
+        (dict(over={"drive.u1": ("1 mm", "2 mm")}), "unit of position"),
+        (dict(over={"drive.u1": (False, True)}), "False is not a number"),
+        (dict(over={"drive.u1": (None, 0.2)}), "a bound is missing"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (None, "x")}), "'x' is not a number"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, robust={"friction.mu_plus": ("uniform", -0.2, 0.1)}), "in the sample, mu_plus"),
+        (dict(over={"drive.u1": (0.1, 0.2)}, robust={"friction.mu_plus": ("gamma", 0.1, 0.2)}), '"uniform", low, high'),
+        (dict(over={"drive.u1": (0.1, 0.2)}, robust="worst"), "or a Fit"),
     ],
     ids=lambda each: "" if isinstance(each, dict) else str(each)[:20],
 )  # fmt: skip
 def test_bad_input_says_what_to_type(asked, told):
     with pytest.raises(ss.InputError, match=told):
         ss.optimise(TWO, maximise="mean_velocity", **asked)
+
+
+def test_a_batch_has_no_best():
+    with pytest.raises(ss.InputError, match="is a batch"):
+        ss.optimise(TWO.replace(gravity=np.array([9.0, 10.0])), over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity")
+
+
+def test_bounds_and_limits_are_typed_with_units():
+    problems = Problems("optimise")
+    (varied,) = checked_over(TWO, {"drive.u1": ("10 mm/s", 0.8)}, problems)
+    (limit,) = checked_limits(TWO, {"stroke": (None, "1 cm")}, problems)
+    problems.check()
+    assert (varied.low, varied.high, limit.high) == (0.01, 0.8, 0.01)
+
+
+def test_candidates_that_the_record_refuses_with_a_number_of_the_sample_are_not_run():
+    # static friction is never less than sliding friction: 0.2 is no candidate where static friction may be 0.15
+    made = robot(ss.Harmonic.example(), law=ss.Stribeck(0.1, 0.1, 0.3, 0.3, 1e-3))
+    space = Unknowns(made, [Varied("friction.mu_plus", ("friction.mu_plus",), 0.1, 0.2)], None)
+    worth = Candidates(space, "mean_velocity", -1.0, [], sample={"friction.f_plus": np.array([0.15, 0.25])})
+    machines, good = worth._machines(np.array([[0.0], [0.4], [1.0]]))
+    assert good.tolist() == [0, 1]
+    assert machines.friction.mu_plus.tolist() == pytest.approx([0.1, 0.14])
 
 
 def test_a_waveform_is_of_one_kind():

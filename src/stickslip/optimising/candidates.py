@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.batch import some_of
 from stickslip.drives.within import drives_within
 from stickslip.dynamics.derivatives.tangents import not_followed
 from stickslip.dynamics.periodic.periodic_orbits import PeriodicOrbit, periodic_orbit
@@ -18,7 +19,7 @@ from stickslip.optimising.constraints import KEPT, Limit
 from stickslip.optimising.exact_derivatives import exactly
 from stickslip.optimising.rest_margin import nearness
 from stickslip.optimising.results import results_of
-from stickslip.optimising.uncertainty_samples import sampled
+from stickslip.optimising.uncertainty_samples import allowed_with, sampled
 from stickslip.optimising.unknowns import Unknowns
 
 __all__ = ["Candidates", "Stopped"]
@@ -88,7 +89,7 @@ class Candidates:
         """Which way leads off a plateau: of machines at rest, how near they are to being moved."""
         found, rests, way = np.zeros(len(U)), np.flatnonzero(self._rests), self._way()
         if way and len(rests):
-            machines, good = self.space.machines(U[rests])
+            machines, good = self._machines(U[rests])
             near = nearness(machines, len(good), forwards=way < 0.0) if len(good) else None
             if near is not None:
                 found[rests[good]] = -np.clip(np.nan_to_num(near), 0.0, 1.0)
@@ -105,7 +106,7 @@ class Candidates:
         """The objective itself for each row, NaN where there is none, and by how much the row is beyond its limits."""
         U = np.atleast_2d(np.asarray(U, float))
         self.tell(self.tried)
-        machines, good = self.space.machines(U)
+        machines, good = self._machines(U)
         values, over, self._rests = np.full(len(U), np.nan), np.zeros(len(U)), np.zeros(len(U), bool)
         if len(good):
             values[good], over[good], self._rests[good] = self._values(machines, len(good))
@@ -116,6 +117,14 @@ class Candidates:
             self.best, self.least = U[k].copy(), float(kept[k])
             self.history.append((self.tried, self.sign * self.least))
         return values, over
+
+    def _machines(self, U: Array) -> tuple[Any, Array]:
+        """A batch of the rows that make a machine, with every number of the sample, and which these are."""
+        machines, good = self.space.machines(U)
+        if self.sample is None or not len(good):
+            return machines, good
+        kept = np.flatnonzero(allowed_with(machines, len(good), self.sample))
+        return (machines if len(kept) == len(good) else some_of(machines, kept) if len(kept) else None), good[kept]
 
     def _values(self, machines: Any, count: int) -> tuple[Array, Array, Array]:
         early = [limit for limit in self.bounding if limit.of_drive]
@@ -190,7 +199,7 @@ class Candidates:
         """Central differences, as far as the bounds leave room."""
         n = self.space.count
         ends = np.clip(np.vstack([u + _STEP * np.eye(n), u - _STEP * np.eye(n)]), 0.0, 1.0)
-        machines, good = self.space.machines(ends)
+        machines, good = self._machines(ends)
         values = np.full(2 * n, np.nan)
         if len(good):
             values[good] = self._results(machines, len(good), _FINE)[0]
@@ -199,7 +208,7 @@ class Candidates:
 
     def margins(self, U: Array) -> Array:
         """How far within all limits each row is: array (sides, rows)."""
-        machines, good = self.space.machines(np.atleast_2d(U))
+        machines, good = self._machines(np.atleast_2d(U))
         sides = sum(np.isfinite(end) for limit in self.bounding for end in (limit.low, limit.high))
         whole = np.full((sides, len(np.atleast_2d(U))), -1.0)
         if not len(good):

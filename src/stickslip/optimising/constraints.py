@@ -12,7 +12,9 @@ from stickslip.drives.within import drives_within
 from stickslip.errors import Problems, did_you_mean
 from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import quantities
+from stickslip.optimising.typed_ends import typed_ends
 from stickslip.optimising.waveforms import Scales
+from stickslip.variables import unit_of
 
 __all__ = ["KEPT", "Limit", "checked_limits", "scales_within"]
 
@@ -78,12 +80,14 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
         problems.add(f"subject_to: {name!r} is of a drive, and {type(model).__name__} has none; leave it out")
         return None
     try:
-        low, high = (missing if end is None else float(end) for end, missing in zip(ends, (-np.inf, np.inf), strict=True))
-    except (TypeError, ValueError):
-        problems.add(f"subject_to[{name!r}] = {ends!r}; allowed is (least, largest) with None for no limit; {_TYPED}")
+        least, largest = typed_ends(ends, LIMITS.get(name) or unit_of(name, model))
+    except ValueError as error:
+        problems.add(f"subject_to[{name!r}] = {ends!r}: {error}; allowed is (least, largest) with None for no limit; {_TYPED}")
         return None
+    low, high = -np.inf if least is None else least, np.inf if largest is None else largest
     if not low < high or (np.isinf(low) and np.isinf(high)) or (name in LIMITS and high <= 0.0):
-        problems.add(f"subject_to[{name!r}] = {ends!r} cannot be kept; allowed is (least, largest), the lesser first; {_TYPED}")
+        typed = f'type subject_to={{"{name}": ({high:g}, {low:g})}}' if np.isfinite(low) and 0.0 < high < low else _TYPED
+        problems.add(f"subject_to[{name!r}] = {ends!r} cannot be kept; allowed is (least, largest), the lesser first; {typed}")
         return None
     return Limit(name, low, high)
 

@@ -19,7 +19,6 @@ from stickslip.machine_adapter import machine_of
 from stickslip.observables import Derived, Observable
 from stickslip.optimising.exact_derivatives import Exact, exactly
 from stickslip.optimising.gradients import AGREE, RTOL_OF_SLOPES, check_of
-from stickslip.variables import VARIABLES
 
 __all__ = ["derivative"]
 
@@ -43,7 +42,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     by : str
         A number, or numbers of all parts that are moved together, as for `gradient`.
     unit : str, optional
-        Unit of the result. If not given it is said by the unit of `of` and the name of the number.
+        Unit of the result. If not given it is the unit of `of` over that of the number: "m/s/m" of a mean velocity by an amplitude.
 
     Returns
     -------
@@ -59,8 +58,8 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     >>> import stickslip as ss
     >>> slopes = {"dV_dmu": ss.derivative("mean_velocity", "friction.mu_plus")}
     >>> grid = ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4, 8e-4], tilt_deg=1.7, law="coulomb", observe=slopes)
-    >>> grid.dV_dmu.values.round(6).tolist()
-    [-0.054983, -0.089796]
+    >>> grid.dV_dmu.values.round(6).tolist(), grid.dV_dmu.attrs["units"]
+    ([-0.054983, -0.089796], 'm/s')
     """
     problems = Problems("derivative")
     if not isinstance(of, str | Observable):
@@ -70,13 +69,7 @@ def derivative(of: Any, by: str, unit: str | None = None) -> Derived:
     if not (unit is None or isinstance(unit, str)):
         problems.add(f'unit = {unit!r}; allowed is text; type for example unit="m/s"')
     problems.check()
-    return Derived(of, by, f"({_unit_of(of)})/({by})" if unit is None else unit, values)
-
-
-def _unit_of(of: Any) -> str:
-    """Unit of a result."""
-    known = of.unit if isinstance(of, Observable) else VARIABLES[of.partition(".")[0]].unit if of.partition(".")[0] in VARIABLES else "1"
-    return known or "1"
+    return Derived(of, by, unit, values)
 
 
 def values(model: Any, cases: int, asked: dict[str, Derived], periods: int) -> dict[str, Array]:

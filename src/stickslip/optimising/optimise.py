@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.arguments import Fitted, Model, explains_arguments
+from stickslip.batch import shape_of
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, StickslipError, is_whole
 from stickslip.optimising.best_candidate import told
@@ -16,7 +17,7 @@ from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.results import check_quantity
 from stickslip.optimising.searching import search as searched
 from stickslip.optimising.starts import closed_starts
-from stickslip.optimising.uncertainty_samples import checked_spread, sample_of
+from stickslip.optimising.uncertainty_samples import check_sample, checked_spread, sample_of
 from stickslip.optimising.unknowns import Unknowns, Varied, checked_over
 
 __all__ = ["optimise"]
@@ -52,9 +53,9 @@ def optimise(
     model : Robot or machine
         Where what is not searched comes from. With a period.
     over : dict
-        What varies: (low, high) for a number by its name as in ``robot.replace``, such as "drive.amplitude" or "track.tilt", of several
-        parts "modules[1].drive.amplitude", "phases[1]"; without an index those of all parts together. A `waveform` for a drive: "drive",
-        "modules[0].drive".
+        What varies: (low, high), such as (2e-4, 8e-4) or ("0.2 mm", "0.8 mm"), for a number by its name as in ``robot.replace``, such as
+        "drive.amplitude" or "track.tilt", of several parts "modules[1].drive.amplitude", "phases[1]"; without an index those of all parts
+        together. A `waveform` for a drive: "drive", "modules[0].drive".
     maximise, minimise : str
         Exactly one of them: "mean_velocity", "cost_of_transport", "drive_power", or another column of a sweep.
     subject_to : dict, optional
@@ -83,7 +84,8 @@ def optimise(
     Raises
     ------
     InputError
-        For unknown names, contradictory bounds, what would be set twice, and where no candidate keeps the limits.
+        For unknown names, contradictory bounds, bounds or a sample beyond what a number may be, what would be set twice, and where no
+        candidate keeps the limits.
 
     References
     ----------
@@ -98,6 +100,8 @@ def optimise(
     (0.8, 0.8, ('drive.u1', 'drive.u2'))
     """
     problems = Problems("optimise")
+    if shape_of(model):
+        raise InputError("optimise", ["the machine is a batch (some of its numbers are arrays); allowed is one; type single values"])
     quantity = _quantity(model, maximise, minimise, problems)
     varied, limits = checked_over(model, over, problems), checked_limits(model, subject_to, problems)
     scales = scales_within(limits, problems) if any(each.form is not None for each in varied) else None
@@ -159,7 +163,12 @@ def _sample(model: Any, robust: Any, quantile: Any, varied: list[Varied], seed: 
         for other in varied:
             both = [a for a in spread.alone(one, np.array([0.5])) for b in other.leaves if a == b or a.startswith(b + ".")]
             problems.found += [f"{one!r} is uncertain and {other.name!r} varies: {a} would be set twice; leave one out" for a in both[:1]]
-    return sample_of(spread, _SAMPLE, seed)
+    sample = sample_of(spread, _SAMPLE, seed)
+    try:
+        check_sample("optimise", model, sample)
+    except InputError as error:
+        problems.include(error)
+    return sample
 
 
 def _as_given(robust: Any) -> dict[str, Any]:

@@ -9,11 +9,11 @@ import numpy as np
 
 from stickslip.arguments import Fitted, Model, explains_arguments
 from stickslip.dynamics.stroboscopic.strobe_maps import spread_over
-from stickslip.errors import InputError, Problems
+from stickslip.errors import Problems
 from stickslip.faces import Drawn, Face, rounded, sure
 from stickslip.fields import leaves
 from stickslip.optimising.results import check_quantity, results_of
-from stickslip.optimising.uncertainty_samples import Spread, checked_spread, sampled, sobol
+from stickslip.optimising.uncertainty_samples import Spread, check_sample, checked_spread, sampled, sobol
 from stickslip.sealing import sealed
 
 __all__ = ["Indices", "Propagated", "propagate"]
@@ -226,10 +226,7 @@ def _designed(count: int, samples: int, seed: int, indices: bool) -> Array:
 
 def _run(model: Any, sample: dict[str, Array], of: str, workers: int = 1) -> Array:
     """A result for each case of a sample."""
-    try:
-        model.replace(sample)  # the record says what its numbers may be
-    except InputError as error:
-        raise InputError("propagate", [f"in the sample, {problem}" for problem in error.problems]) from None
+    check_sample("propagate", model, sample)
     machines, cases = sampled(model, 1, sample)
     return results_of(machines, cases, workers)[of]
 

@@ -8,11 +8,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from stickslip.distributions import ALLOWED, Distribution, distribution_of
-from stickslip.errors import Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves, replace_leaf
 from stickslip.number_names import numbers_meant
 
-__all__ = ["Independent", "Spread", "Uncertain", "checked_spread", "sample_of", "sampled", "sobol"]
+__all__ = ["Independent", "Spread", "Uncertain", "allowed_with", "check_sample", "checked_spread", "sample_of", "sampled", "sobol"]
 
 Array = Any
 _TYPED = '{"friction.mu_plus": ("uniform", 0.13, 0.17)} or {"friction.mu_plus": ("normal", 0.15, 0.01)}'
@@ -91,6 +91,9 @@ class Independent:
 def checked_spread(model: Any, argument: str, given: Any, problems: Problems) -> Spread | None:
     """How numbers are spread, from the distributions that were typed or from a fit; what is wrong with them is noted."""
     if not isinstance(given, dict):
+        if not hasattr(given, "distribution"):
+            problems.add(f"{argument} = {given!r}; allowed is a dict of distributions, or a Fit; type {argument}={_TYPED}")
+            return None
         spread: Spread | None = given.distribution(model, problems)
         return spread
     if not given:
@@ -125,6 +128,38 @@ def sample_of(spread: Spread, count: int, seed: int) -> dict[str, Array]:
     [0, 1, 2, 3]
     """
     return spread.numbers(sobol(len(spread.names), count, seed))
+
+
+def check_sample(what: str, model: Any, sample: dict[str, Array]) -> None:
+    """`InputError` where a number of the sample makes no machine: the record says what its numbers may be."""
+    try:
+        model.replace(sample)
+    except InputError as error:
+        raise InputError(what, [f"in the sample, {problem}" for problem in error.problems]) from None
+
+
+def allowed_with(machines: Any, count: int, sample: dict[str, Array]) -> Array:
+    """Which machines of a batch may have every number of a sample, as their record says: array (count,).
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> law = ss.Stribeck(mu_plus=np.array([0.1, 0.2]), mu_minus=0.1, f_plus=0.3, f_minus=0.3, v_s=1e-3)
+    >>> allowed_with(ss.Robot(0.9, 0.1, ss.Harmonic.example(), law), 2, {"friction.f_plus": np.array([0.15, 0.25])}).tolist()
+    [True, False]
+    """
+
+    def refused(which: Array) -> bool:
+        numbers = {name: np.broadcast_to(np.asarray(own, float), (count,))[which][:, None] for name, own in leaves(machines)}
+        try:
+            replace_leaf(machines, numbers).replace(sample)
+        except InputError:
+            return True
+        return False
+
+    if not refused(np.arange(count)):
+        return np.ones(count, bool)
+    return np.array([not refused(np.array([k])) for k in range(count)])
 
 
 def sampled(machines: Any, count: int, sample: dict[str, Array]) -> tuple[Any, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,14 +10,17 @@ import numpy as np
 
 from stickslip.drives.drive_adapter import lacking
 from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves
+from stickslip.fields import leaves, told_by_field
 from stickslip.number_names import numbers_meant
+from stickslip.optimising.typed_ends import typed_ends
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
+from stickslip.quantities import allowed_in, example_of
 
 __all__ = ["Unknowns", "Varied", "checked_over"]
 
 Array = Any
 _DECADES = 100.0  # positive bounds further apart than this are searched on a logarithmic scale
+_INWARD = 1e-9  # of the way between two bounds: how far within them a number has to be allowed
 _TYPED = 'type for example over={"drive.amplitude": (2e-4, 8e-4)} or over={"drive": ss.waveform(pieces=4)}'
 
 
@@ -160,16 +163,32 @@ def _varied(model: Any, name: str, what: Any, known: list[str], problems: Proble
     if not meant:
         problems.add(f"over: {name!r} is no number of {type(model).__name__}; {did_you_mean(name, known)}")
         return None
+    told = {leaf: told_by_field(model, leaf) for leaf in meant}
     try:
-        low, high = (float(end) for end in what)
-    except (TypeError, ValueError):
-        problems.add(f"over[{name!r}] = {what!r}; allowed is (low, high), or a waveform for a drive; {_TYPED}")
+        low, high = typed_ends(what, str(told[meant[0]].get("unit", "")))
+        if low is None or high is None:
+            raise ValueError("a bound is missing")
+    except ValueError as error:
+        problems.add(f"over[{name!r}] = {what!r}: {error}; allowed is (low, high), or a waveform for a drive; {_TYPED}")
         return None
     if not (np.isfinite(low) and np.isfinite(high) and low < high):
-        typed = f"({min(low, high):g}, {max(low, high):g})" if low != high else "a dict without it"
-        problems.add(f"over[{name!r}] = ({low:g}, {high:g}); allowed are finite bounds, the lower one first; type {typed}")
+        swapped = f"type ({high:g}, {low:g})" if np.isfinite(low) and np.isfinite(high) else _TYPED
+        typed = "type a dict without it" if low == high else swapped
+        problems.add(f"over[{name!r}] = ({low:g}, {high:g}); allowed are finite bounds, the lower one first; {typed}")
+        return None
+    if why := next((why for each in told.values() if (why := _left(each, low, high))), ""):
+        problems.add(f"over[{name!r}] = ({low:g}, {high:g}) leaves what {name.rpartition('.')[2]} may be; {why}")
         return None
     return Varied(name, meant, low, high)
+
+
+def _left(told: Mapping[str, Any], low: float, high: float) -> str:
+    """What a number may be, where its bounds go beyond that; a bound itself may lie on the border, as 0 of what is positive."""
+    rule, inward = told.get("rule"), _INWARD * (high - low)
+    if rule is None or (rule(low + inward) and rule(high - inward)):
+        return ""
+    typed = f"type (0, {high:g})" if low < 0.0 and rule(inward) and rule(high - inward) else f"an ordinary value is {example_of(told)}"
+    return f"allowed is {allowed_in(told)}; {typed}"
 
 
 def _of_drive(model: Any, name: str, form: Waveform, known: list[str], problems: Problems) -> Varied | None:

@@ -14,6 +14,7 @@ from stickslip.fields import told_by_field
 from stickslip.jsontext import plain
 from stickslip.machine_adapter import machine_of
 from stickslip.naming import axis_of
+from stickslip.observables import Derived
 from stickslip.presets import DIMENSIONLESS
 from stickslip.quantities import axis_in
 from stickslip.sweeps.models_of_points import shared_numbers
@@ -118,12 +119,31 @@ def dataset(plan: Plan, columns: dict[str, Array], more: dict[str, Any], notes: 
     if notes:
         attributes["notes"] = json.dumps(notes, ensure_ascii=False)
     found = assembled(kept, labels_of(plan) | labels_of_parts(plan.parts), attributes)
-    return with_units(found, {name: about(each) for name, each in (plan.options.get("observe") or {}).items()})
+    return with_units(found, about(plan))
 
 
-def about(each: Any) -> dict[str, str]:
-    """Unit and meaning of a user's own column."""
-    return {"units": each.unit, "long_name": each.says}
+def about(plan: Plan) -> dict[str, dict[str, str]]:
+    """Units and meanings of a user's own columns."""
+    observe = plan.options.get("observe") or {}
+    units = {name: _slope_unit(plan, each) if each.unit is None else each.unit for name, each in observe.items()}
+    return {name: {"units": units[name], "long_name": each.says} for name, each in observe.items()}
+
+
+def _slope_unit(plan: Plan, slope: Derived) -> str:
+    """The unit of a derivative: that of what it is of over that of the number."""
+    if maker_of(plan.make) in DIMENSIONLESS:
+        return "1"
+    model = plan.make if plan.sample is None else plan.sample[0]
+    name = getattr(slope.of, "unit", None) or _unit_of_result(str(slope.of), model)
+    by = (axis_of(slope.by, model) or ("", "1"))[1]
+    return name if by == "1" else f"{name}/({by})" if "/" in by or " " in by else f"{name}/{by}"
+
+
+def _unit_of_result(of: str, model: Any) -> str:
+    """The unit of a column, or of a state on the strobe."""
+    first, _, rest = of.partition(".")
+    name = rest.partition(".")[0] if first == "state" else first
+    return (unit_of(name, model) if name in VARIABLES else "") or "1"
 
 
 def with_units(grid: Any, observed: dict[str, dict[str, str]]) -> Any:

@@ -130,7 +130,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "tiles": plan.tiles,
         "cases_per_tile": plan.bounds(0)[1] if plan.tiles else 0,
         "columns": {each: kind_of(each) for name in kept_columns(plan) for each in part_columns(name, plan.parts)},
-        **({"observed": {name: about(each) for name, each in plan.options["observe"].items()}} if plan.observed else {}),
+        **({"observed": about(plan)} if plan.observed else {}),
         **({"parts": {dim: list(names) for dim, names in plan.parts.items()}} if plan.parts else {}),
         "attributes": attributes_of(plan),
         "provenance": provenance_of(plan),
