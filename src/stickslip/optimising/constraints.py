@@ -10,9 +10,11 @@ import numpy as np
 
 from stickslip.drives.within import drives_within
 from stickslip.errors import Problems, did_you_mean
+from stickslip.fields import number
 from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import quantities
 from stickslip.optimising.waveforms import Scales
+from stickslip.variables import VARIABLES, in_units_of
 
 __all__ = ["KEPT", "Limit", "checked_limits", "scales_within"]
 
@@ -78,7 +80,8 @@ def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None
         problems.add(f"subject_to: {name!r} is of a drive, and {type(model).__name__} has none; leave it out")
         return None
     try:
-        low, high = (missing if end is None else float(end) for end, missing in zip(ends, (-np.inf, np.inf), strict=True))
+        unit = LIMITS.get(name) or in_units_of(model, VARIABLES[name].unit)
+        low, high = (missing if end is None else float(number(end, unit)) for end, missing in zip(ends, (-np.inf, np.inf), strict=True))
     except (TypeError, ValueError):
         problems.add(f"subject_to[{name!r}] = {ends!r}; allowed is (least, largest) with None for no limit; {_TYPED}")
         return None

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives.adapter import lacking
-from stickslip.errors import InputError, Problems, did_you_mean
-from stickslip.fields import leaves
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
+from stickslip.fields import leaves, number, told_by_field
 from stickslip.number_names import numbers_meant
 from stickslip.optimising.waveforms import Scales, Waveform, drive_of_waveform, unknowns_of
 
@@ -158,10 +158,10 @@ def _varied(model: Any, name: str, what: Any, known: list[str], problems: Proble
         return _of_drive(model, name, what, known, problems)
     meant = numbers_meant(name, known)
     if not meant:
-        problems.add(f"over: {name!r} is no number of {type(model).__name__}; {did_you_mean(name, known)}")
+        problems.add(f"over: {name!r} is no number of {type(model).__name__}; {other_words(name, None, known) or did_you_mean(name, known)}")
         return None
     try:
-        low, high = (float(end) for end in what)
+        low, high = (float(number(end, told_by_field(model, meant[0]).get("unit"))) for end in what)
     except (TypeError, ValueError):
         problems.add(f"over[{name!r}] = {what!r}; allowed is (low, high), or a waveform for a drive; {_TYPED}")
         return None
