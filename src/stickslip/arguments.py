@@ -147,7 +147,7 @@ def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
     Traceback (most recent call last):
     ...
     stickslip.errors.InputError: half: 2 problems
-      - 'y' is no argument; known: x
+      - 'y' is not an argument; known: x
       - x is missing; type x=...
     """
 

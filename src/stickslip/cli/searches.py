@@ -77,13 +77,13 @@ def _checked_table(table: Any, problems: Problems) -> dict[str, Any]:
     tables = ("over", "subject_to", "robust")
     table = {} if table is None else table
     if not isinstance(table, dict):
-        problems.add(f'optimise = {table!r} is no table; type [optimise.over] and under it for example "drive.amplitude" = [2e-4, 8e-4]')
+        problems.add(f'optimise = {table!r} is not a table; type [optimise.over] and under it for example "drive.amplitude" = [2e-4, 8e-4]')
         return {}
     for key, given in table.items():
         if key not in (*NUMBERS, *tables):
             problems.add(f"optimise.{key} is not known; {did_you_mean(key, [*NUMBERS, *tables])}")
         elif key in tables and not isinstance(given, dict):
-            problems.add(f"optimise.{key} = {given!r} is no table; type [optimise.{key}]")
+            problems.add(f"optimise.{key} = {given!r} is not a table; type [optimise.{key}]")
     return {key: given for key, given in table.items() if key not in tables or isinstance(given, dict)}
 
 

@@ -113,7 +113,7 @@ def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -
     for design in designs:
         if not isinstance(design, Design):
             raise InputError(
-                "sweep", [f"{design!r} is no design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"]
+                "sweep", [f"{design!r} is not a design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"]
             )
         for name in [n for n in design.columns if n in seen]:
             problems.add(f"{name} is given twice")
