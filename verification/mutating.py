@@ -41,7 +41,7 @@ class Mutant:
 def changes(node: Any) -> Iterator[tuple[str, Any]]:
     """What may be changed about a node of the syntax: a field, and its new value."""
     if any(isinstance(getattr(side, "value", None), str) for side in (getattr(node, "left", None), getattr(node, "right", None))):
-        return  # words that are put together are no formula
+        return  # words that are put together are not formulas
     if isinstance(node, (ast.BinOp, ast.UnaryOp, ast.BoolOp)) and type(node.op) in OTHER:
         yield "op", OTHER[type(node.op)]()
     elif isinstance(node, ast.Compare) and type(node.ops[0]) in OTHER:

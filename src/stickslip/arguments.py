@@ -147,7 +147,7 @@ def explains_arguments(function: Callable[P, T]) -> Callable[P, T]:
     Traceback (most recent call last):
     ...
     stickslip.errors.InputError: half: 2 problems
-      - 'y' is no argument; known: x
+      - 'y' is not an argument; known: x
       - x is missing; type x=...
     """
 
@@ -174,7 +174,19 @@ def _check_names(function: Callable[..., Any], args: tuple[Any, ...], kwargs: di
     try:
         signature.bind(*args, **kwargs)
     except TypeError:
+        _check_places(function.__name__, list(signature.parameters.values()), args)
         check_arguments(function.__name__, dict(signature.parameters), args, kwargs, "no argument")
+
+
+def _check_places(what: str, known: list[inspect.Parameter], args: tuple[Any, ...]) -> None:
+    """Values without a name beyond those that may go without: each is shown with the name that it probably stands for."""
+    places = [p.name for p in known if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    if len(args) <= len(places) or any(p.kind is p.VAR_POSITIONAL for p in known):
+        return
+    named = [p.name for p in known if p.kind is p.KEYWORD_ONLY]
+    typed = ", ".join(f"{name}={_short(value)}" for name, value in zip(named, args[len(places) :], strict=False))
+    allowed = f"allowed without a name is {', '.join(places) or 'nothing'}"
+    raise InputError(what, [f"{len(args)} values are given without a name; {allowed}" + (f"; type {typed}" if typed else "")])
 
 
 def wrong_kinds(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[str]:

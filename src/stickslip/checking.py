@@ -218,7 +218,7 @@ def _check_arguments(robot: Any, rk4_steps: Any, duration: Any) -> None:
     """Refuse what no judge can be asked about, all at once."""
     problems, name = Problems("check"), type(robot).__name__
     if not is_machine(robot):
-        problems.add(f"{robot!r} is no robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
+        problems.add(f"{robot!r} is not a robot; type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)")
     elif shape_of(robot):
         problems.add(f"the robot is a batch of shape {shape_of(robot)}; allowed is one robot; take one case of it")
     elif robot.period is None and duration is None:

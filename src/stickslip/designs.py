@@ -74,7 +74,7 @@ def zipped(dim: str = "case", /, **columns: Any) -> Design:
         try:
             arrays[name] = np.asarray(values)
         except ValueError:
-            problems.add(f"{name} = {values!r} is no flat list; type for example {name}=[1.0, 2.0]")
+            problems.add(f"{name} = {values!r} is not a flat list; type for example {name}=[1.0, 2.0]")
         if masked_in(values):
             problems.add(f"{name} has {masked_in(values)} masked values; give what is there, type {name}=array.compressed()")
     problems.check()
@@ -133,7 +133,7 @@ def _read(path: Any) -> dict[str, list[Any]]:
             "table", [f"{str(path)!r} cannot be read: {why}; give the path of a CSV file with a line of names first"]
         ) from None
     if len(lines) < 2 or any(len(line) != len(lines[0]) for line in lines):
-        raise InputError("table", [f"{str(path)!r} is no table: allowed is a line of names, then lines with as many values"])
+        raise InputError("table", [f"{str(path)!r} is not a table: allowed is a line of names, then lines with as many values"])
     return {name.strip(): _numbers([line[i] for line in lines[1:]]) for i, name in enumerate(lines[0])}
 
 

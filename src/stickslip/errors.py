@@ -90,7 +90,7 @@ class Problems:
         self.found.append(sentence)
 
     def whole(self, name: str, value: Any, least: int, example: int, what: str = "", most: int = 10**12) -> None:
-        """Note a value that is no whole number from `least` to `most`, of Python or NumPy; `what` says of what it is one.
+        """Note a value that is not a whole number from `least` to `most`, of Python or NumPy; `what` says of what it is one.
 
         Examples
         --------
@@ -157,7 +157,7 @@ def as_path(value: Any, what: str, example: str = "run.nc") -> Path:
             if error.errno != errno.ENAMETOOLONG:
                 return path  # what may not be looked at is told where it is opened
     shown = value if not isinstance(text, str) or len(text) < 200 else f"{text[:60]}... of {len(text)} characters"
-    raise InputError(what, [f"{shown!r} is no path of a file; type for example {example!r}"])
+    raise InputError(what, [f"{shown!r} is not a path of a file; type for example {example!r}"])
 
 
 def gather(what: str, **makers: Callable[[], Any]) -> dict[str, Any]:

@@ -87,6 +87,12 @@ class Face:
         """Figures of matplotlib, not those of pyplot, which a notebook would show a second time."""
         return []
 
+    def _text(self) -> str:
+        """The same as plain text: title, facts, tables; a result whose record is too long to read is printed so."""
+        facts = "; ".join(f"{name} {value}" for name, value in self._facts().items())
+        rows = [", ".join(f"{name} {cell}" for name, cell in zip(head, row, strict=True)) for head, *rest in self._tables() for row in rest]
+        return "\n  ".join([f"{self._title()}: {facts}" if facts else self._title(), *rows])
+
     def _repr_html_(self) -> str:
         rows = "".join(f"<tr>{_cell(name, 'th')}{_cell(value)}</tr>" for name, value in self._facts().items())
         facts = f"<table>{rows}</table>" if rows else ""

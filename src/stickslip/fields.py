@@ -101,7 +101,7 @@ def masked_in(value: Any) -> int:
 
 
 def _refused(value: Any) -> str:
-    many = f"an array of shape {value.shape} and of type {value.dtype} is no array of numbers" if is_array(value) else ""
+    many = f"an array of shape {value.shape} and of type {value.dtype} is not an array of numbers" if is_array(value) else ""
     return many or f"{value!r} is not a number"
 
 
@@ -466,9 +466,9 @@ def _are_records(value: Any) -> bool:
 
 
 def leaves(record: Any, prefix: str = "", kinds: bool = False) -> Iterator[tuple[str, Any]]:
-    """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is no number.
+    """Every number of a record and of its parts, as (dotted name, value); with `kinds` also what is not a number.
 
-    A field of ``None`` is no number. The order is the order of the fields, so it is the same for every record of a kind.
+    A field of ``None`` is not a number. The order is the order of the fields, so it is the same for every record of a kind.
     """
     if kinds:
         yield prefix + "__class__", type(record)
@@ -530,7 +530,7 @@ def replace_leaf(record: Any, values: dict[str, Any], prefix: str = "") -> Any:
 
 
 def _beside_fields(record: Any) -> dict[str, Any]:
-    """Attributes that are no fields, which only a record without numbers may have: elsewhere they would be what other numbers gave."""
+    """Attributes that are not fields, which only a record without numbers may have: elsewhere they would be what other numbers gave."""
     cls: Any = type(record)
     plan = _plan(cls)
     names = {name for name, _ in plan}
@@ -549,6 +549,6 @@ def _is_cached(cls: type, name: str) -> bool:
 
 @functools.lru_cache(maxsize=256)
 def _derived(cls: Any) -> tuple[str, ...]:
-    """Fields that are no arguments of a class, and no numbers that could be replaced with the others."""
+    """Fields that are not arguments of a class, and no numbers that could be replaced with the others."""
     kinds = {name for name, holds in _plan(cls) if holds == "kind"}
     return tuple(f.name for f in dataclasses.fields(cls) if not f.init and f.name in kinds)

@@ -1,4 +1,4 @@
-r"""Flows that switch: smooth fields, guards between them, resets. For systems that are no machine of bodies and contacts.
+r"""Flows that switch: smooth fields, guards between them, resets. For systems that are not machines of bodies and contacts.
 
 A mode has a field :math:`\dot y = f(t, y)` and switches. A switch happens when its guard falls through zero; the mode after it and the
 state after it may depend on where that happens. A guard that is below zero where a mode begins switches at once; what then follows at
@@ -147,7 +147,7 @@ class SwitchingFlow:
         """
         new = {**(changes or {}), **numbers}
         if wrong := [name for name in new if name not in self.numbers]:
-            raise InputError("SwitchingFlow", [f"{name!r} is no number of the flow; {_known(name, self.numbers)}" for name in wrong])
+            raise InputError("SwitchingFlow", [f"{name!r} is not a number of the flow; {_known(name, self.numbers)}" for name in wrong])
         return SwitchingFlow(self.fields, self.switches, self.forcing, {**self.numbers, **new}, self.states, self.scales)
 
     @property
@@ -291,8 +291,8 @@ def knows_mode(fields: Mapping[Any, Any], mode: Any) -> bool:
 def unknown_mode(mode: Any, fields: Mapping[Any, Any]) -> str:
     """That a flow has no such mode, and which it has."""
     if isinstance(mode, str):
-        return f"{mode!r} is no mode of the flow; {did_you_mean(mode, [repr(m) if not isinstance(m, str) else m for m in fields])}"
-    return f"{mode!r} is no mode of the flow; known: {', '.join(map(repr, fields))}"
+        return f"{mode!r} is not a mode of the flow; {did_you_mean(mode, [repr(m) if not isinstance(m, str) else m for m in fields])}"
+    return f"{mode!r} is not a mode of the flow; known: {', '.join(map(repr, fields))}"
 
 
 def _known(name: str, numbers: Mapping[str, Any]) -> str:

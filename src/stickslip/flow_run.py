@@ -125,7 +125,7 @@ class FlowRun(Drawn):
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.names:
-            raise InputError("FlowRun", [f"{name!r} is no state of the flow; {did_you_mean(str(name), self.names)}"])
+            raise InputError("FlowRun", [f"{name!r} is not a state of the flow; {did_you_mean(str(name), self.names)}"])
         return self.y[:, self.names.index(name)]
 
     def _evaluated(self, t: Array, index: Array) -> Array:

@@ -22,7 +22,7 @@ def plain(
     other : callable
         What becomes of anything that JSON does not know.
     number : callable
-        What becomes of a float; by default it stays, also where it is no number, which Python's JSON knows and others do not.
+        What becomes of a float; by default it stays, also where it is not a number, which Python's JSON knows and others do not.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def plain(
 
 
 def strict(value: Any, key: Callable[[Any], str] = str, other: Callable[[Any], Any] = str) -> Any:
-    """The same as strict JSON can hold it: numbers that are no numbers are null.
+    """The same as strict JSON can hold it: numbers that are not numbers are null.
 
     Examples
     --------

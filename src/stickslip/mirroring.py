@@ -30,7 +30,7 @@ def mirrored(robot: Model) -> Any:
     ----------
     robot : Robot, mechanism or machine
         Its laws either have a method `mirrored()`, or fields that end in ``_plus`` and ``_minus``, or are the same both ways. A machine of
-        one body that is no Robot has a method `mirrored()` itself, as the mechanisms have.
+        one body that is not a Robot has a method `mirrored()` itself, as the mechanisms have.
 
     Returns
     -------

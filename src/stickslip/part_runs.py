@@ -136,7 +136,7 @@ class ControllerRun:
         """The column (time,) of one of its states; `InputError` for a name that is none of them."""
         if state not in self.states:
             told = "; it has no states" if not self.states else f"; {did_you_mean(str(state), self.states)}"
-            raise InputError("run.controllers", [f"{state!r} is no state of {self!r}{told}"])
+            raise InputError("run.controllers", [f"{state!r} is not a state of {self!r}{told}"])
         z = self.run._held[:, len(self.run.pieces.layout.contacts) + self.number]
         return z[:, self.states.index(state)]
 

@@ -105,7 +105,7 @@ def quantity(
     Raises
     ------
     InputError
-        Of what is no text, no numbers, no rising range, or no unit that can be shown.
+        Of what is not text, no numbers, no rising range, or no unit that can be shown.
 
     Examples
     --------

@@ -89,7 +89,7 @@ class Robot(Frozen):
             needs = (NEEDS if several else needs_of(part)) if kind == "drive" else ("across", "along")
             if lacking(part, needs):
                 typed = f"drive=ss.Forced({type(part).__name__}(...))" if not lacking(part, FORCE_NEEDS) else _PARTS[kind]
-                listed = "a list is no tuple, and a tuple means several inner masses; " if isinstance(part, list) else ""
+                listed = "this is a list, and several inner masses are given as a tuple; " if isinstance(part, list) else ""
                 problems.add(f"{name} = {part!r}; {listed}allowed is an object with {', '.join(needs)}; type for example {typed}")
             elif not dataclasses.is_dataclass(part):
                 problems.add(f"{name} = {part!r} is not a dataclass; {_NO_DATACLASS}")
@@ -188,7 +188,7 @@ class Robot(Frozen):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on these numbers that are no errors, such as a LuGre law that is not passive or a beam bent too far."""
+        """Remarks on these numbers that are not errors, such as a LuGre law that is not passive or a beam bent too far."""
         found = [*drive_of(self.whole_drive).notes, *law_of(self).notes(self.load(0.0, 0.0))]
         return found + _unfolded(self) + _slides(self) + _lifted(self)
 

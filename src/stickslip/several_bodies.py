@@ -317,7 +317,7 @@ def _offset(told: dict[str, Any], contact: Any) -> Any:
 
 
 def _velocity(on: Any, t: Any) -> Any:
-    """Velocity of what a contact rubs on, where that is no body [m/s]."""
+    """Velocity of what a contact rubs on, where that is not a body [m/s]."""
     return 0.0 if on is None or isinstance(on, str) else on.velocity(t) if callable(getattr(on, "velocity", None)) else on
 
 

@@ -183,7 +183,7 @@ def read(path: str | Path, laws: Sequence[type] = (), machines: Sequence[type] =
     except InputError:
         raise
     except OSError as error:
-        raise InputError("load", [f"{str(path)!r} is no netCDF4 file ({error}); {give}"]) from None
+        raise InputError("load", [f"{str(path)!r} is not a netCDF4 file ({error}); {give}"]) from None
     except Exception as error:  # a damaged file meets the library, or what we make of it, at any place
         raise InputError("load", [f"{str(path)!r} is damaged ({type(error).__name__}: {str(error)[:120]}); save the run again"]) from None
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from stickslip.units import Unit, unit_of
 
-__all__ = ["in_unit", "others"]
+__all__ = ["has_unit", "in_unit", "others"]
 
 _TYPED = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)(\s*[^\d\s.,].*?|\s+\S.*?)\s*", re.IGNORECASE)
 #: A cycle is 2 pi rad; 1/s may be either, and is neither.
@@ -23,6 +23,17 @@ class _Quantity(Protocol):
     units: Any
 
     def to_base_units(self) -> _Quantity: ...
+
+
+def has_unit(text: str) -> bool:
+    """Whether text is a number and a unit.
+
+    Examples
+    --------
+    >>> has_unit("0.55 mm"), has_unit("0.55"), has_unit("lugre")
+    (True, False, False)
+    """
+    return _TYPED.fullmatch(text.replace("−", "-")) is not None
 
 
 def in_unit(value: Any, unit: str) -> Any:

@@ -106,7 +106,7 @@ def unit_of(text: str | None) -> Unit | None:
 
 def _factors(text: str) -> list[tuple[int, str]]:
     """The factors of a product, with +1 above and -1 below the stroke."""
-    text = re.sub(r"\b([GMkdcmuµμn]?N)((?:[cmkuµμ])?m)\b", r"\1*\2", text)  # Nm, which is no nm
+    text = re.sub(r"\b([GMkdcmuµμn]?N)((?:[cmkuµμ])?m)\b", r"\1*\2", text)  # Nm, which is not nm
     if boxed := re.search(r"([/*]?) *\(([^()]+)\)", text):  # V/(m/s): what is below the inner stroke is above the outer one
         sign, rest = -1 if boxed[1] == "/" else 1, (text[: boxed.start()] + text[boxed.end() :]).strip()
         return [*(_factors(rest) if rest else []), *((sign * inner, part) for inner, part in _factors(boxed[2]))]

@@ -226,7 +226,7 @@ def test_the_command_measures_draws_and_speaks_json(capsys, tmp_path):
     [
         (["coulom"], "did you mean 'coulomb'?"),
         ([], "type for example stickslip bench lugre"),
-        (["coulomb", "sigma0=4"], "'sigma0' is no number of Coulomb"),
+        (["coulomb", "sigma0=4"], "'sigma0' is not a number of Coulomb"),
         (["coulomb", "mu_plus=-1"], "Coulomb: mu_plus = -1"),
         (["coulomb", "--only", "drif"], "did you mean 'drift'?"),
         (["coulomb", "load=-1"], "load = -1; allowed is a positive number [N]"),
@@ -240,7 +240,7 @@ def test_bad_words_are_told_what_to_type(words, told, capsys):
 @pytest.mark.parametrize(
     ("call", "told"),
     [
-        (lambda: ss.bench("nonsense"), "is no law"),
+        (lambda: ss.bench("nonsense"), "is not a law"),
         (lambda: ss.bench([]), "no law is given"),
         (lambda: ss.bench(3.0), "sliding and breakaway"),
         (lambda: ss.bench(ss.Coulomb([0.1, 0.2], 0.2)), "are arrays"),

@@ -28,7 +28,7 @@ def call(capsys, *words):
 
 def strict(text):
     def refuse(constant):
-        raise AssertionError(f"{constant} is no JSON")
+        raise AssertionError(f"{constant} is not JSON")
 
     return json.loads(text, parse_constant=refuse)
 
@@ -326,7 +326,7 @@ def test_several_values_are_read(text, told):
         (["run", *ROBOT, "method=rk5"], "did you mean 'rk4'?"),
         (["run", *ROBOT, "--figure", "run.jpg"], "allowed are .png, .svg, .pdf"),
         (["run", *ROBOT, "--data", "nowhere/at/all/run.nc"], "does not exist; make it first"),
-        (["sweep", *ROBOT[:2], "amplitude=1e-4..b:3"], "is no range"),
+        (["sweep", *ROBOT[:2], "amplitude=1e-4..b:3"], "is not a range"),
         (["sweep", *ROBOT[:2], "amplitude=1e-4..2e-4"], "add their number, such as 1e-4..2e-4:9"),
         (["sweep", *ROBOT[:2], "amplitude=1e-4,-1e-4"], "amplitude[1] = -0.0001"),
         (["check", *ROBOT, "samples=3"], "'samples' is not known"),

@@ -71,7 +71,7 @@ def test_the_example_with_json_is_strict_json(command, capsys, tmp_path, monkeyp
         assert main([*words, *(["--json"] if words[0] == command else [])]) == 0
         out = capsys.readouterr().out
         if words[0] == command:
-            told = json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))
+            told = json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
             assert isinstance(told, dict) and told
 
 

@@ -116,7 +116,7 @@ def test_the_bench_takes_the_law_of_a_file_with_its_numbers(call):
     told = json.loads(out)
     assert code == 0 and told["law"] == "Coulomb" and told["parameters"]["mu_minus"] == 0.2
     code, _, err = call("bench", "study.toml", "mu_pls=1", study=RIG + COULOMB)
-    assert code == 2 and "is no number of Coulomb; did you mean 'mu_plus'?" in err
+    assert code == 2 and "is not a number of Coulomb; did you mean 'mu_plus'?" in err
 
 
 MISTAKES = {  # the user's code, the function that is asked for, and what is said of it
@@ -166,7 +166,7 @@ def test_code_that_is_no_function_or_makes_no_robot_says_so(call, tmp_path):
 
 
 def test_a_mistake_of_ours_is_still_ours(call, monkeypatch):
-    monkeypatch.setattr("stickslip.checking.shape_of", int)  # a robot is no number
+    monkeypatch.setattr("stickslip.checking.shape_of", int)  # a robot is not a number
     code, _, err = call("check", "piezo_rig", "tilt_deg=1.7", "amplitude=5e-4")
     assert code == 1 and "TypeError" in err and "This is an error of stickslip itself" in err
 

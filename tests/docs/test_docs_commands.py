@@ -26,7 +26,7 @@ mu0 = [0.05, 0.5]
 
 
 def commands(page):
-    """The lines of a page's shell blocks that call stickslip and are no transcripts."""
+    """The lines of a page's shell blocks that call stickslip and are not transcripts."""
     lines = "\n".join(block.text for block in blocks(page, "bash")).replace("\\\n", " ").splitlines()
     return [line.partition("  #")[0].strip() for line in lines if line.startswith("stickslip ")]
 

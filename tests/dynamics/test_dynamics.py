@@ -468,7 +468,7 @@ def test_sections_of_a_periodic_motion_are_points():
     [
         (lambda run: ss.strobe(run, "x", settle=-3), "settle = -3; allowed is a whole number from 0 below the 4 drive periods", 2),
         (lambda run: ss.strobe(run, settle=4), "settle = 4; .* type for example settle=2", 1),
-        (lambda run: ss.poincare(run, on="w", value="x", direction=2, settle=0.5), "on = 'w' is no column", 4),
+        (lambda run: ss.poincare(run, on="w", value="x", direction=2, settle=0.5), "on = 'w' is not a column", 4),
         (lambda run: ss.spectrum(run, "foo", harmonics=0, periods=5), "periods = 5; allowed is a whole number from 1 to the 4", 3),
     ],
 )

@@ -337,11 +337,11 @@ def test_sections_of_a_chain_have_an_axis_of_bodies(orbits):
     ("call", "said"),
     [
         (lambda: ss.switching_flow(chain(0.0, 1.0)), "allowed is one body on one contact, .* its modes are those of one contact"),
-        (lambda: ss.basins(chain(0.0, 1.0), v=[0.0]), "'v' is no coordinate of the start; known: v.module 1, v.module 2"),
+        (lambda: ss.basins(chain(0.0, 1.0), v=[0.0]), "'v' is not a coordinate of the start; known: v.module 1, v.module 2"),
         (lambda: ss.periodic_orbit(chain(0.0, 1.0), guess={"v": {"module 3": 1.0}}), "has no 'module 3'; did you mean"),
         (lambda: ss.periodic_orbit(chain(0.0, 1.0), guess=[0.0]), "allowed are the numbers v.module 1, v.module 2, l.module 2"),
         (lambda: ss.periodic_orbit(chain(0.0, 1.0).replace({"link.stiffness": 0.0})), "they drift apart and never come back"),
-        (lambda: ss.poincare(ss.solve(chain(0.0, 1.0), periods=2)), "'v' is no column with one number .*; known: x.module 1"),
+        (lambda: ss.poincare(ss.solve(chain(0.0, 1.0), periods=2)), "'v' is not a column with one number .*; known: x.module 1"),
     ],
 )  # fmt: skip
 def test_what_cannot_take_several_bodies_says_what_to_type(call, said):
@@ -417,7 +417,7 @@ def test_lines_of_several_are_those_of_each_and_add_up_to_its_power():
     for asked, said in [
         ({"body": "module 3"}, "allowed are 'module 1', 'module 2' or 0 to 1"),
         ({"contact": 0}, "contact = 0, but v is a column of each body; type body='module 1'"),
-        ({"column": "vv"}, "is no column"),
+        ({"column": "vv"}, "is not a column"),
     ]:
         with pytest.raises(ss.InputError, match=said):
             ss.spectrum(run, **asked)

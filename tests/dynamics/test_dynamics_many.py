@@ -115,7 +115,7 @@ def test_wrong_orders_of_exponents_are_told_what_to_type():
     with pytest.raises(ss.InputError) as told:
         ss.largest_exponents(robot, periods=0, settle="x", workers=0)
     assert len(told.value.problems) == 3 and "periods = 0; allowed is a whole number from 1" in str(told.value)
-    with pytest.raises(ss.InputError, match="'x' is no model"):
+    with pytest.raises(ss.InputError, match="'x' is not a model"):
         ss.largest_exponents("x")
 
 
@@ -289,7 +289,7 @@ def study(folder, arguments):
     ids=["bifurcation", "basins", "map", "one"],
 )
 def test_study_files_drive_the_commands_and_results_go_to_files(capsys, tmp_path, command, arguments, words, dims):
-    """What [solve] says for other commands (samples) is no error here."""
+    """What [solve] says for other commands (samples) is not an error here."""
     path = study(tmp_path, arguments)
     for ending in (".nc", ".csv", ".mat"):
         out = tmp_path / f"found{ending}"

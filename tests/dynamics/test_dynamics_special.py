@@ -72,7 +72,7 @@ def test_a_neimark_sacker_point_of_a_linear_oscillator():
 
 
 def dip(amplitude):
-    """The lowest peak of v in the last of many periods, by brute force: negative peaks are no motion forwards [m/s]."""
+    """The lowest peak of v in the last of many periods, by brute force: negative peaks are not motion forwards [m/s]."""
     run = ss.solve(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=amplitude), periods=30, rtol=1e-10)
     T = run.period_time
     t = run.strobe_times[-2] + np.linspace(0.0, T, 40_001)[:-1]

@@ -67,7 +67,7 @@ def test_what_to_type():
         ss.attractors(values=[1e-4], **rig)
     with pytest.raises(ss.InputError, match="phase is not part of the strobe state"):
         ss.attractors(values=[5e-4, 6e-4], starts={"phase": [0.0, 0.5]}, **rig)
-    with pytest.raises(ss.InputError, match="'w' is no coordinate of the start"):
+    with pytest.raises(ss.InputError, match="'w' is not a coordinate of the start"):
         ss.attractors(values=[5e-4, 6e-4], starts={"w": 1.0}, **rig)
     with pytest.raises(ss.InputError, match=r"allowed is the Dataset of ss\.attractors"):
         ss.plot.attractors(3)

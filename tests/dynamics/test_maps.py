@@ -299,7 +299,7 @@ def test_line_cuts(plane):
     both = ss.sweep(RIG, amplitude=np.linspace(4e-4, 1.2e-3, 9), tilt_deg=1.7, mu0=0.12, f0=0.6, continue_along="amplitude")
     assert {"up", "down"} == {t.get_text() for t in ss.plot.line_cut(both, "amplitude").get_legend().get_texts()}
     for bad, told in (
-        (lambda: ss.plot.line_cut(plane, "mu0"), "is no axis"),
+        (lambda: ss.plot.line_cut(plane, "mu0"), "is not an axis"),
         (lambda: ss.plot.line_cut(plane, "omega", {"f0": 1}), "at has f0"),
     ):
         with pytest.raises(ss.InputError, match=told):

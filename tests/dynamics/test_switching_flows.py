@@ -247,13 +247,13 @@ def test_arrays_and_branches_of_python_are_understood_in_a_field():
 
 def test_modes_that_are_not_known_are_said_with_those_that_are():
     field = {"slip": lambda t, y: (-1.0,)}
-    with pytest.raises(ss.InputError, match=r"(?s)2 problems.*'slpi'.*did you mean 'slip'.*switches\[3\]: 3 is no mode"):
+    with pytest.raises(ss.InputError, match=r"(?s)2 problems.*'slpi'.*did you mean 'slip'.*switches\[3\]: 3 is not a mode"):
         ss.SwitchingFlow(field, {"slip": (ss.Switch(lambda t, y: y[0], "slpi"),), 3: ()})
-    with pytest.raises(ss.InputError, match="mode: 'stick' is no mode of the flow"):
+    with pytest.raises(ss.InputError, match="mode: 'stick' is not a mode of the flow"):
         ss.passage(ss.SwitchingFlow(field), [1.0], "stick", 1.0)
     with pytest.raises(ss.InputError, match=r"\.to gave 'stick' at t = 1"):
         ss.passage(ss.SwitchingFlow(field, {"slip": (ss.Switch(lambda t, y: y[0], lambda t, y: "stick"),)}), [1.0], "slip", 2.0)
-    with pytest.raises(ss.InputError, match="1 is no mode of the flow; known: 'slip'"):
+    with pytest.raises(ss.InputError, match="1 is not a mode of the flow; known: 'slip'"):
         ss.lyapunov_of_flow(ss.SwitchingFlow(field), [1.0], mode=1)
 
 
@@ -267,7 +267,7 @@ def test_everything_wrong_with_a_flow_or_a_passage_is_said_at_once():
     for duration in (0, -1.0, math.nan, "1"):
         with pytest.raises(ss.InputError, match="duration"):
             ss.passage(ball(), [1.0, 0.0], 0, duration)
-    with pytest.raises(ss.InputError, match="is no flow"):
+    with pytest.raises(ss.InputError, match="is not a flow"):
         ss.passage(lambda t, y: y, [1.0], 0, 1.0)
     with pytest.raises(ss.InputError, match=r"(?s)settle = -1.*leave periods out"):
         ss.flow_orbit(van_der_pol(), [1.0, 0.0], 0, duration=6.0, periods=2, settle=-1)

@@ -288,7 +288,7 @@ def test_columns_files_and_pictures_have_the_states_names(ball, tmp_path):
     ax = ss.plot.phase(run, x="v", y="height")
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("v", "height")
     plt.close("all")
-    with pytest.raises(ss.InputError, match="'hight' is no state of the flow; did you mean 'height'"):
+    with pytest.raises(ss.InputError, match="'hight' is not a state of the flow; did you mean 'height'"):
         run["hight"]
     with pytest.raises(ss.InputError, match=r"allowed are .csv and .nc"):
         run.save(tmp_path / "ball.h5")
@@ -300,7 +300,7 @@ def test_what_is_wrong_with_a_flow_and_its_door_is_said_at_once(ball):
         ss.SwitchingFlow(field, numbers={"mode": 1.0, "a": "x", "b": 1.0}, states=("b", "v"), scales=(0, 1))
     with pytest.raises(ss.InputError, match="period raised AttributeError"):
         ss.SwitchingFlow(field, period=lambda n: 1 / n.w)
-    with pytest.raises(ss.InputError, match="'q' is no number of the flow; known: r, g"):
+    with pytest.raises(ss.InputError, match="'q' is not a number of the flow; known: r, g"):
         ball.replace(q=1.0)
     with pytest.raises(ss.InputError, match=r"(?s)2 problems.*start has no 'x'.*type duration=60.0"):
         ss.solve(ball, start={"x": 1.0})

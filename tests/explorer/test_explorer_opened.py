@@ -73,7 +73,7 @@ def test_what_the_page_cannot_show_is_said(change, said):
 
 
 def test_a_mechanism_is_no_robot_of_the_page():
-    with pytest.raises(ss.InputError, match="BlockOnBelt is no robot on a track"):
+    with pytest.raises(ss.InputError, match="BlockOnBelt is not a robot on a track"):
         state_of(ss.BlockOnBelt(mass=1.0, stiffness=2.0, speed=0.1, friction=ss.Coulomb(1.0, 1.0)))
 
 

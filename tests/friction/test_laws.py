@@ -754,7 +754,7 @@ BAD = [
     (lambda: ss.Karnopp.example() + ss.Viscous.example(),
      "Karnopp balances the other forces at rest, so nothing can be added to it; use ss.Coulomb, solved exactly"),
     (lambda: ss.Coulomb.example() + 1.0,
-     "1.0 is no friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)"),
+     "1.0 is not a friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)"),
 ]  # fmt: skip
 
 
@@ -810,7 +810,7 @@ def test_check_law_wants_numbers_and_one_law():
         check_law(Bare)
     with pytest.raises(ss.InputError, match="mu_plus of the law are arrays; allowed is one law, no batch"):
         check_law(ss.Coulomb.example().replace(mu_plus=np.array([0.1, 0.12])))
-    with pytest.raises(ss.InputError, match="is no law"):
+    with pytest.raises(ss.InputError, match="is not a law"):
         check_law("Coulomb")
     report = check_law(Bare(mu=0.2))
     assert report.passed

@@ -115,8 +115,8 @@ def test_an_interval_says_which_options_its_method_has(fit):
     with pytest.raises(InputError) as error:
         fit.interval("mu", level=2.0, workers=2)
     assert len(error.value.problems) == 3 and "did you mean 'mu0'?" in error.value.problems[0]
-    assert "'workers' is no option of auto, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
-    with pytest.raises(InputError, match="'repeat' is no option of bootstrap, which has repeats, seed, workers"):
+    assert "'workers' is not an option of auto, which has none; type method=\"bootstrap\", workers=2" in error.value.problems[2]
+    with pytest.raises(InputError, match="'repeat' is not an option of bootstrap, which has repeats, seed, workers"):
         fit.interval("mu0", method="bootstrap", repeat=50)
 
 
@@ -566,7 +566,7 @@ def test_averages_of_a_long_record_lose_neither_its_kinks_nor_a_frequency_that_i
     fit = ss.identify(rec, rig, free={"mu0": (0.1, 0.3)}, law="coulomb", sensor={}, **ONE)
     assert fit.count < 20_000 and abs(fit.values["mu0"] - 0.18) < 3 * fit.errors["mu0"] < 3e-7
     seen = target(rec, "velocity", 1e-6, 32.7 * (1 + 1e-6), "record")
-    bent = target(rec, "velocity", None, 32.7 * (1 + 1e-4), "record")  # 0.012 periods in each part: all but rest is no noise
+    bent = target(rec, "velocity", None, 32.7 * (1 + 1e-4), "record")  # 0.012 periods in each part: all but rest is not noise
     assert seen.sigma == 1e-6 and bent.sigma > 2 * target(rec, "velocity", None, 32.7, "record").sigma
 
 

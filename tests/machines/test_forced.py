@@ -241,7 +241,10 @@ def test_a_batch_of_capsules_has_one_kernel_and_the_columns_of_the_body():
         (lambda: ss.HarmonicForce(1.0), "give exactly one of omega .* got neither"),
         (lambda: ss.HarmonicForce(1.0, OMEGA) + 2.0, "a [+] b = 2.0; allowed is a force"),
         (lambda: capsule(1.0, 0.6, 0.05, 4.0, (ss.Stop(gap=-0.1, restitution=0.5),)), r"stops\[0\].gap = -0.1: .*; type side=-1"),
-        (lambda: capsule(1.0, 0.6, 0.05, 4.0, [ss.Stop(gap=0.1, restitution=0.5)]), "a list is no tuple, and a tuple means several stops"),
+        (
+            lambda: capsule(1.0, 0.6, 0.05, 4.0, [ss.Stop(gap=0.1, restitution=0.5)]),
+            "this is a list, and several stops are given as a tuple",
+        ),
         (lambda: capsule(1.0, 0.6, 0.05, 4.0, ("wall",)), r"type stops=\(ss.Stop\(gap=0.01, restitution=0.5\),\)"),
         (
             lambda: capsule(1.0, 0.6, 0.05, 4.0, (ss.Stop(gap=0.0, stiffness=1.0), ss.Stop(gap=0.0, stiffness=1.0, side=-1))),

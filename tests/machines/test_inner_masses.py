@@ -171,7 +171,7 @@ def test_a_report_draws_every_inner_mass():
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        (dict(drive=[ss.Harmonic(1e-4, omega=200.0)]), "a list is no tuple, and a tuple means several inner masses"),
+        (dict(drive=[ss.Harmonic(1e-4, omega=200.0)]), "this is a list, and several inner masses are given as a tuple"),
         (dict(inner_mass=[0.1, 0.2]), "is a list; a tuple means one for each part, an array means cases"),
         (dict(inner_mass=0.1), "inner_mass is one and drive is a tuple of 2"),
         (dict(drive=ss.Harmonic(1e-4, omega=200.0)), "inner_mass is a tuple of 2 and drive is one"),

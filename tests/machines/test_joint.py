@@ -328,7 +328,10 @@ def test_what_is_no_controller_is_told():
 
     for part, words in (
         (3.0, ["has no states, no sample"]),
-        (Hold(), ["start gives 2 numbers; allowed is one for each of the states force", "acts on 'carte', which is no body; did you mean"]),
+        (
+            Hold(),
+            ["start gives 2 numbers; allowed is one for each of the states force", "acts on 'carte', which is not a body; did"],
+        ),
     ):
         made = dataclasses.dataclass(frozen=True, eq=False)(type("Made", (Cart,), {"part": part}))
         with pytest.raises(ss.InputError) as told:

@@ -1,4 +1,4 @@
-"""Links that are no straight lines: springs that harden or soften, and play."""
+"""Links that are not straight lines: springs that harden or soften, and play."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_a_chain_with_nonlinear_links_goes_as_the_judge_says(link):
     assert ss.mean_velocity(exact) == pytest.approx(ss.mean_velocity(judged), rel=1e-8)  # some thousand steps to 1e-11
     assert ss.energy(exact).worst < 1e-11
     stretched = np.ptp(exact.bodies["module 1"].x - exact.bodies["module 2"].x)
-    assert stretched > 2e-4  # the link is where it is no straight line
+    assert stretched > 2e-4  # the link is where it is not a straight line
 
 
 def test_a_spring_without_a_cubic_part_and_play_is_the_straight_one():

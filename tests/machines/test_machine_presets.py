@@ -118,7 +118,7 @@ def test_a_branch_passes_where_a_stop_begins_to_be_touched():
 
 @pytest.mark.slow
 def test_a_branch_tells_where_a_part_begins_to_fly():
-    """A part takes off where the throw index passes 1; a gap of rounding on the strobe is no flight of its own."""
+    """A part takes off where the throw index passes 1; a gap of rounding on the strobe is not a flight of its own."""
     branch = ss.continuation(ss.presets.conveyor, parameter="throw_index", start=0.95, stop=1.06)
     (there,) = branch.special
     assert there.kind == "grazing" and there.value == pytest.approx(1.0, abs=1e-11) and "mass takes off once" in there.orbit.notes[0]

@@ -229,7 +229,7 @@ TWO = robot(ss.TwoPhase(stroke=0.01, u1=0.1, u2=0.1))
         (dict(over={"drive": ss.waveform(pieces=4), "drive.u1": (0.1, 0.2)}, subject_to=BOUNDED), "cannot both vary"),
         (dict(over={"drive.u1": (0.2, 0.1)}), r"type \(0.1, 0.2\)"),
         (dict(over={"drive.u3": (0.1, 0.2)}), "did you mean"),
-        (dict(over={"gravity": ss.waveform(pieces=4)}, subject_to=BOUNDED), "is no drive"),
+        (dict(over={"gravity": ss.waveform(pieces=4)}, subject_to=BOUNDED), "is not a drive"),
         (dict(over={"drive": ss.waveform(pieces=4)}), '"relative_acceleration"'),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"strok": (None, 0.01)}), "did you mean 'stroke'"),
         (dict(over={"drive.u1": (0.1, 0.2)}, subject_to={"stroke": (0.02, 0.01)}), "cannot be kept"),

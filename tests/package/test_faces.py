@@ -1,4 +1,4 @@
-"""Results show themselves in notebooks: a title, numbers rounded to what is known, and their figure, which is no figure of pyplot."""
+"""Results show themselves in notebooks: a title, numbers rounded to what is known, and their figure, which is not a figure of pyplot."""
 
 import base64
 import html

@@ -70,7 +70,7 @@ def test_errors_come_through_a_pool_of_processes():
 @pytest.mark.parametrize("inside", range(len(IN_CONTAINERS)))
 @pytest.mark.parametrize("value", LOOK_LIKE_NUMBERS, ids=repr)
 def test_what_is_no_number_alone_is_none_in_a_list_or_an_array(value, inside):
-    with pytest.raises(ValueError, match=r"is not a number|is no array of numbers"):
+    with pytest.raises(ValueError, match=r"is not a number|is not an array of numbers"):
         number(IN_CONTAINERS[inside](value))
 
 
@@ -189,7 +189,7 @@ def test_parts_must_be_parts():
     says(lambda: robot(friction=ss.Coulomb), "friction = <class", "type for example")
     says(lambda: robot(drive=205.0), "drive = 205.0", "ss.Harmonic(")
     says(lambda: robot(track=None), "track = None", "ss.Level()")
-    says(lambda: ss.solve("robot"), "'robot' is no model", "ss.presets.piezo_rig(")
+    says(lambda: ss.solve("robot"), "'robot' is not a model", "ss.presets.piezo_rig(")
 
 
 # several at once --------------------------------------------------------------------------------------------------
@@ -242,7 +242,7 @@ def test_folders_that_cannot_be_written_are_named(tmp_path):
         says(lambda save=save: save(tmp_path / "nowhere" / "run.nc"), "cannot write", "nowhere", "does not exist")
         says(lambda save=save: save(tmp_path / "file" / "run.nc"), "cannot write", "run.nc", "folder that you may write to")
     says(lambda: ss.load(tmp_path / "nothing.nc"), "there is no file", "nothing.nc")
-    says(lambda: ss.load(tmp_path / "file"), "is no netCDF4 file")
+    says(lambda: ss.load(tmp_path / "file"), "is not a netCDF4 file")
 
 
 # a user's own law -------------------------------------------------------------------------------------------------
@@ -273,7 +273,7 @@ class WithMath(Branching):
 
 @dataclass(frozen=True)
 class NaN(Branching):
-    """A law that is no number at rest."""
+    """A law that is not a number at rest."""
 
     def rate(self, v, z, load):
         return v - z * where(v > 0, 1.0, -1.0) * load / self.mu * (1e300 * 1e300 - 1e300 * 1e300)

@@ -41,9 +41,9 @@ def test_the_page_lists_every_machine_and_every_door():
 
 def test_a_list_where_parts_are_meant_says_to_write_a_tuple():
     pair = ss.Chain.example()
-    with pytest.raises(ss.InputError, match=r"a list is no tuple, and a tuple means several parts; .* type modules=\(head, tail\)"):
+    with pytest.raises(ss.InputError, match=r"this is a list, and several parts are given as a tuple; .* type modules=\(head, tail\)"):
         ss.Chain(list(pair.modules), pair.link)
-    with pytest.raises(ss.InputError, match="a list is no tuple, and a tuple means several links"):
+    with pytest.raises(ss.InputError, match="this is a list, and several links are given as a tuple"):
         ss.Chain(pair.modules, [pair.link])
 
 

@@ -231,7 +231,7 @@ def examples():
     return found
 
 
-#: Public names that are no door: results that only our functions make, errors, tables, modules.
+#: Public names that are not doors: results that only our functions make, errors, tables, modules.
 NO_DOORS = {
     "Basins", "Bench", "Benches", "Branch", "Curve", "DRIVES", "Fit", "FlowOrbit", "FlowRun", "Hops", "InputError", "LAWS", "Level",
     "Lyapunov", "Machine", "Motion", "Observable", "PeriodicOrbit", "Progress", "Record", "Rigid", "Sensitivity", "SolveError",

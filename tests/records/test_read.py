@@ -109,7 +109,7 @@ def test_a_file_cut_short_is_told(tmp_path):
     assert any("left out" in n or "line break" in n for n in ss.read(write(tmp_path, text[: text.rindex(",")])).notes)
 
 
-@pytest.mark.parametrize("data", [b"", b"   \n", b"hello world, this is no table\n" * 30, bytes(range(256)) * 40, b"\x00" * 5000])
+@pytest.mark.parametrize("data", [b"", b"   \n", b"hello world, this is not a table\n" * 30, bytes(range(256)) * 40, b"\x00" * 5000])
 def test_what_is_no_record_is_an_error_that_says_so(tmp_path, data):
     with pytest.raises(InputError):
         ss.read(write(tmp_path, data))

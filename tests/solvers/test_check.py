@@ -152,6 +152,6 @@ def test_the_judged_run_is_solved_once(monkeypatch):
 
 
 def test_the_closed_formula_is_asked_only_where_there_is_one():
-    """On a track whose friction varies a run until it repeats is no formula."""
+    """On a track whose friction varies a run until it repeats is not a formula."""
     told = check(kinds.robot("coulomb", "harmonic", "varying"), periods=6, rk4_steps=(), scipy=False)
     assert told.judges[1].name == "closed formula" and told.judges[1].remark.startswith("skipped")

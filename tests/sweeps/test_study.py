@@ -277,9 +277,9 @@ def test_what_cannot_be_written_is_told(whole, tmp_path, monkeypatch):
         ss.sweep(RIG, **AXES, out=whole)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
-    with pytest.raises(ss.InputError, match="is no study folder; give a new or an empty folder"):
+    with pytest.raises(ss.InputError, match="is not a study folder; give a new or an empty folder"):
         ss.sweep(RIG, **AXES, out=tmp_path / "mine")
-    with pytest.raises(ss.InputError, match="is no study folder"):
+    with pytest.raises(ss.InputError, match="is not a study folder"):
         ss.open_study(tmp_path / "mine")
     with pytest.raises(ss.InputError, match="give one with out="):
         ss.sweep(RIG, **AXES, resume=True)
@@ -358,7 +358,7 @@ def test_export_to_each_format(whole, tmp_path):
 
 
 def test_what_is_exported_comes_back_as_it_was(tmp_path):
-    """Words of any alphabet, values that are no words, columns of one's own, a part of the columns."""
+    """Words of any alphabet, values that are not words, columns of one's own, a part of the columns."""
 
     def maker(amplitude, oil, wet):
         return RIG(amplitude=amplitude, tilt_deg=1.7 if wet else 1.0, law="coulomb")

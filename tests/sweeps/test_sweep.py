@@ -234,7 +234,7 @@ def test_what_is_wrong_with_a_design_is_told():
         (lambda: ss.designs.table("/nowhere/rows.csv"), "cannot be read"),
         (lambda: sweep(RIG, ss.designs.zipped(amplitude=[1e-4]), amplitude=[1e-4], tilt_deg=1.0), "given twice"),
         (lambda: sweep(RIG, {"amplitude": [1e-4]}, tilt_deg=1.0), r"type \*\* before the dictionary"),
-        (lambda: sweep(RIG, np.zeros(1000), tilt_deg=1.0), "is no design"),
+        (lambda: sweep(RIG, np.zeros(1000), tilt_deg=1.0), "is not a design"),
         (lambda: sweep(lambda period: RIG(tilt_deg=period, amplitude=1e-4), period=[1.0]), "name of a result"),
     ):
         with pytest.raises(ss.InputError, match=told):

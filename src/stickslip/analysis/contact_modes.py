@@ -17,7 +17,7 @@ Array = Any
 Stretch = tuple[float, float, int]  # start and end [s]; +1 forwards, 0 stuck, -1 backwards
 PRESSED, FLIGHT = 2, 3  # what stands for the sign while a stop is pressed, and while a contact flies
 _GRID, _HALVINGS = 4096, 50
-_ROUNDING = 1e-12  # of a span: what is shorter is no stretch
+_ROUNDING = 1e-12  # of a span: what is shorter is not a stretch
 
 
 def contact_modes(run: Any, start: float, end: float) -> dict[str, list[Stretch]]:

@@ -92,6 +92,9 @@ class Motion(Drawn):
             "forward, backward, stick": ", ".join(self._parts),
         }
 
+    def __str__(self) -> str:
+        return self._text()
+
     @property
     def _parts(self) -> tuple[str, ...]:
         return tuple(f"{100 * part:.1f} %" for part in (self.forward_fraction, self.backward_fraction, self.stick_fraction))
@@ -138,6 +141,9 @@ class Motions(Drawn):
     def _tables(self) -> list[list[tuple[str, ...]]]:
         head = ("contact", "pattern", "forward", "backward", "stick")
         return [[head, *((name, m.pattern.replace("-", "−"), *m._parts) for name, m in self.contacts.items())]]
+
+    def __str__(self) -> str:
+        return self._text()
 
     def __getattr__(self, name: str) -> Any:
         if name in Motion.__dataclass_fields__ or name == "twin":

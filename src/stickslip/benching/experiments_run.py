@@ -122,7 +122,7 @@ def _laws(given: Iterable[Any]) -> list[Any]:
     problems, found = Problems("bench"), []
     for law in given:
         if isinstance(law, str) and law.lower() not in LAWS:
-            problems.add(f"{law!r} is no law; {did_you_mean(law.lower(), LAWS)}")
+            problems.add(f"{law!r} is not a law; {did_you_mean(law.lower(), LAWS)}")
             continue
         law = LAWS[law.lower()] if isinstance(law, str) else law
         law = law.example() if isinstance(law, type) and hasattr(law, "example") else law
@@ -145,7 +145,7 @@ def _names(given: Iterable[str] | None) -> list[str]:
     asked, problems = [given] if isinstance(given, str) else list(given), Problems("bench")
     for name in asked:
         if name not in EXPERIMENTS:
-            problems.add(f"{name!r} is no experiment; {did_you_mean(str(name), EXPERIMENTS)}")
+            problems.add(f"{name!r} is not an experiment; {did_you_mean(str(name), EXPERIMENTS)}")
     if not asked:
         problems.add(f"experiments is empty; known: {', '.join(EXPERIMENTS)}")
     problems.check()

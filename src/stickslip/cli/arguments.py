@@ -157,7 +157,7 @@ def values(text: str, unit: str = "") -> Any:
             if spread[4]:
                 return _by_a_factor(text, first, last, count)
             return [first + (last - first) * (i / steps) if i < steps or count == 1 else float(last) for i in range(count)]
-        raise ValueError(f"{text!r} is no range; allowed is a..b:n, such as 4e-4..8e-4:9")
+        raise ValueError(f"{text!r} is not a range; allowed is a..b:n, such as 4e-4..8e-4:9")
     if ".." in text:
         raise ValueError(f"{text!r} does not say how many values; add their number, such as {text}:9")
     if "," in text:
@@ -168,7 +168,7 @@ def values(text: str, unit: str = "") -> Any:
 def _by_a_factor(text: str, first: float, last: float, count: int) -> list[float]:
     """Values that grow by a constant factor."""
     if not first * last > 0:
-        raise ValueError(f"{text!r} is no range by a factor; allowed are two numbers of one sign, such as 0.03..0.21:60:log")
+        raise ValueError(f"{text!r} is not a range by a factor; allowed are two numbers of one sign, such as 0.03..0.21:60:log")
     inner = [first * (last / first) ** (i / max(count - 1, 1)) for i in range(1, count - 1)]
     return [float(first), *inner, float(last)][:count]
 

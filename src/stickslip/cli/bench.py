@@ -72,7 +72,7 @@ def asked_laws(words: list[str], own: tuple[str, ...] = OWN, command: str = "ben
     for name in numbers:
         if laws and name not in known:
             kinds = " or ".join(type(law).__name__ for law in laws)
-            problems.add(f"{name!r} is no number of {kinds}; {did_you_mean(name, [*known, *own])}")
+            problems.add(f"{name!r} is not a number of {kinds}; {did_you_mean(name, [*known, *own])}")
     changed = [_changed(law, {k: v for k, v in numbers.items() if k in _numbers(law)}, problems) for law in laws]
     problems.check()
     return changed, {name: value for name, value in given.items() if name in own}
@@ -85,7 +85,7 @@ def _law(word: str, typed: dict[str, str], problems: Problems) -> tuple[Any, lis
     if word.lower() in LAWS:
         return LAWS[word.lower()].example(), []
     if ":" not in word and not word.lower().endswith(".toml"):
-        problems.add(f"{word!r} is no law; {did_you_mean(word, LAWS)}; a law of your own is file.py:Name")
+        problems.add(f"{word!r} is not a law; {did_you_mean(word, LAWS)}; a law of your own is file.py:Name")
         return None, []
     try:
         return _own(word, typed)

@@ -182,7 +182,7 @@ def _floats(text: str | None, problems: Problems) -> list[float]:
     try:
         return [float(part) for part in (text or "").split(",") if part.strip()]
     except ValueError:
-        problems.add(f"--mean {text!r} is no list of numbers; type for example --mean 0.0017,0.0036")
+        problems.add(f"--mean {text!r} is not a list of numbers; type for example --mean 0.0017,0.0036")
         return []
 
 

@@ -62,7 +62,7 @@ def _grid(asked: Any, file: Path | None) -> tuple[Any, str]:
     study, _ = axes_of(asked)
     axes = [name for name, given in study.arguments.items() if isinstance(given, list)]
     if asked.x is not None and asked.x not in axes:
-        raise InputError("--x", [f"{asked.x!r} is no axis of this map; {did_you_mean(asked.x, axes)}"])
+        raise InputError("--x", [f"{asked.x!r} is not an axis of this map; {did_you_mean(asked.x, axes)}"])
     options = run_options(asked, file)
     grid = map(study.make, refine=asked.refine, progress=watcher(), **{**study.options, **options}, **study.arguments)
     if file is not None:

@@ -48,7 +48,7 @@ def probe_axes(
 ) -> list[str]:
     """The same for a sweep, axis by axis: a value counts as wrong where it is refused with the first and with the last of all others.
 
-    A combination that only some other values spoil is no error: it marks its own case.
+    A combination that only some other values spoil is not an error: it marks its own case.
     """
     axes = {name: value for name, value in arguments.items() if isinstance(value, list) and value}
     rest = {**{name: example_for(name) for name in absent}, **{n: v for n, v in arguments.items() if n not in axes}}

@@ -103,7 +103,7 @@ def opened(path: str, asked: Any) -> Any:
     except ValueError as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("--between", [f"{asked.between!r} is no part of the record; type for example --between 20..60"]) from None
+        raise InputError("--between", [f"{asked.between!r} is not part of the record; type for example --between 20..60"]) from None
 
 
 def settle(asked: Any) -> int | str:
@@ -111,5 +111,5 @@ def settle(asked: Any) -> int | str:
     if asked.settle == "auto":
         return "auto"
     if not asked.settle.isdigit():
-        raise InputError("--settle", [f"{asked.settle!r} is no number of drive periods; type for example --settle 10"])
+        raise InputError("--settle", [f"{asked.settle!r} is not a number of drive periods; type for example --settle 10"])
     return int(asked.settle)

@@ -8,6 +8,7 @@ from typing import Any
 
 from stickslip.cli.arguments import value
 from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.typed_numbers import has_unit
 
 __all__ = ["NUMBERS", "asked_for", "table_of", "typed"]
 
@@ -76,13 +77,13 @@ def _checked_table(table: Any, problems: Problems) -> dict[str, Any]:
     tables = ("over", "subject_to", "robust")
     table = {} if table is None else table
     if not isinstance(table, dict):
-        problems.add(f'optimise = {table!r} is no table; type [optimise.over] and under it for example "drive.amplitude" = [2e-4, 8e-4]')
+        problems.add(f'optimise = {table!r} is not a table; type [optimise.over] and under it for example "drive.amplitude" = [2e-4, 8e-4]')
         return {}
     for key, given in table.items():
         if key not in (*NUMBERS, *tables):
             problems.add(f"optimise.{key} is not known; {did_you_mean(key, [*NUMBERS, *tables])}")
         elif key in tables and not isinstance(given, dict):
-            problems.add(f"optimise.{key} = {given!r} is no table; type [optimise.{key}]")
+            problems.add(f"optimise.{key} = {given!r} is not a table; type [optimise.{key}]")
     return {key: given for key, given in table.items() if key not in tables or isinstance(given, dict)}
 
 
@@ -128,19 +129,25 @@ def _over(text: str) -> Any:
     return _ends(text)
 
 
-def _ends(text: str) -> tuple[float | None, float | None]:
+def _ends(text: str) -> tuple[float | str | None, float | str | None]:
     """A..B, where either may be missing."""
     low, dots, high = text.partition("..")
     if not dots:
         raise ValueError(text)
-    return tuple(_number(end) if end else None for end in (low, high))  # type: ignore[return-value]
+    return tuple(_bound(end) if end else None for end in (low, high))  # type: ignore[return-value]
+
+
+def _bound(text: str) -> float | str:
+    """A number, or one with a unit, which the search converts: it knows the unit of what is bounded."""
+    return text.strip() if has_unit(text) else _number(text)
 
 
 def _distribution(text: str) -> Any:
     """A..B is uniform, MEAN+-DEVIATION normal, where the deviation may be in per cent of the mean."""
     mean, sign, deviation = text.partition("+-")
     if not sign:
-        return ("uniform", *_ends(text))
+        low, _, high = text.partition("..")
+        return ("uniform", _number(low), _number(high))
     return (_number(mean), deviation) if deviation.endswith("%") else ("normal", _number(mean), _number(deviation))
 
 

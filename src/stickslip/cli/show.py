@@ -60,7 +60,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def print_json(record: Any) -> None:
-    """Strict JSON: numbers that are no numbers become null."""
+    """Strict JSON: numbers that are not numbers become null."""
     print(json.dumps(strict(record), indent=1, allow_nan=False, ensure_ascii=False))
 
 

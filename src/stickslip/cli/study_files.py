@@ -132,7 +132,7 @@ def _read(text: str, name: str, folder: Path) -> Study:
     options = _options(document.get("solve", {}), make, problems)
     arguments = document.get("arguments", {})
     if not isinstance(arguments, dict):
-        problems.add('arguments is no table; type [arguments] and under it for example "drive.amplitude" = 5e-4')
+        problems.add('arguments is not a table; type [arguments] and under it for example "drive.amplitude" = 5e-4')
     if problems.found:
         raise InputError(what, located(problems.found, lines_of(text)))
     return Study(make, arguments, options, document.get("optimise"))
@@ -192,7 +192,7 @@ def _options(table: Any, make: Any, problems: Problems) -> dict[str, Any]:
     """The arguments of the solver that are known; names and values that are wrong are noted."""
     names = {name.partition(".")[0] for name in SOLVER}
     if not isinstance(table, dict):
-        problems.add(f"solve = {table!r} is no table; type [solve] and under it for example periods = 200")
+        problems.add(f"solve = {table!r} is not a table; type [solve] and under it for example periods = 200")
         return {}
     for option in table:
         if option not in names:

@@ -85,7 +85,7 @@ def add_options(made: Parser, designs: bool = True) -> None:
 
 
 def out_file(out: str | None) -> Path | None:
-    """The file that --out names, or None for a study folder; the ending of a file that is not ours is no folder's name."""
+    """The file that --out names, or None for a study folder; the ending of a file that is not ours is not a folder's name."""
     if not out or (Path(out).suffix.lower() not in (*FILES, *_NOT_OURS)) or (as_path(out, "sweep") / "manifest.json").exists():
         return None
     return show.writable("--out", out, FILES)

@@ -43,7 +43,7 @@ _OURS = (str(Path(__file__).resolve().parent.parent),)
 
 
 def _is_yours(file: str) -> bool:
-    """Whether a file is no part of us, of Python or of an installed library."""
+    """Whether a file is not part of us, of Python or of an installed library."""
     from stickslip.engine.cache import folder
 
     paths = sysconfig.get_paths()

@@ -19,7 +19,7 @@ _EXAMPLE = "type for example ss.HarmonicForce(amplitude=1.5, omega=104.7)"
 
 
 def not_forces(given: dict[str, Any]) -> list[str]:
-    """A sentence on each of some objects that is no force, by its name."""
+    """A sentence on each of some objects that is not a force, by its name."""
     needs = ", ".join(FORCE_NEEDS)
     return [
         f"{name} = {part!r}; allowed is a force, an object with {needs}; {_EXAMPLE}"

@@ -50,7 +50,7 @@ class MultiHarmonic(FourierDrive):
             raise InputError("MultiHarmonic", [f"amplitudes is missing; {_EXAMPLE}"])
         object.__setattr__(self, "omega", omega)
         object.__setattr__(self, "amplitudes", amplitudes)
-        zeros = (0.0,) * len(amplitudes) if hasattr(amplitudes, "__len__") else ()  # what is no tuple is reported
+        zeros = (0.0,) * len(amplitudes) if hasattr(amplitudes, "__len__") else ()  # what is not a tuple is reported
         object.__setattr__(self, "phases", zeros if phases is None else phases)
         self.__post_init__()
 

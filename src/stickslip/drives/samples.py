@@ -17,7 +17,7 @@ MOST = 64  # harmonics at most, unless more are asked for
 _GAP = 2.5  # a step this many times as long as the usual one is a gap
 _REPEAT = 0.1  # part of the r.m.s. by which a record may differ from itself a period later
 _MEAN = 0.02  # part of the r.m.s. that the mean of a velocity or acceleration may be
-_JUMP = 3.0  # a step from the last sample to the first this many times as large as any other is no repetition
+_JUMP = 3.0  # a step from the last sample to the first this many times as large as any other is not a repetition
 _SAME = 1e-9  # part of a period: instants that lie no further apart are one
 _ROUNDING = 1e-6  # of a number of samples in a period, whose instants are rounded
 _CHUNK = 1 << 14  # samples at a time
@@ -104,7 +104,7 @@ def _numbers(name: str, values: Any, problems: Problems, example: str) -> Array:
     bad = np.flatnonzero(~np.isfinite(array))
     if len(bad):
         problems.add(
-            f"{name}[{bad[0]}] = {array[bad[0]]} ({len(bad)} of {len(array)} values are no numbers); allowed are records without gaps: "
+            f"{name}[{bad[0]}] = {array[bad[0]]} ({len(bad)} of {len(array)} values are not numbers); allowed are records without gaps: "
             "cut the record to whole periods without them, or fill them in"
         )
     return array

@@ -157,7 +157,7 @@ class _Tracer:
         if isinstance(found, Sym):
             found = self.graph.constants.get(found.name, found.value if found.op == "constant" else None)
         if found not in self.modes:
-            raise TraceError(f"{found!r} is no mode of the flow")
+            raise TraceError(f"{found!r} is not a mode of the flow")
         return self.graph.constant(1.0 + self.modes.index(found))
 
     # ---- what a mode chooses ----
@@ -256,4 +256,4 @@ def _plain(row: Any) -> float:
         return float(row)
     if getattr(row, "size", 0) == 1 and getattr(getattr(row, "dtype", None), "kind", "") in "fiu":
         return float(row.ravel()[0])
-    raise TraceError(f"{row!r} is no number")
+    raise TraceError(f"{row!r} is not a number")

@@ -53,7 +53,7 @@ def state_of(robot: Any) -> State:
     """
     problems = Problems("explore")
     if not hasattr(robot, "body_mass"):
-        problems.add(f"{type(robot).__name__} is no robot on a track; allowed is a Robot; type for example stickslip explore piezo_rig ...")
+        problems.add(f"{type(robot).__name__} is not a robot on a track; allowed is a Robot; type stickslip explore piezo_rig ...")
         problems.check()
     drive, driven, shape = _drive(robot.drive, problems)
     law = next((name for name in FRICTION if LAWS[name] is type(robot.friction)), None)

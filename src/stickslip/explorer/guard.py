@@ -141,7 +141,7 @@ def _cookie(scope: Any) -> str:
 
 
 def _split(address: str) -> SplitResult:
-    """The parts of an address; none of one that is no address."""
+    """The parts of an address; none of one that is not an address."""
     try:
         return urlsplit(address)
     except ValueError:

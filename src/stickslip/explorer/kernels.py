@@ -29,7 +29,7 @@ Helper = subprocess.Popen[str]
 
 
 def key_of(robot: Any, many: bool) -> Key:
-    """What a robot's kernel depends on: its classes, the names of its numbers, and the fields that are no numbers."""
+    """What a robot's kernel depends on: its classes, the names of its numbers, and the fields that are not numbers."""
     numbers = {name for name, _ in leaves(robot)}
     return (many, *((name, None if name in numbers else str(value)) for name, value in leaves(robot, kinds=True)))
 

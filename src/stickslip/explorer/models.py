@@ -190,7 +190,7 @@ def _beside_laws() -> dict[str, Told]:
 
 
 def _numbers_of_laws() -> dict[str, dict[str, str]]:
-    """Of each law its numbers that are no friction coefficients: field -> parameter of the page."""
+    """Of each law its numbers that are not friction coefficients: field -> parameter of the page."""
     taken, found = _beside_laws(), {}
     for name, cls in LAWS.items():
         found[name] = _own_names(name, cls, taken, tuple(_COEFFICIENTS))

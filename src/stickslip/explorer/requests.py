@@ -138,7 +138,7 @@ def message(text: str | bytes) -> Message:
     except (ValueError, RecursionError):
         given = None
     if not isinstance(given, dict):
-        problems.add("it is no JSON object; allowed is {channel, id, state, ...}")
+        problems.add("it is not a JSON object; allowed is {channel, id, state, ...}")
         problems.check()
     channel, number = given.get("channel"), given.get("id")
     if channel not in CHANNELS:
@@ -177,7 +177,7 @@ def state(given: Any) -> State:
     """A state from its table; what is not given is as on the page at first."""
     problems = Problems("state")
     if not isinstance(given, dict):
-        problems.add(f"{_short(given)} is no table")
+        problems.add(f"{_short(given)} is not a table")
         problems.check()
     for name in given:
         if name not in ("drive", "track", "contact", "law", "also", "values", "shape"):

@@ -180,7 +180,7 @@ def _asked_json(request: Request, name: str) -> Any:
     try:
         return json.loads(parse_qs(query, max_num_fields=4).get(name, ["{}"])[0])
     except (ValueError, RecursionError):
-        raise InputError("export", [f"{name} is no JSON"]) from None
+        raise InputError("export", [f"{name} is not JSON"]) from None
 
 
 # ---- the server ----

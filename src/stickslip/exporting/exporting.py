@@ -173,7 +173,7 @@ def _load_of(model: Any) -> float:
     """The load of a model with one contact; 1 of a law, whose coefficients then are forces."""
     load = 1.0 if is_law(model) else getattr(model, "load", None)
     if not isinstance(load, (int, float)):
-        raise InputError("export_law", [f"the load of this {type(model).__name__} is no number of its own; type for example load=1.0"])
+        raise InputError("export_law", [f"the load of this {type(model).__name__} is not a number of its own; type for example load=1.0"])
     return float(load)
 
 

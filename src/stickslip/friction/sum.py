@@ -170,7 +170,7 @@ def _kind(parts: list[Any]) -> type:
     problems, names = Problems("Sum"), [type(part).__name__ for part in parts]
     for part, name in zip(parts, names, strict=True):
         if isinstance(part, type) or not is_law(part):
-            problems.add(f"{part!r} is no friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)")
+            problems.add(f"{part!r} is not a friction law; allowed are two laws; type for example ss.Dahl(...) + ss.Viscous(...)")
         elif adapted(part).needs_applied:
             problems.add(f"{name} balances the other forces at rest, so nothing can be added to it; use ss.Coulomb, solved exactly")
     problems.check()

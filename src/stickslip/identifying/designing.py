@@ -243,7 +243,7 @@ def settings_of(experiments: Any, problems: Problems) -> list[dict[str, Any]]:
         found = [dict(e) for e in experiments if isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else []
         wrong = [e for e in experiments if not isinstance(e, dict)] if isinstance(experiments, (list, tuple)) else [experiments]
         for e in wrong:
-            problems.add(f"experiments: {e!r} is no dict of settings; {example}")
+            problems.add(f"experiments: {e!r} is not a dict of settings; {example}")
     if not found and not wrong:
         problems.add(f"experiments is empty; allowed is one or more; {example}")
     return found

@@ -263,7 +263,7 @@ class Fit(Face):
         for option in options:
             if option not in METHODS.get(method, options):
                 typed = f'; type method="bootstrap", {option}={options[option]!r}' if option in METHODS["bootstrap"] else ""
-                problems.add(f"{option!r} is no option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
+                problems.add(f"{option!r} is not an option of {method}, which has {', '.join(METHODS[method]) or 'none'}{typed}")
         problems.check()
         from stickslip.identifying.bootstrapping import by_bootstrap
         from stickslip.identifying.uncertainty import by_covariance, by_profile, calibrated, in_parts
@@ -403,7 +403,7 @@ class Fit(Face):
 
     @cached_property
     def bent(self) -> tuple[str, ...]:
-        """Parameters along whose interval the sum of squares is no parabola, so that covariance and bootstrap are not to be believed."""
+        """Parameters along whose interval the sum of squares is not a parabola, so that covariance and bootstrap are not to be believed."""
         from stickslip.identifying.uncertainty import bent_parameters
 
         return tuple(bent_parameters(self))

@@ -35,7 +35,7 @@ OVER_MOTION = ("force", "applied force", "torque", "current")
 
 
 def error_text(fit: Any, name: str) -> str:
-    """The standard error of a parameter as it stands behind its value; that there is none where the sum of squares is no parabola."""
+    """The standard error of a parameter as it stands behind its value; that there is none where the sum of squares is not a parabola."""
     if name in fit.undetermined:
         return NOT_DETERMINED
     return "(by profile)" if name in fit.bent else sure(fit.errors[name])

@@ -37,7 +37,7 @@ from stickslip.records import Record
 __all__ = ["identify"]
 
 USES = ("auto", "velocity", "position", "mean", "force")
-_SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are no noise, of any colour
+_SHAPED = 0.9  # correlation of neighbouring residuals of a force above which they are not noise, of any colour
 _MAKES_UP = 2.0  # how many times what is left by a fit with the sensor may be left by one without it, of a force with a shape left
 _NOTHING = 1e-6  # by which part of itself the sum of squares may rise where a number is undetermined
 _ROUNDS, _SAME = 3, 0.05  # times that the noise is found anew, and by how much it may still differ

@@ -155,7 +155,7 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
 
 
 def faults(fit: Fit) -> list[str]:
-    """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are no noise."""
+    """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     found = ["the search was interrupted"] if fit.stopped else []
     for k, free in enumerate(fit.problem.parameters.free):
         if not fit.information.undetermined[k] and min(fit.place[k], 1 - fit.place[k]) < 1e-4:
@@ -168,7 +168,7 @@ def faults(fit: Fit) -> list[str]:
 
 
 def remarks(fit: Fit) -> list[str]:
-    """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are no noise."""
+    """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
     found = undetermined(fit)
     found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in fit.open]
     for k, free in enumerate(fit.problem.parameters.free):
@@ -233,7 +233,7 @@ def _parabolic(fit: Fit, along: Any) -> bool:
 
 
 def _why(q: Quality, rest: Any) -> str:
-    """What residuals that are no noise say."""
+    """What residuals that are not noise say."""
     narrow = max(np.sqrt(q.count / effective(rest)), 1.0)
     if q.coloured:
         return f"they follow time and not the drive, as coloured noise does; intervals count that, by a factor of about {narrow:.2g}"

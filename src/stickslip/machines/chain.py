@@ -81,7 +81,7 @@ class Chain(Machine):
                 "link=ss.Spring(stiffness=1200.0, damping=0.4)"
             )
         if isinstance(self.link, (list, type)) or self.link is None:
-            listed = "a list is no tuple, and a tuple means several links; " if isinstance(self.link, list) else ""
+            listed = "this is a list, and several links are given as a tuple; " if isinstance(self.link, list) else ""
             problems.add(f"link = {self.link!r}; {listed}allowed is a link; type link=ss.Spring(stiffness=1200.0, damping=0.4)")
         for i, phase in enumerate(self.phases or ()):
             if not everywhere(abs(phase) <= 2 * pi):
@@ -179,9 +179,10 @@ def _check_modules(modules: Any, problems: Problems) -> None:
     if isinstance(modules, Bodies):
         return
     if not isinstance(modules, tuple) or len(modules) < 2:
-        listed = "a list is no tuple, and a tuple means several parts; " if isinstance(modules, list) else ""
+        listed = "this is a list, and several parts are given as a tuple; " if isinstance(modules, list) else ""
+        given = "[...]" if listed else repr(modules)
         problems.add(
-            f"modules = {modules!r}; {listed}allowed is a tuple of two robots or more (an array of numbers in one robot means cases), or "
+            f"modules = {given}; {listed}allowed is a tuple of two robots or more (an array of numbers in one robot means cases), or "
             "ss.Bodies; type modules=(head, tail)"
         )
         return

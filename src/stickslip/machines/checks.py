@@ -154,7 +154,7 @@ def _check_ends(what: str, ends: Any, bodies: dict[str, Any], problems: Problems
         return
     for end in ends:
         if end is not None and end not in bodies:
-            problems.add(f"{what}()[{ends!r}]: {end!r} is no body; {did_you_mean(str(end), bodies)}")
+            problems.add(f"{what}()[{ends!r}]: {end!r} is not a body; {did_you_mean(str(end), bodies)}")
 
 
 def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
@@ -176,7 +176,7 @@ def _check_joint(what: str, ends: Any, part: Any, problems: Problems) -> None:
 
 
 def _check_controller(name: Any, part: Any, bodies: dict[str, Any], problems: Problems) -> None:
-    """Note what is no controller, or starts with other states than it has, or acts on bodies that are not there."""
+    """Note what is not a controller, or starts with other states than it has, or acts on bodies that are not there."""
     where = f"controllers()[{name!r}]"
     if missing := [each for each in NEEDS if isinstance(part, type) or not hasattr(part, each)]:
         problems.add(f"{where} = {part!r} has no {', no '.join(missing)}; allowed is an object with {', '.join(NEEDS)}")
@@ -189,7 +189,7 @@ def _check_controller(name: Any, part: Any, bodies: dict[str, Any], problems: Pr
             problems.add(f"{where}.{what} gives {len(numbers)} numbers; allowed is one for each of the states {', '.join(part.states)}")
     for body in part.forces(0.0, x, v, z):
         if body not in bodies:
-            problems.add(f"{where} acts on {body!r}, which is no body; {did_you_mean(str(body), bodies)}")
+            problems.add(f"{where} acts on {body!r}, which is not a body; {did_you_mean(str(body), bodies)}")
 
 
 def _check_controllers(machine: Any, problems: Problems) -> None:
@@ -201,7 +201,7 @@ def _check_controllers(machine: Any, problems: Problems) -> None:
         if not everywhere(abs(own - other) <= 1e-12 * other):
             problems.add(f"controllers()[{name!r}] samples every {own!r} s and {first!r} every {other!r} s; allowed is one time for all")
         if machine.period is not None and not everywhere(abs(_off_whole(machine.period / own)) <= 1e-9):
-            told = f"the period of {describe(machine.period)} s is no whole number of them"
+            told = f"the period of {describe(machine.period)} s is not a whole number of them"
             problems.add(f"controllers()[{name!r}] samples every {describe(own)} s, and {told}; allowed is a period that is")
 
 

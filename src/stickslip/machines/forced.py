@@ -37,7 +37,7 @@ class Forced(Frozen):
     force : HarmonicForce, Pulses, RecordedForce or any force
         F, forwards on the inner mass [N]; forces add up with +.
     stiffness : float, optional
-        k of the spring between body and inner mass [N/m]; 0 is no spring.
+        k of the spring between body and inner mass [N/m]; 0 is not a spring.
     damping : float, optional
         c of the damper beside it [N s/m].
     stops : tuple of Stop, optional
@@ -78,7 +78,7 @@ class Forced(Frozen):
         if isinstance(self.stops, tuple) and not isinstance(self.stops, Frozen) and all(isinstance(stop, Stop) for stop in self.stops):
             _check_stops(self.stops, problems)
         else:
-            listed = "a list is no tuple, and a tuple means several stops; " if isinstance(self.stops, list) else ""
+            listed = "this is a list, and several stops are given as a tuple; " if isinstance(self.stops, list) else ""
             problems.add(f"stops = {self.stops!r}; {listed}allowed is a tuple of stops; {_STOP}")
 
     @property

@@ -156,7 +156,7 @@ class Joint(Machine):
         object.__setattr__(self, "cycles", self._common())
 
     def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
-        """A torque that is no number is checked for what a force has."""
+        """A torque that is not a number is checked for what a force has."""
         if field.name == "torque" and self.torque is None:
             return
         if field.name == "torque" and (is_record(self.torque) or hasattr(self.torque, "at")):

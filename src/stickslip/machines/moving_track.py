@@ -137,7 +137,7 @@ class MovingTrack(Machine):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on these numbers that are no errors, such as a load that falls to zero under a law that cannot fly."""
+        """Remarks on these numbers that are not errors, such as a load that falls to zero under a law that cannot fly."""
         law, least = adapted(self.friction), self._least_load
         found = law.notes(self.still_load)
         if law.dynamic and least <= 0:

@@ -81,7 +81,7 @@ class PeriodicRecord(FourierDrive):
         Raises
         ------
         InputError
-            Records with gaps, that do not close, or of what is no number.
+            Records with gaps, that do not close, or of what is not a number.
         """
         period = float(t[-1]) - float(t[0]) if len(t) > 1 else None
         record = checked(t, {"record": values}, period, tolerance, order, "record", "type (times, values), two arrays over one period")

@@ -93,7 +93,7 @@ class PID(Frozen):
         super().__post_init__()
 
     def _take(self, field: dataclasses.Field[Any], problems: Problems) -> None:
-        """A target that is no number is checked for what a motion has."""
+        """A target that is not a number is checked for what a motion has."""
         motion = field.name == "target" and (is_record(self.target) or hasattr(self.target, "position"))
         if motion:
             check_input("target", self.target, ("position", "velocity"), _TARGET, problems)

@@ -25,7 +25,7 @@ class ForcedOscillator(Mechanism):
     mass : float
         Mass m [kg].
     stiffness : float
-        Stiffness k [N/m]; 0 is no spring.
+        Stiffness k [N/m]; 0 is not a spring.
     damping : float
         Viscous damping c [N s/m].
     force : float

@@ -52,7 +52,7 @@ class Mechanism(Frozen):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on these numbers that are no errors, such as a LuGre law that is not passive."""
+        """Remarks on these numbers that are not errors, such as a LuGre law that is not passive."""
         return law_of(self).notes(self.load)
 
     def to_toml(self) -> str:

@@ -25,7 +25,7 @@ from stickslip.optimising.unknowns import Unknowns
 __all__ = ["Candidates", "Stopped"]
 
 Array = Any
-_BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are no machine
+_BEYOND, _NONE = 1e9, 1e12  # what is minimised of candidates beyond a limit, and of those that are not machines
 _GUIDE, _GUIDE_BEYOND = 1e-12, 1e-6  # what nearness to motion counts of machines at rest, and of those beyond a limit: less than any motion
 _STEP = 1e-5  # of unknowns, for what has no exact derivative
 _FINE = 1e-9  # tolerance of dynamic laws where differences are taken

@@ -74,7 +74,7 @@ def checked_limits(model: Any, subject_to: Any, problems: Problems) -> list[Limi
 def _limit(model: Any, name: str, ends: Any, problems: Problems) -> Limit | None:
     known = [*LIMITS, *quantities(model)]
     if name not in known:
-        problems.add(f"subject_to: {name!r} is no quantity that can be limited; {did_you_mean(name, known)}")
+        problems.add(f"subject_to: {name!r} is not a quantity that can be limited; {did_you_mean(name, known)}")
         return None
     if name in LIMITS and not list(drives_within(model)):
         problems.add(f"subject_to: {name!r} is of a drive, and {type(model).__name__} has none; leave it out")

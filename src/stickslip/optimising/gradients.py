@@ -155,7 +155,7 @@ def steady_motion(
 
 
 def check_of(what: str, of: Any, model: Any) -> None:
-    """`InputError` of `what` for what is no number of a steady motion."""
+    """`InputError` of `what` for what is not a number of a steady motion."""
     if isinstance(of, Observable) or of == MULTIPLIER:
         return
     if not isinstance(of, str) or not of.startswith(STATE):
@@ -164,7 +164,7 @@ def check_of(what: str, of: Any, model: Any) -> None:
     at = coordinates(model)
     known = [STATE + name for name in at.names[: at.smooth]]
     if of not in known:
-        raise InputError(what, [f"of = {of!r} is no state on the strobe; {did_you_mean(of, known)}"])
+        raise InputError(what, [f"of = {of!r} is not a state on the strobe; {did_you_mean(of, known)}"])
 
 
 def named(of: Any) -> str:

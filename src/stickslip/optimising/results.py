@@ -56,10 +56,11 @@ def quantities(model: Any) -> list[str]:
 
 
 def check_quantity(what: str, argument: str, name: Any, model: Any) -> None:
-    """`InputError` of `what` for a name that is no number of a result."""
+    """`InputError` of `what` for a name that is not a number of a result."""
     known = quantities(model)
     if not isinstance(name, str) or name.partition(".")[0] not in known:
-        raise InputError(what, [f"{argument} = {name!r}; allowed is a number of a run; {did_you_mean(str(name), known)}"])
+        near = did_you_mean(str(name), known)
+        raise InputError(what, [f"{argument} = {name!r}; allowed is a number of a run, such as 'mean_velocity'; {near}"])
     column, parts = name.partition(".")[0], machine_of(model).part_names
     each, dim = part_columns(column, parts), dim_of(column, parts)
     if name not in each:

@@ -13,7 +13,7 @@ __all__ = ["search"]
 Array = Any
 _AROUND = (0.02, 0.002, 2e-4)  # of the unknowns: half the boxes around the best in which the population goes on
 _GAIN = 1e-8  # of the best: what the population has to find for another climb to be worth its time
-_NO_VALUE = 1e3  # of the best: what stands for the value of what is no machine
+_NO_VALUE = 1e3  # of the best: what stands for the value of what is not a machine
 _NEAR = 1e-4  # the same of the search over everything, from where derivatives go on
 _SETTLED = 1e-9  # of the best: a population whose values are nearer to each other has arrived
 

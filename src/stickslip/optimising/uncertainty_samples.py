@@ -103,7 +103,7 @@ def checked_spread(model: Any, argument: str, given: Any, problems: Problems) ->
     for name, said in given.items():
         meant = numbers_meant(str(name), known)
         if not meant:
-            problems.add(f"{argument}: {name!r} is no number of {type(model).__name__}; {did_you_mean(str(name), known)}")
+            problems.add(f"{argument}: {name!r} is not a number of {type(model).__name__}; {did_you_mean(str(name), known)}")
         elif (each := distribution_of(said)) is None:
             problems.add(f"{argument}[{name!r}] = {said!r}; allowed is {ALLOWED}; type for example {_TYPED}")
         else:

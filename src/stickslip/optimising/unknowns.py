@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.drives.drive_adapter import lacking
-from stickslip.errors import InputError, Problems, did_you_mean
+from stickslip.errors import InputError, Problems, did_you_mean, other_words
 from stickslip.fields import leaves, told_by_field
 from stickslip.number_names import numbers_meant
 from stickslip.optimising.typed_ends import typed_ends
@@ -161,7 +161,8 @@ def _varied(model: Any, name: str, what: Any, known: list[str], problems: Proble
         return _of_drive(model, name, what, known, problems)
     meant = numbers_meant(name, known)
     if not meant:
-        problems.add(f"over: {name!r} is no number of {type(model).__name__}; {did_you_mean(name, known)}")
+        hint = other_words(name, None, known) or did_you_mean(name, known)
+        problems.add(f"over: {name!r} is not a number of {type(model).__name__}; {hint}")
         return None
     told = {leaf: told_by_field(model, leaf) for leaf in meant}
     try:
@@ -198,7 +199,7 @@ def _of_drive(model: Any, name: str, form: Waveform, known: list[str], problems:
         part = part[int(place)] if isinstance(part, tuple) and place.isdigit() and int(place) < len(part) else getattr(part, place, None)
     if part is None or isinstance(part, tuple) or lacking(part):
         paths = sorted({each.rpartition(".")[0] for each in known if ".drive." in f".{each}"})
-        told = f"over: {name!r} is no drive of {type(model).__name__}, and a waveform stands for one"
+        told = f"over: {name!r} is not a drive of {type(model).__name__}, and a waveform stands for one"
         problems.add(f"{told}; known: {', '.join(paths) or 'none'}")
         return None
     return Varied(name, (path,), form=form)

@@ -225,7 +225,7 @@ def _scaled(cosines: Array, sines: Array, u: Array, scales: Scales) -> tuple[Arr
 
 
 def _plain(values: Any) -> list[Any]:
-    """Floats of numbers that are no arrays."""
+    """Floats of numbers that are not arrays."""
     return [float(value) if np.ndim(value) == 0 else np.ascontiguousarray(value) for value in values]
 
 

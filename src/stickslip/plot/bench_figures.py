@@ -50,7 +50,7 @@ def bench(found: Benched, figure: Page = None) -> Any:
     if isinstance(found, Benches):
         with publication():
             return _many(found, figure)
-    raise InputError("plot", [f"{found!r} is no bench; allowed is what ss.bench returns; type ss.plot.bench(ss.bench(ss.LuGre))"])
+    raise InputError("plot", [f"{found!r} is not a bench; allowed is what ss.bench returns; type ss.plot.bench(ss.bench(ss.LuGre))"])
 
 
 def _figure(width: float, height: float) -> Any:

@@ -110,7 +110,7 @@ def _over(curves: Any, ax: Any, across: tuple[str, float], upward: tuple[str, fl
     for curve in curves if isinstance(curves, Iterable) else (curves,):
         if set(getattr(curve, "parameters", ())) != {across[0], upward[0]}:
             both = f"({across[0]}, {upward[0]})"
-            raise InputError("plot", [f"curves: {curve!r} is no curve in {both}; allowed are those of ss.special_curve"])
+            raise InputError("plot", [f"curves: {curve!r} is not a curve in {both}; allowed are those of ss.special_curve"])
         x, y = (curve.values[:, curve.parameters.index(name)] * factor for name, factor in (across, upward))
         ax.plot(x, y, color="white", linewidth=2.0, zorder=3)
         (handles[curve.kind],) = ax.plot(x, y, color="black", linewidth=0.9, zorder=4, label=_NAMES.get(curve.kind, curve.kind))

@@ -78,7 +78,7 @@ def line_cut(grid: Grid, along: str, at: dict[str, Any] | None = None, lines: Se
 def _chosen(grid: Any, along: str, at: dict[str, Any] | None) -> Any:
     dims = [str(d) for d in grid["mean_velocity"].dims]
     if along not in dims:
-        raise InputError("line_cut", [f"along = {along!r} is no axis of the dataset; it has {', '.join(dims)}"])
+        raise InputError("line_cut", [f"along = {along!r} is not an axis of the dataset; it has {', '.join(dims)}"])
     unknown = [name for name in at or {} if name not in dims]
     if unknown:
         raise InputError("line_cut", [f"at has {', '.join(unknown)}; allowed are {', '.join(d for d in dims if d != along)}"])

@@ -87,7 +87,7 @@ def _check(run: Any, names: Any) -> None:
         )
     for name in names:
         if name not in run.names:
-            raise InputError("plot", [f"{name!r} is no state of the flow; {did_you_mean(str(name), run.names)}"])
+            raise InputError("plot", [f"{name!r} is not a state of the flow; {did_you_mean(str(name), run.names)}"])
 
 
 def _sampled(run: Any, duration: float | None) -> tuple[Any, Any]:

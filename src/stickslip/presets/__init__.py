@@ -24,5 +24,5 @@ __all__ = [
 _ALL = (piezo_rig, piezo_beam_rig, coulomb_robot, two_modules, worm, capsubot, capsule, servo, stick_slip_stage, conveyor)
 #: Every preset by its name.
 PRESETS = {preset.__name__: preset for preset in _ALL}
-#: Presets whose units are all 1: what they give is no number of meters or seconds.
+#: Presets whose units are all 1: what they give is not a number of meters or seconds.
 DIMENSIONLESS = ("coulomb_robot", "capsule")

@@ -23,6 +23,9 @@ __all__ = ["coulomb_robot", "piezo_beam_rig", "piezo_rig"]
 LAWS_HERE = {"lugre": (), "coulomb": ("f0", "sigma0", "sigma1", "sigma2", "v_s"), "coulomb-static": ("sigma0", "sigma1", "sigma2", "v_s")}
 
 
+_ANOTHER_LAW = 'for another law type piezo_rig(..., incline="gravity").replace(friction=ss.Stribeck(...))'
+
+
 @explains_arguments
 def piezo_rig(
     tilt_deg: Annotated[Any, TILT_DEG],
@@ -78,7 +81,8 @@ def piezo_rig(
     for name, value, allowed in (("law", law, tuple(LAWS_HERE)), ("incline", incline, ("folded", "gravity"))):
         if not is_one_of(value, allowed):
             near = did_you_mean(str(value), allowed)
-            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}" + (f"; {near}" if near.startswith("did") else ""))
+            hint = near if near.startswith("did") else _ANOTHER_LAW if name == "law" else ""
+            problems.add(f"{name} = {value!r}; allowed is one of {', '.join(allowed)}" + (f"; {hint}" if hint else ""))
     if not problems.found:
         _check_shapes(numbers, law, problems)
     if not problems.found:

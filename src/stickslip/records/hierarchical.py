@@ -93,7 +93,7 @@ def _dataset(item: Any, attrs: dict[str, Any], raw: Raw, name: str) -> None:
     elif h5_text(item):
         raw.info[name] = str(_plain(item[()]))[:4000]
     else:
-        raw.notes.append(f"{name} is left out: it is no array of numbers")
+        raw.notes.append(f"{name} is left out: it is not an array of numbers")
 
 
 def h5_text(item: Any) -> bool:

@@ -36,7 +36,7 @@ def version5(data: bytes, notes: list[str], allowance: Allowance) -> dict[str, A
             raise ValueError(f"an element of type {kind} stands where a variable should")
         name, value = _matrix(body, order, notes, allowance, 0)
         if value is None:
-            notes.append(f"{name} is left out: it is no array of numbers")
+            notes.append(f"{name} is left out: it is not an array of numbers")
         else:
             found[name] = value
     if data[place:].strip(b"\0"):

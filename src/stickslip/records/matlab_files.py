@@ -49,7 +49,7 @@ def vectors(found: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str 
         elif array.dtype.kind in "US":
             raw.info[full] = " ".join(str(part) for part in array.ravel())[:4000]
         elif array.dtype.kind not in "biufc":
-            raw.notes.append(f"{full} is left out: it is no array of numbers")
+            raw.notes.append(f"{full} is left out: it is not an array of numbers")
         elif array.size == 1:
             raw.info[full] = array.ravel()[0].item()
         elif array.ndim == 2 and min(array.shape) > 1:
@@ -58,7 +58,7 @@ def vectors(found: dict[str, Any], units: dict[str, str], raw: Raw, prefix: str 
         elif array.size and max(array.shape) == array.size:
             raw.columns.append(Column(full, units.get(full), _numbers(array.ravel())))
         elif array.size:
-            raw.notes.append(f"{full} is left out: an array of shape {array.shape} is no time history")
+            raw.notes.append(f"{full} is left out: an array of shape {array.shape} is not a time history")
 
 
 def _numbers(array: Any) -> Any:

@@ -67,6 +67,9 @@ class MeasuredMotion:
     rests: tuple[Rest, ...] = ()
     dwell: float = 0.03
 
+    def __str__(self) -> str:
+        return self.verdict
+
     @property
     def decided(self) -> bool:
         """Whether the record allows one type only."""

@@ -139,7 +139,7 @@ def _bytes(path: Path) -> bytes:
                 return file.read()
             if stat.S_ISFIFO(kind.st_mode):
                 return _piped(file)
-        why = "it is no file"
+        why = "it is not a file"
     except InputError:
         raise
     except (OSError, ValueError) as error:  # a zero byte in a name is a ValueError

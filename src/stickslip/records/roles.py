@@ -13,7 +13,7 @@ from stickslip.units import quantity_of, unit_of
 
 __all__ = ["OURS", "remark_range", "remarks", "roles_of"]
 
-_LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is no measurement
+_LARGEST, _LEAST = 1e18, 1e-100  # sizes beyond which a number is not a measurement
 _ROLE_WORDS = (
     (r"absolute.*", "absolute velocity"),
     (r"convected.*|body velocity", "velocity"),

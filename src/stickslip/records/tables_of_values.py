@@ -49,7 +49,7 @@ def parse_json(text: str, allowance: Allowance) -> Raw:
     raw = Raw("JSON", table=True)
     left = [name for name in found if name not in lists and name != "units"]
     if left:
-        raw.notes.append(f"{', '.join(map(repr, left[:6]))} of the JSON are no lists of numbers and are left out")
+        raw.notes.append(f"{', '.join(map(repr, left[:6]))} of the JSON are not lists of numbers and are left out")
     told = found.get("units")
     units |= told if isinstance(told, dict) else {}
     for name, values in lists.items():
@@ -148,7 +148,7 @@ def _column(name: str, unit: str | None, values: list[Any], notes: list[str]) ->
         return Column(name, "s", np.array([np.nan if s is None else (s - first) * STAMP_UNIT for s in stamps]))
     strange = sum(x is not None and _number(x) is None for x in values)
     if strange:
-        notes.append(f"{name}: {strange} values are no numbers and became NaN")
+        notes.append(f"{name}: {strange} values are not numbers and became NaN")
     return Column(name, unit, np.array([np.nan if (x := _number(value)) is None else x for value in values], float))
 
 
@@ -186,7 +186,7 @@ def raw_of_frame(frame: Any) -> Raw:
 
 
 def _says_times(index: Any) -> bool:
-    """Whether an index is one of times, or has a name; a count of the rows is no column."""
+    """Whether an index is one of times, or has a name; a count of the rows is not a column."""
     return np.asarray(index).dtype.kind in "mM" or (index.name is not None and np.asarray(index).dtype.kind in "iuf")
 
 

@@ -32,7 +32,7 @@ def decoded(data: bytes) -> str:
                 break
     strange = len(data.translate(None, bytes(range(32, 256)) + b"\t\r\n\f\x1a"))
     if strange > 0.01 * len(data) + 2:
-        raise InputError("read", [f"the file is no text ({strange} control characters) and of no format known here; {_FORMATS}"])
+        raise InputError("read", [f"the file is not text ({strange} control characters) and of no format known here; {_FORMATS}"])
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
@@ -143,7 +143,7 @@ def _fast(lines: list[str], dialect: Dialect) -> Any:
 
 
 def _slow(lines: list[str], first: int, dialect: Dialect, notes: list[str]) -> Any:
-    """Row by row: short and long rows are left out, cells that are no number become NaN, and both are noted."""
+    """Row by row: short and long rows are left out, cells that are not numbers become NaN, and both are noted."""
     rows: list[list[float]] = []
     wrong: list[tuple[int, str]] = []
     strange: list[tuple[int, str]] = []
@@ -161,7 +161,7 @@ def _slow(lines: list[str], first: int, dialect: Dialect, notes: list[str]) -> A
     if wrong:
         notes.append(f"{len(wrong)} lines are left out, {_shown(wrong)}")
     if strange:
-        notes.append(f"{len(strange)} cells are no numbers and became NaN, {_shown(strange)}; {_MIXED}")
+        notes.append(f"{len(strange)} cells are not numbers and became NaN, {_shown(strange)}; {_MIXED}")
     return np.array(rows, float).reshape(-1, dialect.width)
 
 

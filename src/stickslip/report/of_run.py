@@ -94,7 +94,7 @@ def _figures(run: Any) -> list[Figure]:
 
 
 def _equations(model: Any) -> str:
-    """The equations as LaTeX; nothing where a part of the machine is no formula, such as a record."""
+    """The equations as LaTeX; nothing where a part of the machine is not a formula, such as a record."""
     from stickslip.engine.latex import latex
 
     try:

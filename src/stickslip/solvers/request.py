@@ -64,7 +64,7 @@ def request(
         raise InputError(
             "solve",
             [
-                f"{model!r} is no model; allowed is a Robot, a mechanism, or a machine of several bodies; "
+                f"{model!r} is not a model; allowed is a Robot, a mechanism, or a machine of several bodies; "
                 "type for example ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5.525e-4)"
             ],
         )

@@ -54,8 +54,8 @@ def _check_samples(model: Any, mechanics: Mechanics) -> None:
         kind = type(model).__name__
         raise InputError(
             kind,
-            [f"its controller samples every {between!r} s, of which its period of {model.period!r} s is no whole number; allowed is a "
-             f"period that is; make {kind} anew with these numbers, so that it finds its period"],
+            [f"its controller samples every {between!r} s, and its period of {model.period!r} s is not a multiple of that; allowed is a "
+             f"period that is; make {kind} anew with these numbers"],
         )  # fmt: skip
 
 

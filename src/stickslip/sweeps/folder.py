@@ -87,7 +87,7 @@ def read_manifest(folder: str | Path) -> dict[str, Any]:
         version = int(found["stickslip_format"])
     except FileNotFoundError:
         raise InputError(
-            "study", [f"{str(folder)!r} is no study folder: it has no {MANIFEST}; give the folder of a sweep with out="]
+            "study", [f"{str(folder)!r} is not a study folder: it has no {MANIFEST}; give the folder of a sweep with out="]
         ) from None
     except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
         raise InputError("study", [f"{str(path)!r} cannot be read: {error}; {_ANEW}"]) from None
@@ -154,7 +154,7 @@ class Study:
         if self.folder.exists() and (
             not self.folder.is_dir() or any(p.name not in (TILES, AXES, COMMAND) for p in self.folder.iterdir() if p.suffix != ".part")
         ):
-            raise InputError("sweep", [f"{str(self.folder)!r} is there and is no study folder; give a new or an empty folder"])
+            raise InputError("sweep", [f"{str(self.folder)!r} is there and is not a study folder; give a new or an empty folder"])
         try:
             (self.folder / TILES).mkdir(parents=True, exist_ok=True)
         except OSError as error:

@@ -138,7 +138,7 @@ def planned(make: Any, designs: Sequence[Any], axes: dict[str, Any], start: Any,
     for sentence in refusals(make, space):
         problems.add(sentence)
     if along is not None and (along not in space.sizes or along not in space.columns):
-        problems.add(f"continue_along = {along!r} is no axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
+        problems.add(f"continue_along = {along!r} is not an axis; allowed is one of {', '.join(space.dims) or 'none: there is no axis'}")
     if tile is not None:
         problems.whole("tile", tile, 1, example=4096, what=" of cases")
     starts = _starts(start, space, problems)
@@ -185,7 +185,7 @@ def _starts(start: Any, space: Space, problems: Problems) -> dict[str, Any]:
 
 
 def _check_parts(plan: Plan) -> None:
-    """The dimensions of parts are no names for axes."""
+    """The dimensions of parts are not names for axes."""
     problems = Problems("sweep")
     for name in (n for n in dict.fromkeys([*plan.space.columns, *plan.space.dims]) if n in plan.parts):
         problems.add(f"{name} is the dimension of the machine's parts, so no axis may have it; give the maker's argument another name")

@@ -212,7 +212,7 @@ def words(name: str, values: Array) -> Array:
 
 
 def characters(values: Array) -> tuple[Array, str]:
-    """Values that are no numbers as UTF-8 characters along a last dimension; and how they are kept: as text, as JSON, or JSON of bools."""
+    """Values that are not numbers as UTF-8 characters along a last dimension; and how they are kept: as text, as JSON, or JSON of bools."""
     values = np.char.decode(values) if values.dtype.kind == "S" else values
     kept = {"U": "text", "b": "bool"}.get(values.dtype.kind, "json")
     flat = values.ravel().tolist()

@@ -123,7 +123,7 @@ def _checked(designs: Sequence[Any], axes: dict[str, Any], problems: Problems) -
 def _no_design(given: Any) -> str:
     if isinstance(given, Mapping) and given:
         return f"axes are keyword arguments; type ** before the dictionary: sweep(..., **{{{next(iter(given))!r}: ...}})"
-    return f"{reprlib.repr(given)} is no design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"
+    return f"{reprlib.repr(given)} is not a design; type axes by name, such as amplitude=[4e-4, 5e-4], or ss.designs.zipped(...)"
 
 
 def _add_design(space: Space, design: Design) -> None:

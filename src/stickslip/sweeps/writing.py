@@ -129,7 +129,7 @@ def _netcdf(data: Any, path: Path) -> None:
             data.to_netcdf(path, engine="h5netcdf")
         except (TypeError, ValueError) as error:
             raise InputError(
-                "export", [f"the dataset cannot be kept in a netCDF file: {error}; leave out what is no number and no word"]
+                "export", [f"the dataset cannot be kept in a netCDF file: {error}; leave out what is not a number and no word"]
             ) from None
         return
     import h5netcdf

@@ -86,7 +86,7 @@ def _instance(law: Any) -> Any:
         law = law.example() if hasattr(law, "example") else example_in(law)
     if not dataclasses.is_dataclass(law) or not (hasattr(law, "sliding") or hasattr(law, "rate")):
         raise InputError(
-            "check_law", [f"{law!r} is no law; allowed is a dataclass with rate and force or with sliding and breakaway; type "
+            "check_law", [f"{law!r} is not a law; allowed is a dataclass with rate and force or with sliding and breakaway; type "
                           "for example check_law(MyLaw(mu=0.2))"],
         )  # fmt: skip
     many = [name for name, value in leaves(law) if is_array(value)]

@@ -182,7 +182,7 @@ def start_axes(what: str, at: Any, starts: dict[str, Any], settle: Any, workers:
     axes = {}
     for name, value in (starts or _usual(at)).items():
         if name not in known:
-            problems.add(f"{name!r} is no coordinate of the start; {did_you_mean(name, known)}")
+            problems.add(f"{name!r} is not a coordinate of the start; {did_you_mean(name, known)}")
             continue
         try:
             axis = np.atleast_1d(np.asarray(number(value), float))

@@ -114,7 +114,7 @@ def _axes(arguments: dict[str, Any], settle: Any, periods: Any, workers: Any) ->
     try:
         axes = {name: np.asarray(number(value), float) for name, value in arguments.items() if _is_many(value)}
     except (TypeError, ValueError):
-        raise InputError("chaos_map", ["an argument with several values has one that is no number; allowed are lists of numbers"]) from None
+        raise InputError("chaos_map", ["one of several values of an argument is not a number; allowed are lists of numbers"]) from None
     if len(axes) not in (1, 2):
         problems.add(f"{len(axes)} arguments have several values; allowed are one or two, such as mu0=[...], amplitude=[...]")
     for name, axis in axes.items():

@@ -86,5 +86,5 @@ def family(what: str, make: Any, parameters: tuple[str, ...], fixed: dict[str, A
         names = [name for name, _ in leaves(make)]
         for name in parameters:
             if not numbers_meant(name, names):
-                raise InputError(what, [f"{name!r} is no number of the robot; {did_you_mean(name, names)}"])
+                raise InputError(what, [f"{name!r} is not a number of the robot; {did_you_mean(name, names)}"])
     return Family(make, parameters, fixed, what)

@@ -198,7 +198,7 @@ def _default(make: Any, parameter: str) -> dict[str, float]:
     else:
         known = {p.name: p.default for p in inspect.signature(make).parameters.values() if isinstance(p.default, (int, float))}
     if parameter not in known:
-        raise InputError("special_curve", [f"parameter = {parameter!r} is no number of the branch's maker; known: {', '.join(known)}"])
+        raise InputError("special_curve", [f"parameter = {parameter!r} is not a number of the branch's maker; known: {', '.join(known)}"])
     return {parameter: float(known[parameter])}
 
 

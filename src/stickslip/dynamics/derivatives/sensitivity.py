@@ -134,7 +134,7 @@ def sensitivity(of: Any, wrt: str | Sequence[str] | None = None) -> Sensitivity:
     """
     model = of if is_machine(of) else getattr(of, "model", None)
     if model is None:
-        raise InputError("sensitivity", [f"{of!r} is no machine, no periodic orbit and no run; type ss.sensitivity(robot)"])
+        raise InputError("sensitivity", [f"{of!r} is not a machine, no periodic orbit and no run; type ss.sensitivity(robot)"])
     if why := not_followed(model):
         raise InputError("sensitivity", [f"small changes are not followed along the motion of this {type(model).__name__}, as {why}; "
                                          "take differences of two runs"])  # fmt: skip
@@ -163,7 +163,7 @@ def directions_of(what: str, model: Any, wrt: Any) -> dict[str, tuple[str, ...]]
 
 def _flaw(model: Any, pattern: Any, names: tuple[str, ...], known: list[str]) -> str:
     if not names:
-        return f"{pattern!r} is no number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
+        return f"{pattern!r} is not a number of {type(model).__name__}; {did_you_mean(str(pattern), known)}"
     places = names[0].split(".")
     last = ".".join(places[-2:] if places[-1].isdigit() else places[-1:])
     return f"{pattern}: {_ALONE}; move those of all parts together, such as '*.{last}'" if _breaks(model, names) else ""

@@ -246,7 +246,7 @@ def _nothing_moves(y: Array, mode: Any, T: float, guessed: float) -> str:
         return f"Newton's method went to a duration of zero, after which every state comes back; {hint}"
     return (
         f"Newton's method went to an equilibrium, y = {[float(f'{v:.6g}') for v in y]} in mode {mode!r}, which comes back after any "
-        f"time and is no orbit; {hint}"
+        f"time and is not an orbit; {hint}"
     )
 
 

@@ -132,7 +132,7 @@ def started(
     """The state at the start; an error that says everything that is wrong with what was given."""
     problems = Problems(what)
     if not is_flow(flow):
-        told = f"{flow!r} is no flow; allowed is a SwitchingFlow"
+        told = f"{flow!r} is not a flow; allowed is a SwitchingFlow"
         raise InputError(what, [f"{told}; type ss.SwitchingFlow({{0: lambda t, y: (y[1], -y[0])}})"])
     try:
         y = np.atleast_1d(np.array(number(state), float))

@@ -114,4 +114,4 @@ def _float(row: Any, name: str) -> float:
     try:
         return float(getattr(row, "value", row))
     except (TypeError, ValueError) as error:
-        raise InputError("SwitchingFlow" if "[" in name else name, [f"{name} gave {row!r}, which is no number; {_PLAIN}"]) from error
+        raise InputError("SwitchingFlow" if "[" in name else name, [f"{name} gave {row!r}, which is not a number; {_PLAIN}"]) from error

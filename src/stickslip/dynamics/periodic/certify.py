@@ -101,7 +101,7 @@ def certify(orbit: Any, digits: int = 20) -> Certificate:
     Raises
     ------
     InputError
-        Of a model whose arcs are no closed formulas, or where python-flint is not installed.
+        Of a model whose arcs are not closed formulas, or where python-flint is not installed.
 
     Notes
     -----
@@ -166,7 +166,7 @@ class _Proof:
         found = balls_of(self.arb, known, roots)
         for why, c in closed.vanishing:
             if not found[c.number].contains(0):
-                raise InputError("certify", [f"the acceleration depends on {why}, so that arcs are no closed formulas"])
+                raise InputError("certify", [f"the acceleration depends on {why}, so that arcs are not closed formulas"])
         numbers = {name: found[node.number] for name, node in closed.numbers.items()}
         numbers["omega"] = self.turn / numbers["period"]
         fits = [abs(float(found[rate.number]) - float(numbers["omega"])) <= 1e-12 * float(numbers["omega"]) for rate, _ in closed.sines]

@@ -372,7 +372,7 @@ def _one_state(start: Any, at: Coordinates) -> Array:
     except (TypeError, ValueError):
         state = np.empty(0)
     if state.shape != (len(at.names),):
-        raise InputError("start", [f"{start!r} is no state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
+        raise InputError("start", [f"{start!r} is not a state; allowed are the numbers {', '.join(at.names)}, or a dict; type {_dict(at)}"])
     return _checked(start, state, at)
 
 

@@ -25,7 +25,7 @@ def needs_model(what: str, model: Any, driven: bool = True, batch: bool = False,
         return
     if not is_machine(model):
         raise InputError(
-            what, [f"{model!r} is no model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
+            what, [f"{model!r} is not a model; allowed is a Robot; type ss.{what}(ss.presets.piezo_rig(tilt_deg=1.7, amplitude=6e-4))"]
         )
     if not batch and any(np.ndim(value) for _, value in leaves(model)):
         raise InputError(

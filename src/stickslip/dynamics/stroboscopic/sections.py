@@ -109,7 +109,7 @@ def poincare(run: Run, on: str = "v", value: float = 0.0, direction: int = 0, se
 def _check_column(problems: Problems, run: Any, name: str, column: Any) -> None:
     columns = _columns(run)
     if column not in columns:
-        problems.add(f"{name} = {column!r} is no column with one number at each instant; {did_you_mean(str(column), columns)}")
+        problems.add(f"{name} = {column!r} is not a column with one number at each instant; {did_you_mean(str(column), columns)}")
 
 
 def _check_settle(problems: Problems, run: Any, settle: Any) -> None:

@@ -1,6 +1,6 @@
 """The strobe map: where a state at t = 0 is after some drive periods, for many starts and many robots in one batch.
 
-The position of a robot appears nowhere in its equations. It is no coordinate of the map, and its multiplier, which is 1, is
+The position of a robot appears nowhere in its equations. It is not a coordinate of the map, and its multiplier, which is 1, is
 left out; a mechanism with a spring has x as its first coordinate. Of several bodies that move along a track only the differences of
 their positions are coordinates, and the way made is that of their centre of mass.
 """
@@ -55,7 +55,7 @@ class Coordinates:
 
     @property
     def smooth(self) -> int:
-        """How many coordinates are no memories."""
+        """How many coordinates are not memories."""
         return len(self.names) - self.memories
 
     @property

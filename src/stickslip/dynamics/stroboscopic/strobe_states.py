@@ -52,7 +52,7 @@ class Order:
         return len(self.names)
 
     def parted(self, y: Sequence[Any], zero: Any) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
-        """Positions and velocities of the coordinates, and inner states; `zero` is a position that is no state."""
+        """Positions and velocities of the coordinates, and inner states; `zero` is a position that is not a state."""
         q = [zero] * (self.velocities.stop - self.velocities.start)
         for j, place in zip(self.kept, y[self.places], strict=True):
             q[j] = place
