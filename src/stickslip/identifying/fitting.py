@@ -24,7 +24,7 @@ from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
-from stickslip.identifying.search import Found, multistart, polished, searched
+from stickslip.identifying.search import Found, polished, searched, starting_places
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
@@ -167,7 +167,7 @@ def problem_of(
 ) -> Sensed:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
-    first = of.first_models(multistart(len(of.free), starts, seed))
+    first = of.first_models(starting_places(of, starts, seed))
     machines = is_machine(first[0])
     if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, noise, first)
