@@ -159,11 +159,19 @@ def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are no noise."""
     found = ["the search was interrupted"] if fit.stopped else []
     found += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
+    found += _against_what_is_known(fit)
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
         if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
             found.append(f"{number.name} of the sensor ends at its bound {fit.place[k]:.5g}")
     return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
+
+
+def _against_what_is_known(fit: Fit) -> list[str]:
+    """Sentences on numbers that are far off what was known of them."""
+    off = fit.problem.against_what_is_known(fit.place).items()
+    sensor = [number.name for number in fit.problem.numbers]
+    return [f"{name}{' of the sensor' * (name in sensor)} is {size:.2g} standard deviations off what is known of it" for name, size in off]
 
 
 def _at_bounds(fit: Fit) -> list[str]:
@@ -184,6 +192,7 @@ def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are no noise."""
     found = undetermined(fit)
     found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in fit.open]
+    found += [f"{said}: that is wrong, or the law or the drive is not that of the record" for said in _against_what_is_known(fit)]
     at_bounds = _at_bounds(fit)
     for k, free in enumerate(fit.problem.parameters.free):
         if free.name in fit.undetermined:
