@@ -101,7 +101,8 @@ class DrivenProblem:
     def slopes(self, place: Any, readings: Any) -> tuple[Any, Any]:
         """Derivatives of both ends by differences, all parameters in one batch."""
         place = np.asarray(place, float)
-        sign = np.where(place + _STEP <= 1.0, 1.0, -1.0)
+        allowed = self.parameters.limits.allows
+        sign = np.array([1.0 if max(ahead) <= 1.0 and allowed(ahead) else -1.0 for ahead in place + np.diag(np.full(len(place), _STEP))])
         least, most = self.ends(np.concatenate([place[None, :], place + np.diag(sign * _STEP)]), readings)
         found = [np.nan_to_num((moved[:, 1:] - moved[:, :1]) / (sign * _STEP)) for moved in ((least,) if most is least else (least, most))]
         return found[0], found[-1]

@@ -6,10 +6,10 @@ from typing import Any
 
 from stickslip.fields import leaves, replace_leaf
 
-__all__ = ["EFFECTS", "numbers_without", "plainer"]
+__all__ = ["EFFECTS", "floors", "numbers_without", "plainer"]
 
-#: Effects of laws that may be left out: the numbers that make them, and what these are without it (a number, or another number of the law).
-#: What they mean is in docs/notation.md; a law in which they mean something else gets a seed that is no better than others.
+#: Effects of laws that may be left out: the numbers that make them, and what these are without it (a number, or another number of the
+#: law, below which laws do not take it). What they mean is in docs/notation.md; a law in which they mean something else gets a seed that is no better than others.
 EFFECTS: dict[str, dict[str, float | str]] = {
     "static friction": {"f_plus": "mu_plus", "f_minus": "mu_minus"},
     "viscous friction": {"viscous": 0.0, "viscous_plus": 0.0, "viscous_minus": 0.0, "sigma2": 0.0},
@@ -43,3 +43,10 @@ def numbers_without(numbers: dict[str, Any], effects: Any) -> dict[str, Any]:
             elif f"{stem}{dot}{other}" in numbers:
                 found[name] = numbers[f"{stem}{dot}{other}"]
     return found
+
+
+def floors(numbers: dict[str, Any]) -> list[float]:
+    """How far numbers of a model are above the others that they are without their effect, and below which they have no meaning."""
+    bound = [name for name in numbers if any(isinstance(own.get(name.rpartition(".")[2]), str) for own in EFFECTS.values())]
+    plain = numbers_without(numbers, list(EFFECTS))
+    return [float(numbers[name] - plain[name]) for name in bound if name in plain]

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from stickslip.identifying.formulas import Combination
+
     from stickslip.identifying.designing import Design
     from stickslip.information import Information
 
@@ -196,12 +198,17 @@ class Fit(Face):
         steady = any(t.kind in ("velocity", "position") for t in self.problem.targets)
         return found | ({"delay": (0.0, float("inf"))} if asked and steady and "delay" not in found else {})
 
-    @cached_property
+    @property
     def combinations(self) -> list[tuple[str, float, float]]:
         """What the data do determine of numbers that they do not determine one by one: (formula, value, standard error)."""
+        return [(found.formula, found.value, found.error) for found in self.determined]
+
+    @cached_property
+    def determined(self) -> tuple[Combination, ...]:
+        """The same, each with whether it holds far from the fitted values too."""
         from stickslip.identifying.formulas import combinations
 
-        return combinations(self)
+        return tuple(combinations(self))
 
     @property
     def undetermined(self) -> tuple[str, ...]:

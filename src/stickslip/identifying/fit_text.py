@@ -100,7 +100,9 @@ def _advice(fit: Any, sensors: list[str], count: int) -> str:
 def _determined(fit: Any) -> list[str]:
     """The combinations of undetermined parameters that the data do determine."""
     return [
-        f"what the data determine of these is {text} = {rounded(value, error)} {sure(error)}" for text, value, error in fit.combinations
+        f"what the data determine of these is {found.formula} = {rounded(found.value, found.error)} {sure(found.error)}"
+        + ("" if found.holds else ", near the fitted values: no formula that was tried holds farther away")
+        for found in fit.determined
     ]
 
 

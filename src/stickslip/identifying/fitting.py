@@ -24,7 +24,7 @@ from stickslip.identifying.motions import motion_of
 from stickslip.identifying.nesting import nested_seeds
 from stickslip.identifying.parameters import Parameters, parameters
 from stickslip.identifying.problems import SteadyProblem
-from stickslip.identifying.search import Found, multistart, polished, searched
+from stickslip.identifying.search import Found, polished, searched, starting_places
 from stickslip.identifying.sensed import Sensed
 from stickslip.identifying.sensors import EFFECTS, sensors_of
 from stickslip.identifying.spread import information_of, neighbours, noise_scale, spread_of
@@ -149,8 +149,10 @@ def identify(
     notes = _notes(records, problem)
     rough = problem.rough()
     best, agree = searched(rough, starts, seed, told_of_progress(progress, "identify"), partial(nested_seeds, rough, starts, seed))
-    problem, best = _held_back(weigh, *_finished(problem, best))
-    notes += outlier_notes(problem)
+    problem, best = _finished(problem, best)
+    spared = [] if best.stopped else _spared(problem, best)
+    problem, best = _held_back(weigh, problem, best if best.stopped else _canonical(problem, best, spared))
+    notes += outlier_notes(problem) + _spared_note(spared)
     solved = problem.solves + rough.solves
     return _fit(problem, best, starts, agree, notes, seed, tuple(records), solved, weigh)
 
@@ -167,7 +169,7 @@ def problem_of(
 ) -> Sensed:  # fmt: skip
     """The least-squares problem of these records."""
     of = parameters(make, free, tied, arguments, len(records))
-    first = of.first_models(multistart(len(of.free), starts, seed))
+    first = of.first_models(starting_places(of, starts, seed))
     machines = is_machine(first[0])
     if machines and (using == "force" or (using == "auto" and takes_records(first[0], records))):
         model: Any = _moved(records, of, noise, first)
@@ -253,7 +255,7 @@ def _finished(problem: Sensed, rough: Found) -> tuple[Sensed, Found]:
             break
         problem = problem.trusting(scale)
         best = polished(problem, best.place)
-    return problem, best if best.stopped else _canonical(problem, best)
+    return problem, best
 
 
 def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]:
@@ -269,12 +271,12 @@ def _held_back(weigh: Any, problem: Sensed, best: Found) -> tuple[Sensed, Found]
     return problem, best
 
 
-def _canonical(problem: Sensed, best: Found) -> Found:
-    """The same fit where numbers of sensors that the data do not determine are those of ideal sensors; their errors stay in it.
+def _canonical(problem: Sensed, best: Found, spared: list[str]) -> Found:
+    """The same fit where numbers of sensors that are spared, or not determined, are those of ideal sensors; their errors stay in it.
 
     One that the fit needs, within the bounds of the others, stays as it is.
     """
-    held, needed = _spared(problem, best), set[str]()
+    held, needed = spared, set[str]()
     found = _holding(problem, best, held)
     while names := [n for n in _lost(problem, held, found) if n not in held and n not in needed]:
         more = _holding(problem, best, [*held, names[0]])
@@ -322,12 +324,24 @@ def _spared(problem: Sensed, best: Found) -> list[str]:
 
 
 def _chasing(problem: Sensed, best: Found) -> list[str]:
-    """Numbers of load cells that nobody asked for, where what is left has a shape: they would make up for what the law lacks."""
+    """Numbers of load cells that nobody asked for and that would make up for what the law lacks.
+
+    What is left then has a shape, or a number is far off what is known of it.
+    """
     if problem.given is not None:
         return []
-    shaped = [i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)]))
-              if problem.targets[i].kind == "force" and neighbours(rest) > _SHAPED]  # fmt: skip
-    return [n.name for n in problem.numbers if set(n.records) & set(shaped)]
+    off = problem.against_what_is_known(best.place)
+    odd = {i for n in problem.numbers if n.name in off for i in n.records}
+    odd |= {i for i, rest in enumerate(problem.parts(best.residuals[: len(problem.y)])) if neighbours(rest) > _SHAPED}
+    return [n.name for n in problem.numbers if any(problem.targets[i].kind == "force" for i in odd & set(n.records))]
+
+
+def _spared_note(names: list[str]) -> list[str]:
+    """What it means that some numbers of sensors were spared."""
+    if not names:
+        return []
+    left = f"what is left of a force has a shape, so that {listed(names)} of the sensor cannot be told from what the law lacks"
+    return [f"{left}: the values are those of an ideal sensor, and the intervals count that it may not be"]
 
 
 def _undetermined(problem: Sensed, found: Found) -> list[int]:
@@ -343,17 +357,12 @@ def _fit(
         raise InputError("identify", ["the model could not be solved at any place that was tried; check the arguments that are fixed"])
     given = all(t.given_sigma for t in problem.targets)
     dof = len(best.residuals) - n - problem.nuisances
-    names_of = [number.name for number in problem.numbers]
     scale = noise_scale(problem, best)
     if np.ndim(problem.rows):
         scale = robust_scale(weigh, best.residuals[:count] / np.sqrt(problem.rows), problem.rows, scale)
     values = {f.name: float(f.outer(p)) for f, p in zip(free, best.place, strict=False)}
     if dof < 1 and not given:
         notes = [*notes, f"{counted(count, 'value')} and {counted(n, 'free parameter')}: nothing is left to tell the noise; type noise=..."]
-    chased = [n for n in _chasing(problem, best) if best.place[problem.first + names_of.index(n)] == EFFECTS[n.partition("[")[0]].neutral]
-    if chased:
-        left = f"what is left of a force has a shape, so that {listed(chased)} of the sensor cannot be told from what the law lacks"
-        notes = [*notes, f"{left}: the values are those of an ideal sensor, and the intervals count that it may not be"]
     if best.stopped:
         notes = [*notes, "the search was interrupted: these are the best values so far, and there may be better ones"]
     from stickslip import __version__

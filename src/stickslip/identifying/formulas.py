@@ -2,33 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
-from itertools import combinations as chosen, permutations, product
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import chain, combinations as chosen, islice
 from typing import Any
 
 import numpy as np
 
+from stickslip.identifying.formula_shapes import Formula, candidates, gradient, local_formulas
 from stickslip.identifying.search import polished
 from stickslip.identifying.spread import determined_spread
 
-__all__ = ["combinations"]
+__all__ = ["Combination", "combinations"]
 
-_ALONG = 3e-3  # a formula may change along an undetermined direction by this part of what it can change by
-_MOVED = 0.07  # by how much numbers are moved to see whether nothing measured changes while the formulas do not
+_ALONG = (3e-3, 0.05)  # parts of what a formula can change by that it may change by along an undetermined direction: exact, and less so
+_MOVED = (0.07, 0.3)  # by how much numbers are moved to see whether nothing measured changes while the formulas do not
 _SEEN = 0.05  # standard deviations, squared, by which the fit may then be worse
 _TRIED = 8  # sets of formulas
-_FEW = 4  # numbers of which products of powers are tried that are not 1
-
-Formula = tuple[str, Callable[[Any], float]]
 
 
-def combinations(fit: Any) -> list[tuple[str, float, float]]:
-    """Formula, value and standard error of what the data determine of the undetermined parameters.
+@dataclass(frozen=True)
+class Combination:
+    """A formula of undetermined parameters that data determine.
+
+    Parameters
+    ----------
+    formula : str
+    value, error : float
+    holds : bool
+        Whether it holds where the numbers are moved far along, too, and not only near the fitted values.
+    """
+
+    formula: str
+    value: float
+    error: float
+    holds: bool
+
+
+def combinations(fit: Any) -> list[Combination]:
+    """What the data determine of the undetermined parameters.
 
     A formula is a product, a ratio or a sum whose gradient is orthogonal to every undetermined direction, and that holds along the way
-    too: where numbers are moved by 7 % and the formulas are kept, the fit is as good as before. Where there is none as simple, it is the
-    product of powers (or the sum) that holds near the fitted values.
+    too: where numbers are moved by 7 and by 30 % and the formulas are kept, the fit is as good as before. Where there is none as simple,
+    weighted sums and products of powers are tried; and where none holds, the one that does so best is told as one that holds near here.
     """
     found, n = [], len(fit.names)
     spread = determined_spread(fit.problem, fit.jacobian, fit.residuals, fit.scale)
@@ -36,14 +52,14 @@ def combinations(fit: Any) -> list[tuple[str, float, float]]:
         own = [k for k in members if k < n]
         at = np.array([fit.values[fit.names[k]] for k in own])
         size = np.where(at != 0, abs(at), 1.0)
-        rows = directions[:, [members.index(k) for k in own]] * fit.slopes[own] / size
-        lost = _basis(rows)
+        lost = _basis(directions[:, [members.index(k) for k in own]] * fit.slopes[own] / size)
         if not own or len(lost) == len(own):
             continue
-        for text, function in _formulas(fit, own, at, size, lost):
-            gradient = np.zeros(len(fit.place))
-            gradient[own] = _gradient(function, at, size) / size * fit.slopes[own]
-            found.append((text, float(function(at)), float(np.sqrt(max(gradient @ spread @ gradient, 0.0)))))
+        formulas, holds = _formulas(fit, _Way(fit, members, directions, own, at, size, lost))
+        for text, function in formulas:
+            slopes = np.zeros(len(fit.place))
+            slopes[own] = gradient(function, at, size) / size * fit.slopes[own]
+            found.append(Combination(text, float(function(at)), float(np.sqrt(max(slopes @ spread @ slopes, 0.0))), holds))
     return found
 
 
@@ -53,128 +69,84 @@ def _basis(rows: Any) -> Any:
     return directions[values > 1e-3 * values.max(initial=0.0)] if values.max(initial=0.0) > 0 else np.empty((0, rows.shape[1]))
 
 
-def _gradient(function: Callable[[Any], float], at: Any, size: Any) -> Any:
-    """Change of a formula for a relative change of each number."""
-    h = 1e-6
-    moved = [(function(at + h * e * size) - function(at - h * e * size)) / (2 * h) for e in np.eye(len(at))]
-    return np.array(moved)
+def _formulas(fit: Any, way: _Way) -> tuple[list[Formula], bool]:
+    """As many formulas as there are determined combinations, and whether they hold."""
+    names = [fit.names[k] for k in way.own]
+    tried = []
+    for formulas in chain(islice(_simple(names, way), _TRIED), local_formulas(names, way.at, way.size, way.lost)):
+        rise = way.rise(formulas)
+        if rise < _SEEN:
+            return formulas, True
+        tried.append((rise, formulas))
+    return min(tried, key=lambda pair: pair[0])[1], False
 
 
-def _formulas(fit: Any, own: list[int], at: Any, size: Any, lost: Any) -> list[Formula]:
-    """As many formulas as there are determined combinations."""
-    names, wanted = [fit.names[k] for k in own], len(own) - len(lost)
-    fitting = []
-    for text, function in _candidates(names, at):
-        gradient = _gradient(function, at, size)
-        length = float(np.linalg.norm(gradient))
-        if length > 0 and np.linalg.norm(lost @ gradient) < _ALONG * length:
-            fitting.append((text, function, gradient / length))
-    tried = 0
-    for several in chosen(fitting, wanted):
-        if np.linalg.svd(np.stack([g for _, _, g in several]), compute_uv=False).min() < 0.05:
-            continue
-        formulas = [(text, function) for text, function, _ in several]
-        if _holds(fit, own, formulas, at, size, lost):
-            return formulas
-        if (tried := tried + 1) >= _TRIED:
-            break
-    return _near_here(names, at, size, lost)
+def _simple(names: list[str], way: _Way) -> Iterator[list[Formula]]:
+    """Sets of simple formulas that say different things and do not change along the undetermined directions; exact ones first."""
+    wanted, fitting = len(way.own) - len(way.lost), list[tuple[float, Formula, Any]]()
+    for formula in candidates(names, way.at):
+        slopes = gradient(formula[1], way.at, way.size)
+        length = float(np.linalg.norm(slopes))
+        if length > 0 and (along := float(np.linalg.norm(way.lost @ slopes)) / length) < _ALONG[1]:
+            fitting.append((along, formula, slopes / length))
+    exact = [each for each in fitting if each[0] < _ALONG[0]]
+    for several in chain(chosen(exact, wanted), chosen(sorted(fitting, key=lambda each: each[0]), wanted)):
+        if np.linalg.svd(np.stack([g for _, _, g in several]), compute_uv=False).min() >= 0.05:
+            yield [formula for _, formula, _ in several]
 
 
-def _candidates(names: list[str], at: Any) -> Iterator[Formula]:
-    """Formulas in the order in which they are easy to read."""
-    order = [int(i) for i in np.argsort(abs(at), kind="stable")]
-    for i, j in chosen(order, 2):
-        first, last = sorted((i, j))
-        yield f"{names[i]}/({names[first]} + {names[last]})", partial(_share, i, (i, j))
-    for count in range(2, len(names) + 1):
-        for which in chosen(range(len(names)), count):
-            yield from _sums(names, which)
-            yield from _powers(names, which)
-    for i, j, k in permutations(range(len(names)), 3):
-        if i < j:
-            yield f"({names[i]} + {names[j]})*{names[k]}", partial(_of_three, i, j, k, 1)
-            yield f"({names[i]} + {names[j]})/{names[k]}", partial(_of_three, i, j, k, -1)
-            yield f"{names[k]}/({names[i]} + {names[j]} + {names[k]})", partial(_share, k, (i, j, k))
-            yield f"{names[i]}*{names[j]} + {names[k]}", partial(_and_one, i, j, k, 1)
-        yield f"{names[i]}/{names[j]} + {names[k]}", partial(_and_one, i, j, k, -1)
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """Undetermined numbers of a fit, their values, and the directions in which they can be moved: rows in relative changes."""
 
+    fit: Any
+    members: list[int]
+    directions: Any
+    own: list[int]
+    at: Any
+    size: Any
+    lost: Any
 
-def _share(i: int, of: tuple[int, ...], v: Any) -> float:
-    return float(v[i] / sum(v[j] for j in of))
+    def rise(self, formulas: list[Formula]) -> float:
+        """By how many standard deviations, squared, the fit gets worse where numbers move and formulas do not; beyond `_SEEN`, at least.
 
+        Zero where the bounds leave no room to see.
+        """
+        worst = 0.0
+        for part in _MOVED:
+            for direction in self.lost:
+                for sign in (1.0, -1.0):
+                    v = self._kept(formulas, self.at + sign * part * self.size * direction / abs(direction).max())
+                    worst = max(worst, self._risen(v))
+                    if worst >= _SEEN:
+                        return worst
+        return worst
 
-def _of_three(i: int, j: int, k: int, power: int, v: Any) -> float:
-    return float((v[i] + v[j]) * v[k] ** float(power))
+    def _kept(self, formulas: list[Formula], v: Any) -> Any:
+        """The nearest values to these at which the formulas are what they are at the fit; not finite where there are none."""
+        wanted = np.array([function(self.at) for _, function in formulas])
+        with np.errstate(all="ignore"):
+            for _ in range(20):
+                rest = np.array([function(v) for _, function in formulas]) - wanted
+                slopes = np.stack([gradient(function, v, self.size) for _, function in formulas])
+                if not np.isfinite(rest).all() or not np.isfinite(slopes).all():
+                    break
+                v = v - self.size * (np.linalg.pinv(slopes) @ rest)
+        return v if np.isfinite(rest).all() else np.full(len(v), np.inf)
 
-
-def _and_one(i: int, j: int, k: int, power: int, v: Any) -> float:
-    return float(v[i] * v[j] ** float(power) + v[k])
-
-
-def _sums(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
-    for signs in product((1, -1), repeat=len(which) - 1):
-        text = names[which[0]] + "".join(f" {'+' if s > 0 else '-'} {names[i]}" for s, i in zip(signs, which[1:], strict=True))
-        yield text, partial(_sum, which, (1, *signs))
-
-
-def _sum(which: tuple[int, ...], factors: tuple[float, ...], v: Any) -> float:
-    return float(sum(c * v[i] for c, i in zip(factors, which, strict=True)))
-
-
-def _powers(names: list[str], which: tuple[int, ...]) -> Iterator[Formula]:
-    """Products and ratios of first powers, squares and roots; of more than four numbers, of first powers."""
-    usual = (1, -1, 2, -2, 0.5, -0.5) if len(which) <= _FEW else (1, -1)
-    for powers in sorted(product(usual, repeat=len(which)), key=lambda e: (sum(map(abs, e)), sum(p < 0 for p in e))):
-        if max(powers) >= 1 and sum(p < 0 for p in powers) <= sum(p > 0 for p in powers):
-            yield _product([names[i] for i in which], powers), partial(_power, which, powers)
-
-
-def _power(which: tuple[int, ...], powers: tuple[float, ...], v: Any) -> float:
-    return float(np.prod([np.sign(v[i]) * abs(v[i]) ** e if e % 2 else abs(v[i]) ** e for i, e in zip(which, powers, strict=True)]))
-
-
-def _product(names: list[str], powers: Any) -> str:
-    """A product of powers as it is written."""
-    over = "*".join(_raised(n, e) for n, e in zip(names, powers, strict=True) if e > 0)
-    under = [_raised(n, -e) for n, e in zip(names, powers, strict=True) if e < 0]
-    return over + (f"/({'*'.join(under)})" if len(under) > 1 else f"/{under[0]}" if under else "")
-
-
-def _raised(name: str, power: float) -> str:
-    return name if power == 1 else f"{name}**{power:.3g}"
-
-
-def _holds(fit: Any, own: list[int], formulas: list[Formula], at: Any, size: Any, lost: Any) -> bool:
-    """Whether the fit stays as good where numbers move and the formulas do not."""
-    wanted = np.array([function(at) for _, function in formulas])
-    for sign in (1.0, -1.0):
-        v = at + sign * _MOVED * size * lost.sum(axis=0) / abs(lost.sum(axis=0)).max()
-        for _ in range(20):
-            rest = np.array([function(v) for _, function in formulas]) - wanted
-            slopes = np.stack([_gradient(function, v, size) for _, function in formulas])
-            v = v - size * (np.linalg.pinv(slopes) @ rest)
-        free = [fit.problem.parameters.free[k] for k in own]
-        if not np.isfinite(v).all() or not all(f.low <= x <= f.high for f, x in zip(free, v, strict=True)):
-            continue
-        problem = fit.problem.only({f.name: float(x) for f, x in zip(free, v, strict=True)})
-        found = polished(problem, np.delete(fit.place, own), rough=True)
-        return bool(found.cost - fit.cost < _SEEN * fit.scale**2 + 1e-6 * fit.cost)
-    return True  # the bounds leave no room to see
-
-
-def _near_here(names: list[str], at: Any, size: Any, lost: Any) -> list[Formula]:
-    """Products of powers, or sums, that do not change along the undetermined directions at the fitted values."""
-    rows = np.linalg.svd(lost)[2][len(lost) :]
-    found: list[Formula] = []
-    for row in rows / abs(rows).max(axis=1, keepdims=True):
-        shape = row * np.sign(row[np.argmax(abs(row))]) if (at > 0).all() else row / size
-        factors = tuple(float(f"{x:.3g}") for x in shape / abs(shape).max())
-        which = tuple(i for i, x in enumerate(factors) if abs(x) > 1e-3)
-        own, kept = tuple(factors[i] for i in which), [names[i] for i in which]
-        if (at > 0).all():
-            found.append((_product(kept, own), partial(_power, which, own)))
-        else:
-            text = " + ".join(f"{x:.3g}*{name}" for x, name in zip(own, kept, strict=True))
-            found.append((text.replace("+ -", "- "), partial(_sum, which, own)))
-    return found
+    def _risen(self, v: Any) -> float:
+        """By how much the best fit with these values is worse; zero beyond the bounds."""
+        fit, free = self.fit, self.fit.problem.parameters.free
+        if not np.isfinite(v).all():
+            return np.inf
+        if not all(free[k].low <= x <= free[k].high for k, x in zip(self.own, v, strict=True)):
+            return 0.0
+        place = np.array(fit.place)
+        place[self.own] = [float(free[k].inner(x)) for k, x in zip(self.own, v, strict=True)]
+        index = [self.members.index(k) for k in self.own]
+        rest = [j for j in range(len(self.members)) if j not in index]
+        others = [self.members[j] for j in rest]
+        place[others] += (place - fit.place)[self.own] @ np.linalg.pinv(self.directions[:, index]) @ self.directions[:, rest]
+        problem = fit.problem.only({free[k].name: float(x) for k, x in zip(self.own, v, strict=True)})
+        found = polished(problem, np.delete(place, self.own))
+        return float(max(found.cost - fit.cost - 1e-6 * fit.cost, 0.0) / fit.scale**2)

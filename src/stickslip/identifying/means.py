@@ -100,13 +100,19 @@ class MeansProblem:
         return found, found
 
     def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
-        """Derivatives of the least and the greatest values, which are the same, by central differences, at bounds by one-sided ones."""
+        """Derivatives of the least and the greatest values, which are the same, by central differences, at bounds and limits by one-sided ones."""
         place = np.asarray(place, float)
-        low, high = (np.clip(place + side * _STEP, 0.0, 1.0) for side in (-1.0, 1.0))
+        low, high = (self._beside(place, side * _STEP) for side in (-1.0, 1.0))
         moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
         down, up = np.split(self.batch(moved), 2, axis=1)
         found = np.nan_to_num((up - down) / (high - low))
         return found, found
+
+    def _beside(self, place: Any, step: float) -> Any:
+        """Each number a step away, or where it was if it cannot be there."""
+        moved = np.clip(place + step, 0.0, 1.0)
+        allowed = [self.parameters.limits.allows(each) for each in np.where(np.eye(len(place), dtype=bool), moved, place)]
+        return np.where(allowed, moved, place)
 
     def aligned(self, place: Any) -> Any:
         """Nothing is aligned: a mean velocity has no phase."""

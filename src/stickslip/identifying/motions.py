@@ -20,6 +20,7 @@ __all__ = ["Motion", "motion_of"]
 _MOST = 50_000  # samples of a force; means of neighbours take the place of more
 _PUSH = 1e9  # of the load: no contact is held against as much
 _GAP, _AROUND = 3.0, 11  # how many times the median of so many steps around it a step is longer in a gap
+_REPEATS = 0.1  # by which part of its own spread the motion may differ from one period to the next
 _SLIDES, _FAR, _SLOW = 40, 10.0, 1e-3  # a slide: its steps, its length in strokes, its speed in root mean squares of the record's
 
 
@@ -182,7 +183,7 @@ def motion_of(rec: Any, load: float | None, label: str) -> Motion:
         raise InputError("identify", [f"{label} has {count} samples with position, force and a positive load; allowed are 16 or more"])
     flipped = float(np.nansum(0.5 * (F[1:] + F[:-1]) * np.diff(x))) < 0
     F = -F if flipped else F
-    lead = _first_period(rec, t, F)
+    lead = _first_period(rec, t, x, F)
     if lead:
         shift = t[lead] - t[0]
         t = np.concatenate([t[:lead] - shift, t])
@@ -218,8 +219,8 @@ def _integrated(t: Any, v: Any) -> Any:
     return found
 
 
-def _first_period(rec: Any, t: Any, F: Any) -> int:
-    """Samples of the first period, if there are at least two and the force is at its end what it was at its start."""
+def _first_period(rec: Any, t: Any, x: Any, F: Any) -> int:
+    """Samples of the first period, if the second repeats its motion and begins with the force that it began with."""
     try:
         frequency = rec.drive_frequency().value
     except InputError:
@@ -227,6 +228,8 @@ def _first_period(rec: Any, t: Any, F: Any) -> int:
     if (t[-1] - t[0]) * frequency < 2:
         return 0
     lead = int(np.searchsorted(t, t[0] + 1 / frequency))
+    if np.std(np.interp(t[:lead] + 1 / frequency, t, x) - x[:lead]) > _REPEATS * np.std(x[:lead]):
+        return 0
     start, end = F[:8], F[lead : lead + 8]
     both = start[np.isfinite(start)], end[np.isfinite(end)]
     return lead if all(map(len, both)) and abs(both[0].mean() - both[1].mean()) < 0.1 * (np.nanmax(F) - np.nanmin(F)) else 0

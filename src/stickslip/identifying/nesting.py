@@ -23,14 +23,15 @@ _GRID, _STEPS = 33, 40
 def nested_seeds(problem: Any, starts: int, seed: int) -> list[Any]:
     """Whole places where the law is a simpler one, and fits best as such: from the simplest on, each sought from those inside it."""
     try:
-        active = _active(problem)
+        known = _known(problem)
     except InputError:
         return []
+    active = [effect for effect in EFFECTS if _changed(_differences(known, [effect]))]
     sets = [each for k in range(len(active), 0, -1) if k in (1, len(active)) or len(active) <= _ALL for each in combinations(active, k)]
     ends: dict[frozenset[str], Any] = {}
     for effects in sets:
         inside = [place for more, place in ends.items() if more > set(effects)]
-        end = _fitted(problem, effects, inside, starts, seed)
+        end = _fitted(problem, known, effects, inside, starts, seed)
         if end is not None:
             ends[frozenset(effects)] = end
     return list(ends.values())
@@ -42,33 +43,34 @@ def _samples(problem: Any) -> Any:
     return rng.uniform(0.05, 0.95, (24, len(problem.parameters.free)))
 
 
-def _away(problem: Any, place: Any, effects: Any) -> Any:
-    """How far the numbers of effects are from what they are without these, in all records; None where there is no model."""
+Numbers = list[dict[str, Any]]  # of the models of all records
+
+
+def _numbers(problem: Any, place: Any) -> Numbers | None:
+    """The numbers of the models at a place; None where there are none."""
     models = problem.parameters.models(place)
-    if models is None:
-        return None
-    found = []
-    for model in models:
-        numbers = dict(leaves(model))
-        plain = numbers_without(numbers, effects)
-        found += [float(numbers[n] - v) for n, v in plain.items()]
-    return np.array(found)
+    return None if models is None else [dict(leaves(model)) for model in models]
 
 
-def _active(problem: Any) -> list[str]:
-    """Effects that the free parameters can change."""
-    found = []
-    for effect in EFFECTS:
-        each = _differences(problem, [effect])
-        if len(each) > 1 and (np.ptp(each, axis=0) > 1e-9 * abs(each).max(axis=0)).any():
-            found.append(effect)
-    return found
+def _known(problem: Any) -> list[Numbers]:
+    """The numbers of the models at a few places."""
+    return [numbers for place in _samples(problem) if (numbers := _numbers(problem, place)) is not None]
 
 
-def _differences(problem: Any, effects: Any) -> Any:
-    """How far the numbers of effects are from what they are without these, at a few places: array (places, numbers)."""
-    each = [a for place in _samples(problem) if (a := _away(problem, place, effects)) is not None and len(a)]
+def _away(models: Numbers, effects: Any) -> Any:
+    """How far the numbers of effects are from what they are without these, in all records."""
+    return np.array([float(numbers[n] - v) for numbers in models for n, v in numbers_without(numbers, effects).items()])
+
+
+def _differences(known: list[Numbers], effects: Any) -> Any:
+    """The same at a few places: array (places, numbers)."""
+    each = [away for models in known if len(away := _away(models, effects))]
     return np.stack(each) if each else np.empty((0, 0))
+
+
+def _changed(differences: Any) -> bool:
+    """Whether the free parameters can change an effect."""
+    return len(differences) > 1 and bool((np.ptp(differences, axis=0) > 1e-9 * abs(differences).max(axis=0)).any())
 
 
 def _idle(problem: Any, effects: Any) -> list[int]:
@@ -90,7 +92,7 @@ def _idle(problem: Any, effects: Any) -> list[int]:
     return found
 
 
-def _fitted(problem: Any, effects: Any, inside: list[Any], starts: int, seed: int) -> Any:
+def _fitted(problem: Any, known: list[Numbers], effects: Any, inside: list[Any], starts: int, seed: int) -> Any:
     """The best place of the law without some effects, at which the whole law is that one; None if there is none."""
     idle = _idle(problem, effects)
     kept = [k for k in range(len(problem.parameters.free)) if k not in idle]
@@ -112,14 +114,14 @@ def _fitted(problem: Any, effects: Any, inside: list[Any], starts: int, seed: in
     place = end.place
     for k in idle:
         place = np.insert(place, k, 0.5)
-    return _embedded(problem, place, idle, effects)
+    scale = abs(_differences(known, effects)).max(axis=0)
+    return _embedded(problem, place, idle, effects, np.where(scale > 0, scale, 1.0))
 
 
-def _embedded(problem: Any, place: Any, idle: list[int], effects: Any) -> Any:
+def _embedded(problem: Any, place: Any, idle: list[int], effects: Any, scale: Any) -> Any:
     """The place with idle parameters where the whole law is as near as can be to the one without the effects."""
-    scale = abs(_differences(problem, effects)).max(axis=0)
     for k in [*idle, *(idle if len(idle) > 1 else [])]:
-        place = _nearest(problem, place, k, effects, np.where(scale > 0, scale, 1.0))
+        place = _nearest(problem, place, k, effects, scale)
     return place
 
 
@@ -130,8 +132,8 @@ def _nearest(problem: Any, place: Any, k: int, effects: Any, scale: Any) -> Any:
     def size(x: float) -> float:
         moved = np.array(place[:n])
         moved[k] = x
-        away = _away(problem, moved, effects)
-        return np.inf if away is None else float(np.linalg.norm(away / scale))
+        models = _numbers(problem, moved)
+        return np.inf if models is None else float(np.linalg.norm(_away(models, effects) / scale))
 
     grid = np.linspace(0.0, 1.0, _GRID)
     sizes = [size(x) for x in grid]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from stickslip.distributions import ALLOWED, Distribution, distribution_of
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.fields import leaves
 from stickslip.identifying.effects import plainer
+from stickslip.identifying.limits import Limits, limits_of
 from stickslip.sealing import sealed
 
 __all__ = ["Free", "Parameters"]
@@ -85,6 +87,8 @@ class Parameters:
         Argument -> another argument's name, or a function of the dict of all free values.
     left_out : tuple of str
         Effects of the law that the models are made without (see `nesting`).
+    known_limits : Limits, optional
+        What the laws demand of the values besides the bounds, where that is known already.
     """
 
     make: Any
@@ -92,6 +96,12 @@ class Parameters:
     fixed: tuple[dict[str, Any], ...]
     tied: dict[str, Any]
     left_out: tuple[str, ...] = ()
+    known_limits: Limits | None = None
+
+    @cached_property
+    def limits(self) -> Limits:
+        """What the laws demand of the values besides the bounds."""
+        return self.known_limits or limits_of(self)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -124,7 +134,7 @@ class Parameters:
 
     def leaving_out(self, effects: Any) -> Parameters:
         """The same, of a law without some effects."""
-        return replace(self, left_out=tuple(effects))
+        return replace(self, left_out=tuple(effects), known_limits=None)
 
     def first_models(self, places: Any) -> list[Any]:
         """The models of all records at the first of these places that makes them; `InputError` with the maker's words if none does."""
@@ -165,7 +175,7 @@ class Parameters:
                 for record, each in enumerate(held):
                     if f.record in (None, record):
                         each[f.argument] = fixed[f.name]
-        return replace(self, free=kept, fixed=tuple(held))
+        return replace(self, free=kept, fixed=tuple(held), known_limits=self.limits.only(fixed))
 
 
 def parameters(

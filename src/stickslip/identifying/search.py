@@ -12,7 +12,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.sealing import sealed
 
-__all__ = ["Found", "multistart", "polished", "searched"]
+__all__ = ["Found", "multistart", "polished", "searched", "starting_places"]
 
 _ALIGNED = 16  # places that are judged by their curves
 _POLISHED = 3  # places from which steps are taken
@@ -42,6 +42,11 @@ def multistart(numbers: int, starts: int, seed: int) -> Any:
 
     places = qmc.Sobol(numbers, rng=seed).random_base2(int(np.ceil(np.log2(max(starts, 2)))))
     return np.concatenate([np.full((1, numbers), 0.5), places])
+
+
+def starting_places(of: Any, starts: int, seed: int) -> Any:
+    """Places of a multistart of free parameters (`Parameters`), within what the laws demand of them."""
+    return np.array([of.limits.place(inner) for inner in multistart(len(of.free), starts, seed)])
 
 
 def searched(
@@ -79,7 +84,7 @@ def _ends(
     problem: Any, starts: int, seed: int, progress: Any, seeds: Callable[[], list[Any]], judged: list[tuple[float, Any]]
 ) -> list[Found]:
     """Where steps from the best places end; the places that were judged by their curves are noted."""
-    places = multistart(len(problem.parameters.free), starts, seed)
+    places = starting_places(problem.parameters, starts, seed)
     score = problem.coarse(places)
     order = [int(i) for i in np.argsort(score) if np.isfinite(score[i])][:_ALIGNED]
     if problem.batched:  # the batch has judged them already
@@ -127,34 +132,42 @@ def polished(problem: Any, place: Any, rough: bool = False) -> Found:
     from scipy.optimize import least_squares
 
     low, high = problem.bounds()
-    inside = np.clip(place, low + 1e-9, high - 1e-9)
+    best = _Best(problem)
+    inside = np.clip(best.limits.inner(place), low + 1e-9, high - 1e-9)
     if len(inside) == 0:
         rest = problem.residuals(inside)
         return Found(inside, rest, np.empty((len(rest), 0)), 0)
-    best = _Best(problem)
     try:
         fit = least_squares(
-            best, inside, jac=problem.jacobian, bounds=(low, high), x_scale="jac",
+            best, inside, jac=best.jacobian, bounds=(low, high), x_scale="jac",
             ftol=1e-4 if rough else 1e-9, xtol=1e-5 if rough else 1e-8, gtol=1e-12, max_nfev=12 if rough else 60,
         )  # fmt: skip
     except KeyboardInterrupt:
         if best.place is None:
             raise
         return Found(best.place, best.residuals, problem.jacobian(best.place), best.steps, stopped=True)
-    return Found(fit.x, fit.fun, fit.jac, int(fit.nfev))
+    return Found(best.limits.place(fit.x), fit.fun, best.slopes, int(fit.nfev))
 
 
 class _Best:
-    """The residuals of a problem, and the best place at which they were asked for."""
+    """The residuals of a problem over coordinates of a search, and the best place at which they were asked for."""
 
     def __init__(self, problem: Any):
         self.problem, self.steps = problem, 0
+        self.limits = problem.parameters.limits
         self.place: Any = None
         self.residuals: Any = None
+        self.slopes: Any = None  # by the place, where derivatives were asked for last: where the best place was reached
 
-    def __call__(self, place: Any) -> Any:
+    def __call__(self, inner: Any) -> Any:
+        place = self.limits.place(inner)
         found = self.problem.residuals(place)
         self.steps += 1
         if self.residuals is None or found @ found < self.residuals @ self.residuals:
             self.place, self.residuals = np.array(place), found
         return found
+
+    def jacobian(self, inner: Any) -> Any:
+        """Derivatives by the coordinates."""
+        self.slopes = self.problem.jacobian(self.limits.place(inner))
+        return self.slopes @ self.limits.slopes_of_place(inner) if len(self.limits.slopes) else self.slopes

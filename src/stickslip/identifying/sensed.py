@@ -17,6 +17,7 @@ __all__ = ["Sensed", "of_records"]
 #: Residual of a value that a model cannot give, in standard deviations.
 IMPOSSIBLE = 1e4
 _LINEAR = ("offset", "drift", "gain", "inertia")
+_FAR_OFF = 5.0  # standard deviations from what is known beforehand: once in two million, if that is right
 _NUDGE = 1e-5  # of the mean load: differences for the derivative by a preload
 
 
@@ -225,8 +226,13 @@ class Sensed:
 
     @property
     def _known(self) -> list[_Known]:
-        free = [_Known(k, f.prior, f) for k, f in enumerate(self.parameters.free) if f.prior]
-        return free + [_Known(self.first + k, n.prior) for k, n in enumerate(self.numbers) if n.prior]
+        free = [_Known(k, f.prior, f.name, f) for k, f in enumerate(self.parameters.free) if f.prior]
+        return free + [_Known(self.first + k, n.prior, n.name) for k, n in enumerate(self.numbers) if n.prior]
+
+    def against_what_is_known(self, place: Any) -> dict[str, float]:
+        """By how many standard deviations numbers are off what is known of them, of those that are far off."""
+        away = {k.name: abs(k.value(place) - k.mean) / k.sd for k in self._known if k.prior.kind == "normal"}
+        return {name: float(size) for name, size in away.items() if size > _FAR_OFF}
 
     def jacobian(self, place: Any) -> Any:
         """Derivatives of the residuals."""
@@ -326,6 +332,7 @@ class _Known:
 
     index: int
     prior: Distribution
+    name: str
     free: Any = None
 
     @property

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stickslip.identifying.fit import Fit, Quality
 
 _LEAST, _MOST = 0.5, 2.0  # rise of the sum of squares over that of a parabola
+_AT_BOUND = 1e-4  # on the scale of the search
 _NEAR_BOUND = 0.1  # standard errors to a bound, nearer than which nothing is seen of a parabola
 
 __all__ = ["by_covariance", "by_profile", "calibrated", "costs", "faults", "in_parts", "quality", "remarks"]
@@ -157,9 +158,8 @@ def quality(fit: Fit) -> tuple[Quality, ...]:
 def faults(fit: Fit) -> list[str]:
     """Why a fit is not that of a law which holds: an interrupted search, numbers at bounds, residuals that are not noise."""
     found = ["the search was interrupted"] if fit.stopped else []
-    for k, free in enumerate(fit.problem.parameters.free):
-        if not fit.information.undetermined[k] and min(fit.place[k], 1 - fit.place[k]) < 1e-4:
-            found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}")
+    found += [f"{name} ends at its bound {fit.values[name]:.5g}" for name in _at_bounds(fit)]
+    found += _against_what_is_known(fit)
     for k, number in enumerate(fit.problem.numbers, fit.problem.first):
         low, high = number.bounds
         if np.isfinite(high - low) and min(fit.place[k] - low, high - fit.place[k]) < 1e-4 * (high - low):
@@ -167,15 +167,38 @@ def faults(fit: Fit) -> list[str]:
     return found + [f"{q.label}: {q.excess}" for q in fit.quality if q.suspicious]
 
 
+def _against_what_is_known(fit: Fit) -> list[str]:
+    """Sentences on numbers that are far off what was known of them."""
+    off = fit.problem.against_what_is_known(fit.place).items()
+    sensor = [number.name for number in fit.problem.numbers]
+    return [f"{name}{' of the sensor' * (name in sensor)} is {size:.2g} standard deviations off what is known of it" for name, size in off]
+
+
+def _at_bounds(fit: Fit) -> list[str]:
+    """Parameters that end at a bound, or at what the law demands of them beside the others (static friction not below kinetic)."""
+    names = [name for k, name in enumerate(fit.names) if not fit.information.undetermined[k]]
+    inner = dict(zip(fit.names, fit.problem.parameters.limits.inner(fit.place), strict=False))
+    return [name for name in names if min(inner[name], 1 - inner[name]) < _AT_BOUND]
+
+
+def _at_bound(fit: Fit, k: int) -> str:
+    """What it means that a parameter ends at a bound."""
+    if min(fit.place[k], 1 - fit.place[k]) < _AT_BOUND:
+        return "widen the bound, or these data cannot tell it"
+    return "its law allows no less (or no more) beside the other numbers, and these data show nothing that would need it"
+
+
 def remarks(fit: Fit) -> list[str]:
     """Sentences on parameters at their bounds, on parameters that nothing is known of, and on residuals that are not noise."""
     found = undetermined(fit)
     found += [f"{name} is not determined: any value between its bounds fits as well; fix it, or {fit.remedy}" for name in fit.open]
+    found += [f"{said}: that is wrong, or the law or the drive is not that of the record" for said in _against_what_is_known(fit)]
+    at_bounds = _at_bounds(fit)
     for k, free in enumerate(fit.problem.parameters.free):
         if free.name in fit.undetermined:
             continue
-        if min(fit.place[k], 1 - fit.place[k]) < 1e-4:
-            found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: widen the bound, or these data cannot tell it")
+        if free.name in at_bounds:
+            found.append(f"{free.name} ends at its bound {fit.values[free.name]:.5g}: {_at_bound(fit, k)}")
         elif not _inner_error(fit, k) < 0.3:
             found.append(f"{free.name} is hardly told by these data: its standard error is a third of the distance of its bounds or more")
     if told := [name for name in fit.bent if name not in fit.open]:
