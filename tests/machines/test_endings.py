@@ -27,13 +27,14 @@ class Pushed(ss.Machine):
     restitution: float
     friction: Any
     rubs: Any = None  # what the pushed mass rubs with itself
+    on: Any = None  # and on what
 
     def bodies(self):
         return {"inner": ss.Body(MASS, force=self.push), "body": ss.Body(MASS)}
 
     def contacts(self):
-        laws = {"body": self.friction} | ({} if self.rubs is None else {"inner": self.rubs})
-        return {name: ss.Contact(name, law, load=LOAD) for name, law in laws.items()}
+        own = {} if self.rubs is None else {"inner": ss.Contact("inner", self.rubs, on=self.on, load=LOAD)}
+        return {"body": ss.Contact("body", self.friction, load=LOAD)} | own
 
     def stops(self):
         return {("inner", "body"): ss.Stop(gap=1e-3, restitution=self.restitution)}
@@ -57,14 +58,41 @@ def test_rebounds_that_die_out_leave_two_bodies_that_move_as_one():
     assert 5 < len(hits) < 60 and hits[-1] < 0.5  # a geometric series until it is over at once, and no more
 
 
-def test_rebounds_between_two_bodies_that_both_rest_exactly_end_with_a_status():
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_two_bodies_that_both_rub_go_on_together(restitution):
+    """m a = F - 2 mu N of both; the impulses of the hits are inside, so that the momentum is that of a body which begins to rub when hit."""
     law = ss.Coulomb(0.02, 0.02)
-    both = Pushed(PUSH, 0.5, law, rubs=law)
-    grid = ss.sweep(both, push=[PUSH, 0.0], duration=1.0)
+    both = Pushed(PUSH, restitution, law, rubs=law)
+    run = ss.solve(both, duration=1.0)
+    assert run.status == "finished" and run.v[-1, 0] == pytest.approx(run.v[-1, 1], abs=1e-14)
+    last = run.at([0.7, 0.9])
+    together = (PUSH - 2 * 0.02 * LOAD) / (2 * MASS)
+    assert np.diff(last["v"][:, 0])[0] == pytest.approx(0.2 * together, rel=1e-12)
+    assert last["friction_force"] == pytest.approx(0.02, rel=1e-12)
+    hit = next(event.t for event in run.events if event.kind == "hit")
+    alone = (PUSH - 0.02 * LOAD) / MASS
+    assert hit == pytest.approx(np.sqrt(2e-3 / alone), rel=1e-12)
+    assert 2 * run.v[-1, 0] == pytest.approx(alone * hit + 2 * together * (1.0 - hit), rel=1e-9)
+
+
+@pytest.mark.parametrize("push, ends", [(0.9, 0.0), (1.1, (1.1 - 2 * 0.5) / (2 * MASS))])
+def test_one_body_helps_another_to_rest(push, ends):
+    """Each holds mu N = 0.5 N: 0.9 N against both rest, and the stop bears what the pushed one cannot; 1.1 N move both."""
+    law = ss.Coulomb(MU, MU)
+    run = ss.solve(Pushed(push, 0.0, law, rubs=law), duration=1.0)
+    assert np.diff(run.at([0.8, 0.9])["v"], axis=0) == pytest.approx(0.1 * ends, abs=1e-13)
+    inner, body = run.at([0.9])["friction_force"][0]
+    assert inner + body == pytest.approx(min(push, 1.0)) and max(inner, body) <= MU * (1 + 1e-12)
+
+
+def test_rebounds_on_a_body_that_the_other_one_rubs_on_end_with_a_status():
+    law = ss.Coulomb(0.02, 0.02)
+    rider = Pushed(PUSH, 0.5, law, rubs=law, on="body")
+    grid = ss.sweep(rider, push=[PUSH, 0.0], duration=1.0)
     assert grid.status.values.tolist() == [Status.CHATTERS, Status.FINISHED]
     with pytest.raises(ss.SolveError, match=r'it chatters, or comes to rest in ever shorter jumps.*type method="dop853"'):
-        ss.solve(both, duration=1.0)
-    run = ss.solve(both, duration=1.0, method="dop853", rtol=1e-10)
+        ss.solve(rider, duration=1.0)
+    run = ss.solve(rider, duration=1.0, method="dop853", rtol=1e-10)
     assert run.v[-1, 0] == pytest.approx(run.v[-1, 1], abs=1e-12)
 
 

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from stickslip.identifying.formulas import Combination
-
     from stickslip.identifying.designing import Design
+    from stickslip.identifying.formulas import Combination
     from stickslip.information import Information
 
 __all__ = ["Fit", "Quality"]

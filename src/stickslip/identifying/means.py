@@ -100,7 +100,7 @@ class MeansProblem:
         return found, found
 
     def slopes(self, place: Any, readings: Any = None) -> tuple[Any, Any]:
-        """Derivatives of the least and the greatest values, which are the same, by central differences, at bounds and limits by one-sided ones."""
+        """Derivatives of the least and the greatest values, which are the same: central differences, at bounds one-sided ones."""
         place = np.asarray(place, float)
         low, high = (self._beside(place, side * _STEP) for side in (-1.0, 1.0))
         moved = np.array([np.where(np.arange(len(place)) == k, ends, place) for ends in (low, high) for k in range(len(place))])
