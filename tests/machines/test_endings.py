@@ -60,7 +60,7 @@ def test_rebounds_that_die_out_leave_two_bodies_that_move_as_one():
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_two_bodies_that_both_rub_go_on_together(restitution):
-    """m a = F - 2 mu N of both; the impulses of the hits are inside, so that the momentum is that of a body which begins to rub when hit."""
+    """m a = F - 2 mu N of both; impulses of hits are inside, so that the momentum is that of a body which begins to rub when hit."""
     law = ss.Coulomb(0.02, 0.02)
     both = Pushed(PUSH, restitution, law, rubs=law)
     run = ss.solve(both, duration=1.0)

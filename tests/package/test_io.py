@@ -108,7 +108,7 @@ def test_other_files_are_refused_with_the_reason(run, tmp_path, attribute, value
 def test_what_is_no_file_is_refused_with_the_reason(tmp_path):
     text = tmp_path / "text.nc"
     text.write_text("no netCDF")
-    for path, message in [(text, "no netCDF4 file"), (tmp_path / "none.nc", "there is no file"), (tmp_path, "there is no file")]:
+    for path, message in [(text, "is not a netCDF4 file"), (tmp_path / "none.nc", "there is no file"), (tmp_path, "there is no file")]:
         with pytest.raises(ss.InputError, match=message):
             ss.load(path)
 
