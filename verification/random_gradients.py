@@ -46,7 +46,11 @@ PRESETS = {
     "capsule": ss.presets.capsule(), "capsubot": ss.presets.capsubot(), "worm": ss.presets.worm(),
     "stage": ss.presets.stick_slip_stage(), "conveyor": ss.presets.conveyor(), "two modules": ss.presets.two_modules(),
 }  # fmt: skip
-ROBOTS = {f"{each} #{each.number}": each for each in kinds(200) if each.mechanism in ("", "forced_oscillator")}
+ROBOTS = {
+    f"{each} #{each.number}": each
+    for each in kinds(200)
+    if each.mechanism in ("", "forced_oscillator") and each.law != "bristle"  # a law for plain numbers only, which lanes do not run
+}
 MACHINES = {f"{each} #{each.number}": each for each in machine_kinds(250, 1)}
 FOREIGN = "not told: "  # what errors begin with that are none of stickslip's own
 

@@ -231,3 +231,18 @@ def test_numbers_behind_a_formula_have_slopes_too():
     (slope,) = number_slopes(machine, {"drive.omega": np.ones(1)}, lambda m: [m.mechanics.period])
     omega = 65.4 * math.pi
     assert float(slope[0]) == pytest.approx(-2 * math.pi / omega**2, rel=1e-14)
+
+
+def test_what_dwells_at_the_edge_of_a_dead_band_is_still_there_when_an_impulse_comes():
+    """The body comes to the edge of Karnopp's band and stays on it: its rates before the impulse are none, whatever rounding makes of the edge."""
+    law = ss.Karnopp(mu_plus=0.0127, mu_minus=0.0199, f_plus=0.0195, f_minus=0.0199, width=1.3e-4)
+    drive = ss.TwoPhase(stroke=0.074, u1=0.25, u2=1.22)
+    robot = ss.Robot(body_mass=0.0153, inner_mass=9e-4, drive=drive, friction=law, gravity=1.955)
+
+    def speed(u1: float) -> float:
+        return ss.mean_velocity(ss.solve(robot.replace({"drive.u1": u1}), periods=2, rtol=1e-11))
+
+    step = 1e-4 * drive.u1
+    differences = (speed(drive.u1 + step) - speed(drive.u1 - step)) / (2 * step)
+    found = ss.sensitivity(ss.solve(robot, periods=2, rtol=1e-11), "drive.u1")["drive.u1"]
+    assert found == pytest.approx(differences, rel=1e-7)

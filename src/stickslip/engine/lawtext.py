@@ -59,10 +59,9 @@ def looks(eq: System) -> str:
                 w.line(f"b{k}", f"-1.0 if {w.value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
         passed = [f"mode[{i}] = {w.value(new, bind | sides)}" for i, new in enumerate(switch.modes)]
         passed += [f"y[{i}] = {w.value(new, bind | sides)}" for i, new in given.items()]
-    for k in _flags_in(eq.carried):
-        writers[4].line(f"b{k}", f"-1.0 if {writers[4].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")
+    held = {f"b{k}": f"mode[{len(eq.modes) + k}]" for k in range(eq.signs)}
     for i, rate in enumerate(eq.carried):
-        writers[4].line(f"out[{i}]", f"1.0 * {writers[4].value(rate, bind | sides)}")
+        writers[4].line(f"out[{i}]", f"1.0 * {writers[4].value(rate, bind | held)}")
     resting = [f"y[{i}] = {writers[5].value(new, bind)}" for i, new in eq.settled.items()]
     for k in _flags_in(eq.sampled.values()):
         writers[6].line(f"b{k}", f"-1.0 if {writers[6].value(eq.guards[k], bind | sides)} < 0.0 else 1.0")

@@ -5,21 +5,23 @@
 
 @njit(void(int64, int64, float64, f1, f1, f1, f1, i1), **ALLOCATING)
 def look_at(what, lane, t, y, out, S, row, D):
-    """One of a law's looks at what a lane holds; its states are put into y."""
+    """One of a law's looks at what a lane holds, its flags behind its modes; its states are put into y."""
     L = D[LANES]
-    clock, mode = np.empty(D[CLOCKS]), np.empty(D[MODES])
+    clock, mode = np.empty(D[CLOCKS]), np.empty(D[MODES] + D[SIGNS])
     for i in range(D[STATES]):
         y[i] = S[D[F_Y] + i * L + lane]
     for k in range(D[CLOCKS]):
         clock[k] = S[D[F_CLK] + k * L + lane]
     for k in range(D[MODES]):
         mode[k] = S[D[F_MODE] + k * L + lane]
+    for k in range(D[SIGNS]):
+        mode[D[MODES] + k] = S[D[F_B] + k * L + lane]
     call_look(D[AT_LOOK], what, row, t, y, clock, mode, out)
 
 
 @njit(void(int64, float64, f1, f1, f1, i1), **ALLOCATING)
 def rates_now(lane, t, out, S, row, D):
-    """Rates of what the passive states are changes of, as a lane holds its modes and clocks."""
+    """Rates of what the passive states are changes of, as a lane holds its modes, clocks and flags: a state may dwell where a guard is zero."""
     look_at(RATES, lane, t, np.empty(D[STATES]), out, S, row, D)
 
 
