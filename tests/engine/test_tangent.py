@@ -234,7 +234,7 @@ def test_numbers_behind_a_formula_have_slopes_too():
 
 
 def test_what_dwells_at_the_edge_of_a_dead_band_is_still_there_when_an_impulse_comes():
-    """The body comes to the edge of Karnopp's band and stays on it: its rates before the impulse are none, whatever rounding makes of the edge."""
+    """The body comes to the edge of Karnopp's band and stays: it has no rates before the impulse, whatever rounding makes of the edge."""
     law = ss.Karnopp(mu_plus=0.0127, mu_minus=0.0199, f_plus=0.0195, f_minus=0.0199, width=1.3e-4)
     drive = ss.TwoPhase(stroke=0.074, u1=0.25, u2=1.22)
     robot = ss.Robot(body_mass=0.0153, inner_mass=9e-4, drive=drive, friction=law, gravity=1.955)

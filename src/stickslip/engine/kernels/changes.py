@@ -21,7 +21,7 @@ def look_at(what, lane, t, y, out, S, row, D):
 
 @njit(void(int64, float64, f1, f1, f1, i1), **ALLOCATING)
 def rates_now(lane, t, out, S, row, D):
-    """Rates of what the passive states are changes of, as a lane holds its modes, clocks and flags: a state may dwell where a guard is zero."""
+    """Rates of what the passive states are changes of, as a lane holds modes, clocks and flags: a state may dwell where a guard is zero."""
     look_at(RATES, lane, t, np.empty(D[STATES]), out, S, row, D)
 
 
