@@ -11,7 +11,7 @@ from stickslip.fields import Frozen, everywhere
 from stickslip.maths import cos, maximum, pi, sin, where
 from stickslip.quantities import positive, quantity
 
-__all__ = ["FrictionPatches", "FrictionProfile", "FrictionWave", "mirrored_track", "place_grip_of"]
+__all__ = ["AroundTrack", "FrictionPatches", "FrictionProfile", "FrictionWave", "mirrored_track", "place_grip_of"]
 
 _MOST = 64  # edges, harmonics or points of a profile: each is a part of the equations
 _LEVEL = "type for example track=ss.Level()"
@@ -19,8 +19,8 @@ _WAVELENGTH = quantity("wavelength of the track", "m", "L", example=0.01, rule=p
 _FACTORS = quantity("factor on friction", "1", "f", example=(1.0, 0.2), rule=positive, allowed="a positive factor")
 
 
-class _Placed(Frozen):
-    """Base of the tracks whose friction varies along them: gravity, and friction that varies in time, are those of the track inside."""
+class AroundTrack(Frozen):
+    """A track around another one: gravity is that of the track inside."""
 
     track: Any
 
@@ -35,6 +35,10 @@ class _Placed(Frozen):
     def along(self, gravity: Any) -> Any:
         """Gravity that pulls the body forwards [m/s^2]."""
         return self.track.along(gravity)
+
+
+class _Placed(AroundTrack):
+    """Base of the tracks whose friction varies along them: friction that varies in time is that of the track inside."""
 
     @property
     def grip(self) -> Any:

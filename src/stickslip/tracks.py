@@ -10,9 +10,9 @@ from stickslip.errors import Problems
 from stickslip.fields import Frozen
 from stickslip.maths import cos, pi, sin
 from stickslip.quantities import PHASE, TILT, Rule, quantity
-from stickslip.track_profiles import FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
+from stickslip.track_profiles import AroundTrack, FrictionPatches, FrictionProfile, FrictionWave, place_grip_of
 
-__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "fold"]
+__all__ = ["TRACKS", "Incline", "Level", "VaryingFriction", "VaryingInTime", "fold"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +72,22 @@ class Incline(Frozen):
         return gravity * sin(self.tilt)
 
 
+class VaryingInTime(AroundTrack):
+    """Base of the tracks whose friction varies in time: friction that varies along the track is that of the track inside."""
+
+    @property
+    def grip_at(self) -> Any:
+        """Factor on the friction by place, of the track inside; None where there is none."""
+        return place_grip_of(self.track)
+
+    @property
+    def wavelength(self) -> Any:
+        """Distance after which the track inside repeats [m]; None where it does not."""
+        return getattr(self.track, "wavelength", None)
+
+
 @dataclass(frozen=True, eq=False)
-class VaryingFriction(Frozen):
+class VaryingFriction(VaryingInTime):
     r"""A track whose friction coefficients vary in time with the drive: by the factor :math:`1 + d\,\sin(n\omega t+\varphi)`.
 
     Gravity stays as it is on the track inside. The factor is put on the load that the law sees. So it is a factor on all
@@ -113,27 +127,8 @@ class VaryingFriction(Frozen):
     phase: float = field(default=0.0, metadata=PHASE | {"label": "phase of the variation of friction"})
 
     def _check(self, problems: Problems) -> None:
-        if isinstance(self.track, type) or not (hasattr(self.track, "across") and hasattr(self.track, "along")):
-            problems.add(f"track = {self.track!r}; allowed is a track, an object with across, along; type for example track=ss.Level()")
+        super()._check(problems)
         problems.whole("harmonic", self.harmonic, 1, example=1)
-
-    def across(self, gravity: Any) -> Any:
-        """Gravity that presses the body on the track [m/s^2]."""
-        return self.track.across(gravity)
-
-    def along(self, gravity: Any) -> Any:
-        """Gravity that pulls the body forwards [m/s^2]."""
-        return self.track.along(gravity)
-
-    @property
-    def grip_at(self) -> Any:
-        """Factor on the friction by place, of the track inside; None where there is none."""
-        return place_grip_of(self.track)
-
-    @property
-    def wavelength(self) -> Any:
-        """Distance after which the track inside repeats [m]; None where it does not."""
-        return getattr(self.track, "wavelength", None)
 
     def grip(self, t: Any, period: Any) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""

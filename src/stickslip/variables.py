@@ -10,13 +10,14 @@ __all__ = ["VARIABLES", "Variable", "in_units_of", "unit_of"]
 
 @dataclass(frozen=True)
 class Variable:
-    """What a column holds."""
+    """What a column holds, and as what type a sweep keeps it."""
 
     name: str
     symbol: str
     unit: str
     dims: tuple[str, ...]
     long_name: str
+    kept: str = "f8"  # NumPy's word; a sweep keeps all but those over time
 
 
 #: Of a machine of one body on one contact a column has neither the dimension "body" nor "contact".
@@ -48,11 +49,13 @@ VARIABLES: dict[str, Variable] = {
         Variable("actuator_force", "F", "N", _TIME, "force of the actuator on the body (Eq. 2.1)"),
         Variable("actuator_power", "−F dξ/dt", "W", _TIME, "mechanical power that the actuator delivers"),
         Variable("mean_velocity", "V", "m/s", _CASE, "mean steady velocity over the window after settling"),
-        Variable("motion_type", "type", "", _EACH_CONTACT, "motion type: rest, presliding, I, II, III, IV or other"),
-        Variable("pattern", "pattern", "", _EACH_CONTACT, "signs of the velocity over one motion period, + forward, 0 stuck, - backward"),
-        Variable("period", "p", "drive periods", _CASE, "period number of the motion; 0 where none was found"),
+        Variable("motion_type", "type", "", _EACH_CONTACT, "motion type: rest, presliding, I, II, III, IV or other", "U10"),
+        Variable(
+            "pattern", "pattern", "", _EACH_CONTACT, "signs of the velocity over one motion period, + forward, 0 stuck, - backward", "U32"
+        ),
+        Variable("direction", "dir", "1", _EACH_CONTACT, "+1 for net motion forwards, -1 backwards, 0 at rest", "i1"),
+        Variable("period", "p", "drive periods", _CASE, "period number of the motion; 0 where none was found", "i2"),
         Variable("margin", "margin", "1", _EACH_CONTACT, "distance to the nearest border of the motion type; 0 is on the border"),
-        Variable("direction", "dir", "1", _EACH_CONTACT, "+1 for net motion forwards, -1 backwards, 0 at rest"),
         Variable("stick_fraction", "s", "1", _EACH_CONTACT, "fraction of the period at rest"),
         Variable("forward_fraction", "s+", "1", _EACH_CONTACT, "fraction of the period sliding forwards"),
         Variable("backward_fraction", "s-", "1", _EACH_CONTACT, "fraction of the period sliding backwards"),
@@ -66,23 +69,30 @@ VARIABLES: dict[str, Variable] = {
         Variable("body_displacement", "Δx_b", "m", _EACH_BODY, "displacement of a body over the window after settling"),
         Variable("slip_max", "max w", "m/s", _EACH_CONTACT, "largest slip velocity over the last motion period"),
         Variable("slip_min", "min w", "m/s", _EACH_CONTACT, "smallest slip velocity over the last motion period"),
+        Variable("friction_power", "P_R", "W", _EACH_CONTACT, "mean power that friction takes over the last motion period"),
         Variable(
-            "hits", "n_s", "1", _EACH_STOP, "how often a stop is hit, or begins to be pressed, in the last motion period; -1: not solved"
+            "hits",
+            "n_s",
+            "1",
+            _EACH_STOP,
+            "how often a stop is hit, or begins to be pressed, in the last motion period; -1: not solved",
+            "i4",
         ),
         Variable(
             "impulse_max", "max J", "N s", _EACH_STOP, "greatest impulse of a hit on a stop with restitution in the last motion period"
         ),
         Variable("stop_force_max", "max C", "N", _EACH_STOP, "greatest force of an elastic stop in the last motion period"),
         Variable("displacement", "Δx", "m", _CASE, "displacement over the window after settling"),
-        Variable("friction_power", "P_R", "W", _EACH_CONTACT, "mean power that friction takes over the last motion period"),
         Variable("drive_power", "P", "W", _CASE, "mean mechanical power that the actuator delivers over the motion period"),
         Variable("cost_of_transport", "P/((M+m)g|V|)", "1", _CASE, "cost of transport: mean power over weight times mean speed"),
         Variable("alpha_plus", "α+", "1", _CASE, "sliding friction forwards over drive force, of the robot with Coulomb friction"),
         Variable("alpha_minus", "α-", "1", _CASE, "sliding friction backwards over drive force, of the robot with Coulomb friction"),
-        Variable("steadiness", "steadiness", "", _CASE, "whether the mean velocity is that of a steady motion: a code with its words"),
+        Variable(
+            "steadiness", "steadiness", "", _CASE, "whether the mean velocity is that of a steady motion: a code with its words", "i1"
+        ),
         Variable("settling_error", "|V − V∞|", "m/s", _CASE, "estimated distance of V from its steady value; NaN where none is in sight"),
-        Variable("periods_run", "n", "drive periods", _CASE, "drive periods that were run"),
-        Variable("status", "status", "", _CASE, "what became of the case: a code with its sentence"),
+        Variable("periods_run", "n", "drive periods", _CASE, "drive periods that were run", "i4"),
+        Variable("status", "status", "", _CASE, "what became of the case: a code with its sentence", "i1"),
     )
 }
 

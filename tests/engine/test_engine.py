@@ -213,7 +213,7 @@ def test_traced_equations_are_the_plain_law():
 
 
 # ---- lanes ----
-@pytest.mark.parametrize("name", ["rodas4", "rodas5p"])
+@pytest.mark.parametrize("name", tableaux.TABLEAUX)
 def test_one_lane_and_sixteen_give_the_same_bits(name):
     robots = paper_batch(23)
     many = ss.solve(robots, periods=8, settle=3, method=name, rtol=1e-6)

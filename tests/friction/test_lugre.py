@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from problems import LUGRE, lugre, paper_batch, random_robots, velocity_unit
+from stickslip.engine.tableaux import TABLEAUX
 
 every_row = pytest.mark.parametrize("name", LUGRE)
 
@@ -67,7 +68,7 @@ def test_every_folded_row_agrees_in_dimensionless_form(name, tight):
     assert pytest.approx(ss.mean_velocity(tight[name]), rel=1e-9, abs=1e-10 * velocity_unit(robot)) == V
 
 
-@pytest.mark.parametrize(("method", "order"), [("rodas4", 4), ("rodas5p", 5)])
+@pytest.mark.parametrize(("method", "order"), [(name, tableau.order) for name, tableau in TABLEAUX.items()])
 def test_worst_error_falls_with_the_declared_order_across_reversals(method, order):
     """Error against number of steps over 64 robots that all reverse: the kink at v = 0 costs no order."""
     robots = paper_batch(64)

@@ -9,6 +9,7 @@ import pytest
 import stickslip as ss
 from every import every_machine
 from problems import chain
+from stickslip.engine.tableaux import TABLEAUX
 from stickslip.solvers.methods import ALL, METHODS, method_for
 
 TAKEN = {
@@ -58,4 +59,4 @@ def test_the_equations_decide_and_not_a_class():
     plain = ss.Robot(0.06259, 0.00948, drive, ss.Coulomb(0.15, 0.21))
     viscous = plain.replace(friction=ss.CoulombViscous.example())
     assert method_for("exact", plain).title == "closed arcs" and method_for("exact", viscous).title == "Taylor steps"
-    assert set(METHODS) == {"auto", "exact", "rodas4", "rodas5p", "taylor", "rk4", "radau", "lsoda", "bdf", "dop853"}
+    assert set(METHODS) == {"auto", "exact", *TABLEAUX, "taylor", "rk4", "radau", "lsoda", "bdf", "dop853"}

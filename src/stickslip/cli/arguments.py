@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from typing import Any, NoReturn
@@ -18,7 +18,7 @@ from stickslip.naming import axis_of, example_for
 from stickslip.typed_numbers import in_unit
 
 __all__ = [
-    "SOLVER", "Parser", "Subject", "check_driven", "names_of", "parser", "parser_of", "settings", "subject", "units_of",
+    "SOLVER", "Parser", "Subject", "check_driven", "named_words", "names_of", "parser", "parser_of", "settings", "subject", "units_of",
     "value", "without_default",
 ]  # fmt: skip
 
@@ -178,16 +178,25 @@ def units_of(make: Any) -> Callable[[str], str]:
     return lambda name: (axis_of(name, make) or ("", ""))[1]
 
 
+def named_words(words: list[str], problems: Problems, wanted: str, before: str = "") -> Iterator[tuple[str, str]]:
+    """The names and texts of NAME=TEXT words; what is none of these, or named twice, is noted."""
+    seen = set()
+    for word in words:
+        name, _, text = word.partition("=")
+        if not name or not text:
+            problems.add(f"{before}{word!r} is not {wanted}")
+        elif name in seen:
+            problems.add(f"{before}{name} is given twice")
+        else:
+            seen.add(name)
+            yield name, text
+
+
 def settings(words: list[str], many: bool, problems: Problems, units: Callable[[str], str] = lambda name: "") -> dict[str, Any]:
     """NAME=VALUE words as a dict, numbers with units in the units of those names; what is wrong with them is noted."""
     found: dict[str, Any] = {}
-    for word in words:
-        name, equals, text = word.partition("=")
-        if not equals or not name or not text:
-            problems.add(f"{word!r} is not NAME=VALUE; type for example amplitude=5.525e-4")
-        elif name in found:
-            problems.add(f"{name} is given twice")
-        elif not many and (".." in text or ("," in text)):
+    for name, text in named_words(words, problems, "NAME=VALUE; type for example amplitude=5.525e-4"):
+        if not many and (".." in text or ("," in text)):
             example = f"{name}={example_for(name):.6g}"
             problems.add(f"{name}={text} is several values; that is for `stickslip sweep`; here give one, such as {example}")
         else:

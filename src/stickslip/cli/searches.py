@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from stickslip.cli.arguments import value
+from stickslip.cli.arguments import named_words, value
 from stickslip.errors import InputError, Problems, did_you_mean
 from stickslip.typed_numbers import has_unit
 
@@ -89,16 +89,8 @@ def _checked_table(table: Any, problems: Problems) -> dict[str, Any]:
 
 def _words(option: str, words: list[str], problems: Problems) -> dict[str, str]:
     """NAME=WORD options as a dict."""
-    found: dict[str, str] = {}
-    for word in words:
-        name, equals, text = word.partition("=")
-        if not equals or not name or not text:
-            problems.add(f"--{option} {word!r} is not {_EXAMPLES[option][0]}; type for example --{option} {_EXAMPLES[option][1]}")
-        elif name in found:
-            problems.add(f"--{option} {name} is given twice")
-        else:
-            found[name] = text
-    return found
+    wanted, example = _EXAMPLES[option]
+    return dict(named_words(words, problems, f"{wanted}; type for example --{option} {example}", f"--{option} "))
 
 
 _EXAMPLES = {

@@ -9,7 +9,9 @@ from stickslip.errors import InputError, Problems
 from stickslip.fields import LARGEST, Frozen, describe, everywhere, example_in, is_array, number
 from stickslip.maths import pi
 
-__all__ = ["Drive", "PeriodicDrive", "agree", "angular_frequency", "given_numbers", "resolved", "shown"]
+__all__ = [
+    "Drive", "OfFrequency", "OfPeriod", "PeriodicDrive", "Remarked", "agree", "angular_frequency", "given_numbers", "resolved", "shown",
+]  # fmt: skip
 
 
 class Drive(Frozen):
@@ -36,8 +38,8 @@ class Drive(Frozen):
         return 0.5 * self.velocity_scale**2
 
 
-class PeriodicDrive(Drive):
-    """A drive that names its period and not its angular frequency."""
+class OfPeriod:
+    """What names its period and not its angular frequency."""
 
     if TYPE_CHECKING:
         period: Any
@@ -51,6 +53,35 @@ class PeriodicDrive(Drive):
     def frequency(self) -> float:
         """Frequency 1/T [Hz]."""
         return 1 / self.period
+
+
+class OfFrequency:
+    """What names its angular frequency (of its first harmonic) and not its period."""
+
+    if TYPE_CHECKING:
+        omega: Any
+
+    @property
+    def period(self) -> float:
+        """Period T = 2 pi / omega [s]."""
+        return 2 * pi / self.omega
+
+    @property
+    def frequency(self) -> float:
+        """Frequency omega / (2 pi) [Hz]."""
+        return self.omega / (2 * pi)
+
+
+class Remarked(Frozen):
+    """What has remarks on where its numbers come from."""
+
+    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
+        """A copy with some fields changed, without the remarks on the old ones."""
+        return super().replace({"notes": None, **(changes or {}), **fields})
+
+
+class PeriodicDrive(OfPeriod, Drive):
+    """A drive that names its period."""
 
 
 def angular_frequency(kind: str, omega: Any, frequency: Any, typed: str) -> Any:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stickslip.drives.drive import Drive
+from stickslip.errors import Problems
 from stickslip.maths import cos, maximum, sin, sqrt
 
-__all__ = ["FourierDrive", "extremes", "harmonics", "series"]
+__all__ = ["FourierDrive", "check_coefficients", "extremes", "harmonics", "series"]
 
 _POINTS = 32  # of the grid for each harmonic; more only take longer
 _NEWTON = 5  # steps from half a step of the grid at most, where three reach rounding
@@ -35,6 +36,12 @@ def harmonics(angle: Any, order: int) -> Iterator[tuple[Any, Any]]:
 def series(angle: Any, cosines: Coefficients, sines: Coefficients) -> Any:
     """The sum of cosines[k-1] cos(k angle) + sines[k-1] sin(k angle)."""
     return sum(a * c + b * s for a, b, (c, s) in zip(cosines, sines, harmonics(angle, len(sines)), strict=True))
+
+
+def check_coefficients(cosines: Any, sines: Any, typed: str, problems: Problems) -> None:
+    """Note a sum of harmonics that has not as many sines as cosines, or none; what is no tuple is reported as a field."""
+    if isinstance(cosines, tuple) and isinstance(sines, tuple) and (len(cosines) != len(sines) or not cosines):
+        problems.add(f"{len(cosines)} cosines and {len(sines)} sines; allowed is the same number of each, at least one; {typed}")
 
 
 def _derivative(cosines: Coefficients, sines: Coefficients) -> tuple[list[Any], list[Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-from stickslip.drives.drive import Drive, angular_frequency
+from stickslip.drives.drive import Drive, OfFrequency, Remarked, angular_frequency
 from stickslip.maths import cos, pi, sin
 from stickslip.quantities import AMPLITUDE, OMEGA, PHASE
 
@@ -13,7 +13,7 @@ __all__ = ["Harmonic"]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Harmonic(Drive):
+class Harmonic(OfFrequency, Remarked, Drive):
     r"""Relative motion of the inner mass, Eq. 2.2: :math:`\xi(t) = A \sin(\omega t + \varphi)`.
 
     Parameters
@@ -49,20 +49,6 @@ class Harmonic(Drive):
         object.__setattr__(self, "notes", None if notes is None else tuple(notes))
         object.__setattr__(self, "phase", phase)
         self.__post_init__()
-
-    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
-        """A copy with some fields changed, without the remarks on the old ones."""
-        return super().replace({"notes": None, **(changes or {}), **fields})
-
-    @property
-    def period(self) -> float:
-        """Period T = 2 pi / omega [s]."""
-        return 2 * pi / self.omega
-
-    @property
-    def frequency(self) -> float:
-        """Frequency [Hz]."""
-        return self.omega / (2 * pi)
 
     @property
     def velocity_scale(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from stickslip.drives.drive import angular_frequency
+from stickslip.drives.drive import OfFrequency, angular_frequency
 from stickslip.drives.force import Force
 from stickslip.maths import pi, sin
 from stickslip.quantities import OMEGA, PHASE, quantity
@@ -14,7 +14,7 @@ __all__ = ["HarmonicForce"]
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class HarmonicForce(Force):
+class HarmonicForce(OfFrequency, Force):
     r"""A force on the inner mass of a `Forced` drive: :math:`F(t) = A \sin(\omega t + \varphi)`.
 
     Parameters
@@ -44,16 +44,6 @@ class HarmonicForce(Force):
         object.__setattr__(self, "omega", angular_frequency("HarmonicForce", omega, frequency, "type for example omega=104.72"))
         object.__setattr__(self, "phase", phase)
         self.__post_init__()
-
-    @property
-    def period(self) -> Any:
-        """2 pi / omega [s]."""
-        return 2 * pi / self.omega
-
-    @property
-    def frequency(self) -> Any:
-        """Frequency [Hz]."""
-        return self.omega / (2 * pi)
 
     def at(self, t: Any) -> Any:
         """The force [N]."""

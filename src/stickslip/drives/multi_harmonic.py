@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.drive import angular_frequency
+from stickslip.drives.drive import OfFrequency, angular_frequency
 from stickslip.drives.fourier import FourierDrive
 from stickslip.errors import InputError, Problems
 from stickslip.maths import cos, pi, sin
@@ -17,7 +17,7 @@ _EXAMPLE = "type for example MultiHarmonic(omega=205.0, amplitudes=(5e-4, 1e-4),
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class MultiHarmonic(FourierDrive):
+class MultiHarmonic(OfFrequency, FourierDrive):
     r"""Relative motion :math:`\xi(t) = A_1 \sin(\omega t + \varphi_1) + A_2 \sin(2 \omega t + \varphi_2) + \dots`.
 
     A second harmonic makes the motion lopsided, so that even a robot with the same friction on both sides moves.
@@ -60,16 +60,6 @@ class MultiHarmonic(FourierDrive):
             problems.add(f"amplitudes is empty; allowed is at least one; {_EXAMPLE}")
         elif isinstance(amplitudes, tuple) and isinstance(phases, tuple) and len(phases) != len(amplitudes):
             problems.add(f"{len(phases)} phases for {len(amplitudes)} amplitudes; allowed is one for each; {_EXAMPLE}")
-
-    @property
-    def period(self) -> float:
-        """Period of the first harmonic [s]."""
-        return 2 * pi / self.omega
-
-    @property
-    def frequency(self) -> float:
-        """Frequency of the first harmonic [Hz]."""
-        return self.omega / (2 * pi)
 
     @property
     def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

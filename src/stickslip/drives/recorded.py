@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.fourier import FourierDrive
+from stickslip.drives.drive import OfPeriod, Remarked
+from stickslip.drives.fourier import FourierDrive, check_coefficients
 from stickslip.drives.samples import checked, fitted
 from stickslip.errors import InputError, Problems
-from stickslip.maths import pi
 from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["Recorded"]
@@ -18,7 +18,7 @@ _EXAMPLE = "type for example ss.Recorded.from_samples(t, velocity=v, period=0.03
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Recorded(FourierDrive):
+class Recorded(OfPeriod, Remarked, FourierDrive):
     r"""A periodic record as a sum of harmonics; `from_samples` makes it from the record.
 
     .. math:: \xi(t) = \sum_k a_k\cos k\omega t+b_k\sin k\omega t
@@ -36,7 +36,7 @@ class Recorded(FourierDrive):
     --------
     >>> import numpy as np
     >>> t = np.arange(400) * 1e-4
-    >>> drive = Recorded.from_samples(t, velocity=0.1 * np.cos(100 * pi * t) + 0.02 * np.sin(200 * pi * t), period=0.02)
+    >>> drive = Recorded.from_samples(t, velocity=0.1 * np.cos(100 * np.pi * t) + 0.02 * np.sin(200 * np.pi * t), period=0.02)
     >>> drive.order, round(drive.stroke, 9)
     (2, 0.00063662)
     """
@@ -53,23 +53,7 @@ class Recorded(FourierDrive):
         self.__post_init__()
 
     def _check(self, problems: Problems) -> None:
-        a, b = self.cosines, self.sines
-        if isinstance(a, tuple) and isinstance(b, tuple) and (len(a) != len(b) or not a):
-            problems.add(f"{len(a)} cosines and {len(b)} sines; allowed is the same number of each, at least one; {_EXAMPLE}")
-
-    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
-        """A copy with some fields changed, without the remarks on the old ones."""
-        return super().replace({"notes": None, **(changes or {}), **fields})
-
-    @property
-    def omega(self) -> float:
-        """Angular frequency 2 pi / T [rad/s]."""
-        return 2 * pi / self.period
-
-    @property
-    def frequency(self) -> float:
-        """Frequency 1/T [Hz]."""
-        return 1 / self.period
+        check_coefficients(self.cosines, self.sines, _EXAMPLE, problems)
 
     @property
     def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from stickslip.drives.drive import Remarked
 from stickslip.drives.force import Force
-from stickslip.drives.fourier import series
+from stickslip.drives.fourier import check_coefficients, series
 from stickslip.drives.samples import checked, fitted
 from stickslip.errors import Problems
 from stickslip.maths import pi
@@ -18,7 +19,7 @@ _EXAMPLE = "type for example ss.RecordedForce.from_samples(t, force=F, period=0.
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class RecordedForce(Force):
+class RecordedForce(Remarked, Force):
     r"""A periodic record of the force on the inner mass of a `Forced` drive as a sum of harmonics, which `from_samples` makes.
 
     .. math:: F(t) = F_0 + \sum_k a_k\cos k\omega t+b_k\sin k\omega t
@@ -56,13 +57,7 @@ class RecordedForce(Force):
         self.__post_init__()
 
     def _check(self, problems: Problems) -> None:
-        a, b = self.cosines, self.sines
-        if isinstance(a, tuple) and isinstance(b, tuple) and (len(a) != len(b) or not a):
-            problems.add(f"{len(a)} cosines and {len(b)} sines; allowed is the same number of each, at least one; {_EXAMPLE}")
-
-    def replace(self, changes: dict[str, Any] | None = None, /, **fields: Any) -> Any:
-        """A copy with some fields changed, without the remarks on the old ones."""
-        return super().replace({"notes": None, **(changes or {}), **fields})
+        check_coefficients(self.cosines, self.sines, _EXAMPLE, problems)
 
     def at(self, t: Any) -> Any:
         """The force [N]."""

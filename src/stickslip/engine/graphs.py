@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from stickslip.engine.symbols import CONSTANT, Graph, Sym, TraceError, slope_of
+from stickslip.engine.symbols import CONSTANT, Graph, Sym, TraceError, is_zero, slope_of
 
 __all__ = ["Along", "Copied", "Substituted"]
 
@@ -62,7 +62,7 @@ class Along(_Walk):
                 return args[0] * a[1] + a[0] * args[1]
             case "select":
                 return graph.select(a[0], args[1], args[2])
-        return args[0] if _is_zero(args[0]) else args[0] * slope_of(node)
+        return args[0] if is_zero(args[0]) else args[0] * slope_of(node)
 
 
 class Substituted(_Walk):
@@ -118,7 +118,3 @@ def _again(graph: Graph, node: Sym, args: list[Sym]) -> Sym:
         return graph.call(node.op, args[0])
     except (TraceError, ArithmeticError, ValueError):  # no number, in a branch that is not taken there
         return graph._node(node.op, (args[0],))
-
-
-def _is_zero(node: Sym) -> bool:
-    return node.op == "constant" and node.value == 0.0

@@ -15,7 +15,7 @@ from stickslip.fields import leaves, replace_leaf
 from stickslip.friction.law_adapter import is_law
 from stickslip.machine_adapter import is_machine
 
-__all__ = ["latex", "written"]
+__all__ = ["aligned", "latex", "written"]
 
 
 @explains_arguments

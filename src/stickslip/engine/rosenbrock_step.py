@@ -13,36 +13,13 @@ from functools import reduce
 from stickslip.engine.step_events import EventWriter
 from stickslip.engine.symbols import Sym
 from stickslip.engine.system import Contact, System
-from stickslip.engine.tableaux import RODAS4, RODAS5P, Tableau
+from stickslip.engine.tableaux import Tableau
 from stickslip.engine.write import LOG_OF_BITS, Writer, combine, horner, literal
 from stickslip.status import Status
 
 _FOLLOWED = 0.05  # of the least creep of a slip that is a difference: its error, where it is hardly more than zero
 
-__all__ = ["CONTROL", "Control", "Step", "sides", "write_step"]
-
-
-@dataclass(frozen=True)
-class Control:
-    """Constants of the step control, found by measuring cost against error over many robots (docs/decisions)."""
-
-    velocity_floor: float = 8e-3  # error weight of v: rtol (floor A omega + |v|)
-    inner_floor: float = 5.0  # error weight of z: rtol (floor scale + |z|)
-    safety: float = 0.84
-    exponent: float = 0.16
-    growth: float = 2.67
-    growth_rejected: float = 0.86
-    growth_event: float = 2.0
-    shrink: float = 0.1
-    swing: float = 0.52  # change of v in a step near v = 0, in Stribeck velocities
-    swing_rate: float = 0.8  # and for each unit of |v| beyond swing_from Stribeck velocities
-    swing_from: float = 1.92
-    longest: float = 0.15  # of a period
-    watchful: float = 1 / 400  # the same where a law balances what is applied: nothing moves then that would keep steps short
-    newton: int = 3  # iterations for an event inside the step
-
-
-CONTROL = {RODAS4.name: Control(), RODAS5P.name: Control(swing=0.45, swing_from=2.5, inner_floor=9.0)}
+__all__ = ["Step", "sides", "write_step"]
 
 
 @dataclass(frozen=True)
@@ -64,7 +41,7 @@ def write_step(eq: System, tableau: Tableau, record: bool) -> Step:
 class _StepWriter(EventWriter):
     def __init__(self, eq: System, tableau: Tableau, record: bool):
         self.eq, self.tab, self.record = eq, tableau, record
-        self.w, self.k = Writer(), CONTROL[tableau.name]
+        self.w, self.k = Writer(), tableau.control
         self.n, self.g, self.active = eq.states, len(eq.guards), eq.states - eq.passive
         self.slips = {c.guard: c.state for c in eq.contacts if c.guard is not None and c.state is not None}
         self.degree = len(tableau.dense) + 1

@@ -14,7 +14,7 @@ from typing import Any
 from stickslip import maths
 from stickslip.errors import StickslipError
 
-__all__ = ["FUNCTIONS", "Condition", "Graph", "Sym", "TraceError", "is_sign", "slope_of"]
+__all__ = ["FUNCTIONS", "Condition", "Graph", "Sym", "TraceError", "is_sign", "is_zero", "slope_of"]
 
 _BLUNT = 1e-24  # a power that is singular at 0 is rounded off below the root of this; polynomials of order 16 bear no less
 _BLUNT_LESS = 1e-32  # the same where slopes alone are wanted, also of deflections of a nanometre
@@ -436,6 +436,11 @@ class Graph:
 def is_sign(a: Sym) -> bool:
     """Whether a node is a flag of value +1 or -1."""
     return a.op == "flag" and not a.name.startswith("mode")
+
+
+def is_zero(a: Sym) -> bool:
+    """Whether a node is the number 0."""
+    return a.op == "constant" and a.value == 0.0
 
 
 def slope_of(node: Sym) -> Sym:

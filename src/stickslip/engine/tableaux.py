@@ -13,9 +13,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["RODAS4", "RODAS5P", "TABLEAUX", "Tableau"]
+__all__ = ["RODAS4", "RODAS5P", "TABLEAUX", "Control", "Tableau"]
 
 Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Control:
+    """Constants of the step control, found by measuring cost against error over many robots (docs/decisions)."""
+
+    velocity_floor: float = 8e-3  # error weight of v: rtol (floor A omega + |v|)
+    inner_floor: float = 5.0  # error weight of z: rtol (floor scale + |z|)
+    safety: float = 0.84
+    exponent: float = 0.16
+    growth: float = 2.67
+    growth_rejected: float = 0.86
+    growth_event: float = 2.0
+    shrink: float = 0.1
+    swing: float = 0.52  # change of v in a step near v = 0, in Stribeck velocities
+    swing_rate: float = 0.8  # and for each unit of |v| beyond swing_from Stribeck velocities
+    swing_from: float = 1.92
+    longest: float = 0.15  # of a period
+    watchful: float = 1 / 400  # the same where a law balances what is applied: nothing moves then that would keep steps short
+    newton: int = 3  # iterations for an event inside the step
 
 
 @dataclass(frozen=True)
@@ -32,6 +52,7 @@ class Tableau:
     d: tuple[float, ...]
     dense: Rows
     source: str
+    control: Control = Control()
 
     @property
     def stages(self) -> int:
@@ -138,6 +159,8 @@ RODAS5P = Tableau(
     ),
     source="G. Steinebach, Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia "
     "Differential Equations package, BIT Numer. Math. 63 (2023) 27",
+    control=Control(swing=0.45, swing_from=2.5, inner_floor=9.0),
 )
 
-TABLEAUX = {"rodas4": RODAS4, "rodas5p": RODAS5P}
+#: By what ``method=`` may be.
+TABLEAUX = {tableau.name.lower(): tableau for tableau in (RODAS4, RODAS5P)}

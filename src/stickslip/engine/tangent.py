@@ -23,7 +23,7 @@ from types import MappingProxyType
 
 from stickslip.engine.graphs import Along, Substituted
 from stickslip.engine.observed import MEAN
-from stickslip.engine.symbols import Sym
+from stickslip.engine.symbols import Sym, is_zero
 from stickslip.engine.system import Switch, System
 from stickslip.engine.taylor import watched
 from stickslip.engine.values import needed_by
@@ -171,9 +171,9 @@ def _grown(system: System, k: int, at: _Crossing, count: int) -> Sym:
     unknown = graph.constant(0.0)
     for i, jump in enumerate(at.jumps[:count]):
         unknown = graph.select(system.period * _size(jump) - _NO_JUMP * _scale(system, i), _logarithm(-one), unknown)
-    if all(row is y for row, y in zip(at.rows[:count], system.y, strict=False)) and all(_is_zero(jump) for jump in at.jumps[:count]):
+    if all(row is y for row, y in zip(at.rows[:count], system.y, strict=False)) and all(is_zero(jump) for jump in at.jumps[:count]):
         return graph.constant(0.0)
-    if _is_zero(at.falls):
+    if is_zero(at.falls):
         return unknown
     slopes = [graph.derivative(guard, y) for y in system.y[:count]]
     reset = [i for i in range(count) if at.rows[i] is not system.y[i]]
@@ -191,7 +191,7 @@ def has_corners(system: System) -> bool:
     rows, rates = _rows(system)
     for k in _switching(system):
         at = _crossing(system, k, rows, rates)
-        if any(new is not old for new, old in zip(at.rows, rows, strict=True)) or not all(map(_is_zero, at.jumps)):
+        if any(new is not old for new, old in zip(at.rows, rows, strict=True)) or not all(map(is_zero, at.jumps)):
             return True
     return False
 
@@ -220,14 +220,10 @@ def _determinant(rows: list[list[Sym]]) -> Sym:
         return first[0]
     total = first[0].graph.constant(0.0)
     for j, value in enumerate(first):
-        if not _is_zero(value):
+        if not is_zero(value):
             minor = _determinant([row[:j] + row[j + 1 :] for row in others])
             total = total + value * minor if j % 2 == 0 else total - value * minor
     return total
-
-
-def _is_zero(node: Sym) -> bool:
-    return node.op == "constant" and node.value == 0.0
 
 
 def _with_passive(system: System, states: list[Sym], rates: list[Sym]) -> System:
@@ -294,7 +290,7 @@ def _crossing(system: System, k: int, rows: list[Sym], rates: list[Sym]) -> _Cro
         then, before = after.of(rate), flow.of(row)
         jump = then - before
         if there.of(then) is there.of(before):  # such as of what knows abs(v), at v = 0; not where a hit has turned v over
-            jump = graph.select(_follows(system, guard, falls), jump, zero) if thrown and not _is_zero(jump) else zero
+            jump = graph.select(_follows(system, guard, falls), jump, zero) if thrown and not is_zero(jump) else zero
         jumps.append(jump)
     return _Crossing(new_rows, jumps, falls)
 
@@ -318,7 +314,7 @@ def _saltation(system: System, k: int, rows: list[Sym], rates: list[Sym], change
 
 def _later(system: System, guard: Sym, falls: Sym, moved: Sym, late: Sym) -> Sym:
     """By how much later a guard fires: by itself, or as what follows from the last event, in the same instant."""
-    if _is_zero(falls):  # nothing but a jump makes it fire
+    if is_zero(falls):  # nothing but a jump makes it fire
         return late
     return system.graph.select(_follows(system, guard, falls), late, -(moved / falls))
 

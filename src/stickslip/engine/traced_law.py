@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from stickslip.engine.symbolic import numbers_of
-from stickslip.engine.symbols import Graph, Sym
+from stickslip.engine.symbols import Graph, Sym, is_zero
 from stickslip.engine.values import needed_by
 from stickslip.errors import InputError
 from stickslip.fields import is_array, leaves, replace_leaf
@@ -88,7 +88,7 @@ class TracedLaw:
     @property
     def alone(self) -> bool:
         """Whether no inner state asks for another."""
-        return all(_is_zero(slope) for i, row in enumerate(self.slopes) for j, slope in enumerate(row) if i != j)
+        return all(is_zero(slope) for i, row in enumerate(self.slopes) for j, slope in enumerate(row) if i != j)
 
     @property
     def exact(self) -> bool:
@@ -96,7 +96,3 @@ class TracedLaw:
         conditions = [node.args[0] for node in needed_by(self.rates) if node.op == "select"]
         names = {z.name for z in self.z}
         return not any(names & self.graph.varies(node) for node in (*conditions, *(slope for row in self.slopes for slope in row)))
-
-
-def _is_zero(node: Sym) -> bool:
-    return node.op == "constant" and node.value == 0

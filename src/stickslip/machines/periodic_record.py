@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.drives.fourier import FourierDrive
+from stickslip.drives.drive import OfPeriod
+from stickslip.drives.fourier import FourierDrive, check_coefficients
 from stickslip.drives.samples import checked, fitted
 from stickslip.errors import Problems
-from stickslip.maths import pi
 from stickslip.quantities import PERIOD, quantity
 
 __all__ = ["PeriodicRecord"]
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodicRecord(FourierDrive):
+class PeriodicRecord(OfPeriod, FourierDrive):
     r"""One period of a record as a sum of harmonics about its mean; `from_samples` makes it.
 
     .. math:: x(t) = \bar x + \sum_k a_k\cos k\omega t+b_k\sin k\omega t
@@ -33,7 +33,7 @@ class PeriodicRecord(FourierDrive):
     --------
     >>> import numpy as np
     >>> t = np.linspace(0.0, 2.0, 201)
-    >>> record = PeriodicRecord.from_samples(t, 0.3 + 0.1 * np.sin(pi * t))
+    >>> record = PeriodicRecord.from_samples(t, 0.3 + 0.1 * np.sin(np.pi * t))
     >>> record.order, record.period, round(record.mean, 12), round(record.at(0.5), 12)
     (1, 2.0, 0.3, 0.4)
     """
@@ -44,13 +44,7 @@ class PeriodicRecord(FourierDrive):
     sines: tuple[float, ...] = field(metadata=quantity("coefficients of the sines", "1", "b", example=(0.1, 0.0)))
 
     def _check(self, problems: Problems) -> None:
-        if len(self.cosines) != len(self.sines) or not self.sines:
-            problems.add(f"{len(self.cosines)} cosines and {len(self.sines)} sines; allowed is the same number of each, at least one")
-
-    @property
-    def omega(self) -> Any:
-        """Angular frequency 2 pi / T [rad/s]."""
-        return 2 * pi / self.period
+        check_coefficients(self.cosines, self.sines, "type for example ss.PeriodicRecord.from_samples(t, values)", problems)
 
     @property
     def coefficients(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

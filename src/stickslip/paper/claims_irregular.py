@@ -10,7 +10,8 @@ from stickslip.paper.claims_page import Claim, Part, Study, verdict
 from stickslip.paper.followed_motions import Followed, followed
 from stickslip.paper.section5_motions import Motion
 from stickslip.paper.solved_runs import batch
-from stickslip.paper.words import grouped, listed, millimetres, percent, plain, speed
+from stickslip.paper.words import listed, millimetres, percent, plain, speed
+from stickslip.report.html import grouped
 
 __all__ = ["period_two", "quasi_periodic", "rk4_ladder"]
 

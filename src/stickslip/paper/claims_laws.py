@@ -13,7 +13,8 @@ from stickslip.friction import Bristle, Coulomb, Dahl
 from stickslip.mechanics import normal_load
 from stickslip.paper.cases import EXPERIMENTS, rig
 from stickslip.paper.claims_page import CONFIRMED, UNDECIDED, Claim, Part, Study, verdict
-from stickslip.paper.words import grouped, percent, plain, speed
+from stickslip.paper.words import percent, plain, speed
+from stickslip.report.html import grouped
 from stickslip.solvers import solve
 
 __all__ = ["bristle_is_slow", "dahl_without_stick_slip"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.engine.latex import latex, written
+from stickslip.engine.latex import aligned, latex, written
 from stickslip.nondimensional import dimensionless, ratios
 from stickslip.paper.cases import EXPERIMENTS, rig
 from stickslip.tracks import fold
@@ -103,7 +103,7 @@ def _incline() -> tuple[Equation, ...]:
         Equation(
             "3.8, 4.1",
             "The incline, folded into the coefficients",
-            _aligned(lines),
+            aligned(lines),
             True,
             "The friction forces are these times (M+m)g, printed as Mg. Exact for Coulomb friction, another model for LuGre friction.",
         ),
@@ -112,13 +112,9 @@ def _incline() -> tuple[Equation, ...]:
 
 def _dimensionless() -> tuple[Equation, ...]:
     ks = written(ratios, mu0=r"\mu_{0}", f0="f_{0}", tilt=r"\theta")
-    named = _aligned([rf"k_{{{i + 1}}} &= {k}" for i, k in enumerate(ks)])
+    named = aligned([rf"k_{{{i + 1}}} &= {k}" for i, k in enumerate(ks)])
     form = latex(dimensionless(rig(EXPERIMENTS[0])))
     return (
         Equation("5.1", "The same without dimensions", form, True, "Units: A, Aω, 1/ω; μ = m/(M+m). The paper prints ẏ for v̇ once."),
         Equation("5.2", "The ratios of the coefficients", named, True, "The paper prints f₀ for μ₀ in k₃."),
     )
-
-
-def _aligned(lines: list[str]) -> str:
-    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-__all__ = ["digits_within", "grouped", "listed", "millimetres", "percent", "plain", "power", "speed"]
+__all__ = ["digits_within", "listed", "millimetres", "percent", "plain", "power", "speed"]
 
 
 def speed(v: Any, digits: int = 4) -> str:
@@ -57,11 +57,6 @@ def digits_within(x: float, accuracy: float, most: int = 7) -> str:
 def power(exponent: int) -> str:
     """A power of ten with a raised exponent."""
     return "10" + str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def grouped(number: int) -> str:
-    """A whole number with its thousands apart."""
-    return f"{number:,}".replace(",", "\u202f")
 
 
 def listed(things: Iterable[Any], last: str = "and") -> str:

@@ -18,7 +18,7 @@ from stickslip.unpacking import Allowance
 
 _SCALE, _MOST_SCALES = re.compile(r"NI_Number_Of_Scales$|NI_Scale\[(\d+)\]"), 1000
 
-__all__ = ["broken", "library", "parse_tdms"]
+__all__ = ["damage_told", "library", "parse_tdms"]
 
 
 def library(name: str, what: str) -> Any:
@@ -26,15 +26,22 @@ def library(name: str, what: str) -> Any:
     return optional.library("read", name, f'{what} files are read by {name}, which is not installed; type pip install "stickslip[io]"')
 
 
-def broken(what: str, error: Exception) -> InputError:
-    """What to say of a file that a library cannot read."""
-    return InputError("read", [f"the {what} file is damaged ({type(error).__name__}: {str(error)[:120]}); export it again"])
+@contextlib.contextmanager
+def damage_told(what: str) -> Iterator[None]:
+    """Whatever goes wrong inside is said of the file, which is damaged: a damaged file meets a library at any place."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        why = "it asks for more memory than there is" if isinstance(error, MemoryError) else f"{type(error).__name__}: {str(error)[:120]}"
+        raise InputError("read", [f"the {what} file is damaged ({why}); export it again"]) from None
 
 
 def parse_tdms(data: bytes, allowance: Allowance) -> Raw:
     """The channels of a TDMS file, each over the time that its properties give."""
     nptdms, raw = library("nptdms", "TDMS"), Raw("TDMS")
-    try:
+    with damage_told("TDMS"):
         with _heard("nptdms", raw.notes):
             _check_declared(nptdms.TdmsFile.read_metadata(io.BytesIO(data)), allowance)
             file = nptdms.TdmsFile.read(io.BytesIO(data))
@@ -49,10 +56,6 @@ def parse_tdms(data: bytes, allowance: Allowance) -> Raw:
                 name = f"{group.name}.{channel.name}" if several else channel.name
                 unit = channel.properties.get("unit_string") or None
                 raw.columns.append(Column(name, unit, values.astype(float), _waveform_axis(channel, len(values))))
-    except InputError:
-        raise
-    except Exception as error:  # a damaged file meets the library at any place
-        raise broken("TDMS", error) from None
     _check_segments(data, raw.notes)
     raw.table = all(column.axis is None for column in raw.columns)
     if not raw.columns:

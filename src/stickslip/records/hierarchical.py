@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip import hdf5
 from stickslip.errors import InputError
+from stickslip.records.extras import damage_told
 from stickslip.records.matlab_files import vectors
 from stickslip.records.raw import Column, Raw
 from stickslip.unpacking import Allowance
@@ -22,21 +23,14 @@ _DEEPEST = 8  # groups within groups
 def parse_hdf5(data: bytes, allowance: Allowance) -> Raw:
     """The vectors of an HDF5 file, which a netCDF4 or MATLAB 7.3 file is too."""
     raw = Raw("MATLAB 7.3" if data.startswith(b"MATLAB") else "HDF5", table=True)
-    try:
-        with hdf5.opened(io.BytesIO(data), "read", allowance) as file:
-            told = hdf5.attributes(file, allowance, len(data))
-            if "_NCProperties" in told:
-                raw.format = "netCDF4"
-            raw.info |= {str(name): _plain(value) for name, value in told.items() if not str(name).startswith("_")}
-            _check_length(data, raw.notes)
-            for name, item in _datasets(file, raw.notes):
-                _dataset(item, hdf5.attributes(item, allowance, len(data)), raw, name)
-    except InputError:
-        raise
-    except MemoryError:
-        raise _broken("it asks for more memory than there is") from None
-    except Exception as error:  # a damaged file meets the library at any place
-        raise _broken(f"{type(error).__name__}: {str(error)[:120]}") from None
+    with damage_told(raw.format), hdf5.opened(io.BytesIO(data), "read", allowance) as file:
+        told = hdf5.attributes(file, allowance, len(data))
+        if "_NCProperties" in told:
+            raw.format = "netCDF4"
+        raw.info |= {str(name): _plain(value) for name, value in told.items() if not str(name).startswith("_")}
+        _check_length(data, raw.notes)
+        for name, item in _datasets(file, raw.notes):
+            _dataset(item, hdf5.attributes(item, allowance, len(data)), raw, name)
     if not raw.columns:
         raise InputError("read", ["the HDF5 file holds no vector of numbers; save the time and the channels as vectors"])
     return raw
@@ -49,10 +43,6 @@ def _check_length(data: bytes, notes: list[str]) -> None:
     says = int.from_bytes(data[place : place + 8], "little")
     if len(data) not in (says, says + start):
         notes.append(f"the file has {len(data)} bytes and says {says}: bytes were added or lost, and numbers may be shifted")
-
-
-def _broken(why: str) -> InputError:
-    return InputError("read", [f"the file is damaged ({why}); save it again"])
 
 
 def _plain(value: Any) -> Any:
@@ -137,24 +127,17 @@ def parse_netcdf3(data: bytes, allowance: Allowance) -> Raw:
     from scipy.io import netcdf_file
 
     raw, watched = Raw("netCDF3", table=True), _Watched(data, allowance)
-    try:
-        with netcdf_file(watched, "r", mmap=False) as file:
-            for name, variable in file.variables.items():
-                unit = getattr(variable, "units", None)
-                values = np.array(variable[:], float) if variable.shape else np.array(float(variable.getValue()))
-                for mark in ("_FillValue", "missing_value"):
-                    values = np.where(values == getattr(variable, mark, np.nan), np.nan, values)
-                values = values * float(getattr(variable, "scale_factor", 1.0)) + float(getattr(variable, "add_offset", 0.0))
-                if values.ndim == 1 and values.size > 1:
-                    raw.columns.append(Column(name, None if unit is None else str(_plain(unit)), values))
-                elif values.size == 1:
-                    raw.info[name] = values.item()
-    except InputError:
-        raise
-    except MemoryError:
-        raise _broken("it asks for more memory than there is") from None
-    except Exception as error:  # a damaged file meets the library at any place
-        raise _broken(f"{type(error).__name__}: {str(error)[:120]}") from None
+    with damage_told("netCDF"), netcdf_file(watched, "r", mmap=False) as file:
+        for name, variable in file.variables.items():
+            unit = getattr(variable, "units", None)
+            values = np.array(variable[:], float) if variable.shape else np.array(float(variable.getValue()))
+            for mark in ("_FillValue", "missing_value"):
+                values = np.where(values == getattr(variable, mark, np.nan), np.nan, values)
+            values = values * float(getattr(variable, "scale_factor", 1.0)) + float(getattr(variable, "add_offset", 0.0))
+            if values.ndim == 1 and values.size > 1:
+                raw.columns.append(Column(name, None if unit is None else str(_plain(unit)), values))
+            elif values.size == 1:
+                raw.info[name] = values.item()
     if not raw.columns:
         raise InputError("read", ["the netCDF file holds no vector of numbers"])
     if len(data) - watched.furthest > 3:  # variables are padded to four bytes

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import os
-import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +16,7 @@ from stickslip.arguments import Recorded, explains_arguments
 from stickslip.errors import InputError, Problems, as_path, did_you_mean
 from stickslip.records.axes import by_own_times, counted, table_axes
 from stickslip.records.channel import MEASURED, ROLES, Channel
+from stickslip.records.formats import format_of
 from stickslip.records.raw import Column, Raw
 from stickslip.records.record import Record
 from stickslip.records.roles import OURS, remark_range, remarks, roles_of
@@ -157,35 +157,11 @@ def _piped(file: BinaryIO) -> bytes:
 
 def _parsed(data: bytes, separator: str | None, decimal: str | None, byte_order: str | None) -> Raw:
     """What the reader of the format finds."""
-    from stickslip.records import extras, hierarchical, matlab_files as matlab, spreadsheets, text, uff
-
     if not data.strip():
         raise InputError("read", ["the file is empty"])
-    allowance = Allowance("read", len(data))
-    if data[:8] == b"\x89HDF\r\n\x1a\n" or data[512:520] == b"\x89HDF\r\n\x1a\n":
-        return hierarchical.parse_hdf5(data, allowance)
-    if data[:3] == b"CDF" and data[3:4] in (b"\x01", b"\x02"):
-        return hierarchical.parse_netcdf3(data, allowance)
-    if data[:10] == b"MATLAB 5.0" or data[126:128] in (b"IM", b"MI") or _is_matlab4(data):
-        return matlab.parse(data, allowance)
-    if data[:4] == b"TDSm":
-        return extras.parse_tdms(data, allowance)
-    if data[:4] == b"PK\x03\x04":
-        return spreadsheets.parse_xlsx(data, allowance)
-    if re.match(rb"\s*-1[ \t]*\r?\n\s*\d+b?\s", data[:400]):
-        return uff.parse(data, byte_order)
-    return text.parse(data, separator, decimal)
-
-
-def _is_matlab4(data: bytes) -> bool:
-    """Whether the bytes begin with the header of a version 4 matrix: type, rows, columns, imaginary flag, length of the name."""
-    if len(data) < 21:
-        return False
-    for order in ("<", ">"):
-        kind, rows, cols, imaginary, length = (int(x) for x in np.frombuffer(data[:20], f"{order}i4"))
-        if kind in (*range(0, 60, 10), *range(1000, 1060, 10)) and rows > 0 and cols > 0 and imaginary in (0, 1) and 1 < length < 64:
-            return data[20 + length - 1 : 20 + length] == b"\0"
-    return False
+    given = {"allowance": Allowance("read", len(data)), "separator": separator, "decimal": decimal, "byte_order": byte_order}
+    known = format_of(data)
+    return known.reader()(data, *(given[name] for name in known.takes))
 
 
 # ---- what the user adds ----

@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.records.dialects import MOST_BAD, Dialect, heading_cells, sniffed
+from stickslip.records.formats import formats_in_words
 from stickslip.records.labview import with_its_header
 from stickslip.records.raw import Column, Raw
 from stickslip.records.stamps import STAMP_UNIT, Stamped, stamped
@@ -32,14 +33,13 @@ def decoded(data: bytes) -> str:
                 break
     strange = len(data.translate(None, bytes(range(32, 256)) + b"\t\r\n\f\x1a"))
     if strange > 0.01 * len(data) + 2:
-        raise InputError("read", [f"the file is not text ({strange} control characters) and of no format known here; {_FORMATS}"])
+        raise InputError(
+            "read", [f"the file is not text ({strange} control characters) and of no format known here; allowed are {formats_in_words()}"]
+        )
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
         return data.decode("latin-1")
-
-
-_FORMATS = "allowed are CSV, TSV and TXT, JSON, UFF58, MATLAB, TDMS, netCDF, HDF5 and XLSX"
 
 
 def parse(data: bytes, separator: str | None = None, decimal: str | None = None) -> Raw:

@@ -11,7 +11,7 @@ from stickslip.errors import InputError, as_path
 from stickslip.report.mathml import mathml
 from stickslip.storage import moved_into_place, unwritable
 
-__all__ = ["outside_addresses", "page", "svg_address", "write"]
+__all__ = ["grouped", "outside_addresses", "page", "svg_address", "write"]
 
 
 def svg_address(svg: str) -> str:

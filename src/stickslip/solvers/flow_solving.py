@@ -17,6 +17,7 @@ from stickslip.fields import number
 from stickslip.flow import knows_mode, unknown_mode
 from stickslip.flow_run import FlowRun, extremes, polynomials
 from stickslip.solvers.flow_engine import Unfollowed, followed, unknown
+from stickslip.solvers.request import check_keep
 from stickslip.status import Status
 from stickslip.summary import Summary
 
@@ -76,12 +77,7 @@ def asked_of(flow: Any, periods: Any, settle: Any, start: Any, keep: Any, sample
     if not is_one_of(method, ("auto", "exact")):
         judge = 'for the second opinion of SciPy\'s integrator type ss.passage(flow, state, mode, duration, method="dop853")'
         problems.add(f'method = {method!r}; allowed for a flow are "auto" and "exact"; {judge}')
-    if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
-        problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
-    if is_one_of(keep, ("trajectory",)) and labels.shape:
-        problems.add(
-            f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
-        )
+    check_keep(keep, labels, problems)
     problems.whole("samples", samples, 4, example=200)
     states = starts_of(flow, start, labels, problems)
     spans, settled, periods, left = _spans(flow, labels, periods, settle, duration, problems)

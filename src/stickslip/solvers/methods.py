@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from stickslip.engine.refused import refused
+from stickslip.engine.tableaux import TABLEAUX
 from stickslip.errors import InputError
 from stickslip.machine_adapter import machine_of
 
@@ -98,10 +99,10 @@ class TaylorSteps:
 
 @dataclass(frozen=True)
 class Rosenbrock:
-    """Laws with inner states, which are stiff: Rodas4 or Rodas5P, by tolerance unless one is named."""
+    """Laws with inner states, which are stiff: those of `TABLEAUX`, by tolerance unless one is named."""
 
     title: str = "Rosenbrock steps"
-    names: tuple[str, ...] = ("auto", "rodas4", "rodas5p")
+    names: tuple[str, ...] = ("auto", *TABLEAUX)
     observes: bool = True
 
     def accepts(self, model: Any) -> str | None:

@@ -21,7 +21,7 @@ from stickslip.observables import Observable, checked
 from stickslip.solvers.initial_states import start_of_parts
 from stickslip.variables import VARIABLES, unit_of
 
-__all__ = ["LARGEST_START", "Request", "provenance", "request"]
+__all__ = ["LARGEST_START", "Request", "check_keep", "provenance", "request"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,15 +151,20 @@ def _check_size(keep: str, periods: int, samples: int) -> None:
         )  # fmt: skip
 
 
-def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
-    from stickslip.solvers.methods import METHODS
-
+def check_keep(keep: Any, labels: Labels, problems: Problems) -> None:
+    """What is to be kept of a solve, which of a batch are summaries."""
     if keep is not None and not is_one_of(keep, ("trajectory", "summary")):
         problems.add(f'keep = {keep!r}; allowed is "trajectory" or "summary"')
     if is_one_of(keep, ("trajectory",)) and labels.shape:
         problems.add(
             f'keep = "trajectory" is for one case and this is a batch of shape {labels.shape}; type keep="summary", or solve one case'
         )
+
+
+def _check_names(labels: Labels, keep: Any, method: Any, options: dict[str, Any], problems: Problems) -> None:
+    from stickslip.solvers.methods import METHODS
+
+    check_keep(keep, labels, problems)
     if not is_one_of(method, METHODS):
         problems.add(f"method = {method!r} is not known; {did_you_mean(str(method), METHODS)}")
     known = ("steps",) if is_one_of(method, ("rk4",)) else ()

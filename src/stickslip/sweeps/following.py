@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import spread
+from stickslip.engine.tableaux import TABLEAUX
 from stickslip.errors import InputError
 from stickslip.friction.law_adapter import law_of
 from stickslip.machine_adapter import machine_of
@@ -48,7 +49,7 @@ def unfollowed(robot: Any, method: str) -> str | None:
         what = f"a {type(robot).__name__} has several bodies, and a case is started from the state of one"
         return f"continue_along needs the end states of one body, and {what}; leave it out"
     law = law_of(robot)
-    known = ("auto", "rodas4", "rodas5p") if law.dynamic else ("auto", "exact")
+    known = ("auto", *TABLEAUX) if law.dynamic else ("auto", "exact")
     if method in known and law.compiles:
         return None
     what = f"method {method!r} with {law.name}"

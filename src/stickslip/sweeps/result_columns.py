@@ -46,13 +46,7 @@ _CODES = {"status": STATUS, "steadiness": STEADINESS}
 TYPES = ("unsolved", "rest", "presliding", "I", "II", "III", "IV", "other")
 #: Column -> type in memory. Floats stay as they are in files, words become codes, patterns characters. What a machine of several parts
 #: has of each of them is kept as a column for each, by its number: "velocity_max.0".
-COLUMNS: dict[str, str] = {
-    "mean_velocity": "f8", "motion_type": "U10", "pattern": "U32", "direction": "i1", "period": "i2", "margin": "f8",
-    "stick_fraction": "f8", "forward_fraction": "f8", "backward_fraction": "f8", "velocity_max": "f8", "velocity_min": "f8",
-    "body_velocity": "f8", "body_displacement": "f8", "slip_max": "f8", "slip_min": "f8", "friction_power": "f8", "hits": "i4",
-    "impulse_max": "f8", "stop_force_max": "f8", "displacement": "f8", "drive_power": "f8", "cost_of_transport": "f8", "alpha_plus": "f8",
-    "alpha_minus": "f8", "steadiness": "i1", "settling_error": "f8", "periods_run": "i4", "status": "i1",
-}  # fmt: skip
+COLUMNS: dict[str, str] = {name: variable.kept for name, variable in VARIABLES.items() if variable.dims[:1] != ("time",)}
 
 
 def base_of(name: str) -> str:

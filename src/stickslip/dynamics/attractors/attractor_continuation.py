@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.arguments import Maker, Numbers, explains_arguments
-from stickslip.dynamics.attractors.basins import Attractor, on_grid, settled_points, start_axes, told_apart, wilson
+from stickslip.dynamics.attractors.basins import Attractor, grid_of, on_grid, settled_points, start_axes, told_apart, wilson
 from stickslip.dynamics.attractors.bifurcation_diagrams import UNDONE, checked_values, strobe_attrs
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.stroboscopic.chunked_runs import Report
@@ -95,8 +96,7 @@ def attractors(
     if "phase" in (starts or {}):
         raise InputError("attractors", ["phase is not part of the strobe state that is tracked; take ss.basins(robot, phase=...)"])
     axes = start_axes("attractors", at, starts or {}, settle, workers)
-    grid = np.meshgrid(*axes.values(), indexing="ij")
-    table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
+    table = grid_of(axes)
     tracks: list[_Track] = []
     lost, watch = np.full(len(values), UNDONE), Watch(len(values), progress)
     for k in range(len(values)):
@@ -104,7 +104,7 @@ def attractors(
         watch.finished(k, np.zeros(1, int))
         if watch.stopped:
             break
-    return _dataset(robots, parameter, values, tracks, lost, at, grid[0].size)
+    return _dataset(robots, parameter, values, tracks, lost, at, math.prod(map(len, axes.values())))
 
 
 def _at_value(

@@ -24,7 +24,7 @@ from stickslip.sealing import sealed
 from stickslip.solvers.request import LARGEST_START
 from stickslip.status import Status
 
-__all__ = ["Attractor", "Basins", "basins", "settled_points", "start_axes", "told_apart", "wilson"]
+__all__ = ["Attractor", "Basins", "basins", "grid_of", "on_grid", "settled_points", "start_axes", "told_apart", "wilson"]
 
 Array = Any
 _SAME = 1e-4  # two motions whose strobe points and ways differ by less, in scales, are one
@@ -159,12 +159,17 @@ def basins(
     needs_model("basins", model, flows=True)
     at = coordinates(model)
     axes = start_axes("basins", at, starts, settle, workers, model)
-    grid = np.meshgrid(*axes.values(), indexing="ij")
-    table = {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
+    table = grid_of(axes)
     states = on_grid(table, model)
     batch = shifted("basins", model, table["phase"]) if "phase" in table else spread_over(model, len(states))
     ends = settled_points(batch, states, settle, rtol, workers, progress)
     return _gathered(model, axes, *ends, at, rtol, "phase" in table)
+
+
+def grid_of(axes: dict[str, Array]) -> dict[str, Array]:
+    """All combinations of the values on some axes, as columns."""
+    grid = np.meshgrid(*axes.values(), indexing="ij")
+    return {name: column.ravel() for name, column in zip(axes, grid, strict=True)}
 
 
 def on_grid(table: dict[str, Array], model: Any) -> Array:

@@ -9,11 +9,9 @@ import numpy as np
 
 from stickslip.drives.shifted import begun_at
 from stickslip.errors import InputError
-from stickslip.fields import Frozen
 from stickslip.machine_adapter import machine_of
 from stickslip.mechanics import normal_load
-from stickslip.track_profiles import place_grip_of
-from stickslip.tracks import grip_of
+from stickslip.tracks import VaryingInTime, grip_of
 
 __all__ = ["ShiftedTrack", "shifted"]
 
@@ -21,7 +19,7 @@ _SAME = 1e-9  # of the largest value: how well a shifted model must be the model
 
 
 @dataclass(frozen=True, eq=False)
-class ShiftedTrack(Frozen):
+class ShiftedTrack(VaryingInTime):
     """A track whose friction varies in time, as much ahead as the drive.
 
     Parameters
@@ -40,24 +38,6 @@ class ShiftedTrack(Frozen):
 
     track: Any
     phase: float
-
-    def across(self, gravity: Any) -> Any:
-        """Gravity that presses the body on the track [m/s^2]."""
-        return self.track.across(gravity)
-
-    def along(self, gravity: Any) -> Any:
-        """Gravity that pulls the body forwards [m/s^2]."""
-        return self.track.along(gravity)
-
-    @property
-    def grip_at(self) -> Any:
-        """Factor on the friction by place, of the track; None where there is none."""
-        return place_grip_of(self.track)
-
-    @property
-    def wavelength(self) -> Any:
-        """Distance after which the track repeats [m]; None where it does not."""
-        return getattr(self.track, "wavelength", None)
 
     def grip(self, t: Any, period: Any) -> Any:
         """Factor on the friction at a time, for a drive of this period [-]."""
