@@ -362,6 +362,7 @@ def trace_differs(run: Any, judge: TracedRun, looks: int = 40) -> float:
 def _pressed(run: Any, mechanics: Any, t: float) -> bool:
     """Is a stop closed, with no velocity across it?"""
     q, u = tuple(coordinates(run, mechanics, t, "x")), tuple(coordinates(run, mechanics, t, "v"))
-    least = 1e-9 * float(mechanics.velocity_scale)
-    way = least * float(machine_of(run.model).time_scale or 1.0)
+    machine = machine_of(run.model)
+    least = 1e-9 * float(machine.velocity_scale)
+    way = least * float(machine.time_scale or 1.0)
     return any(abs(stop.gap(t, q)) <= way and abs(stop.rate(t, u)) <= least for stop in mechanics.stops)

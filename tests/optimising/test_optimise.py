@@ -257,6 +257,18 @@ def test_bad_input_says_what_to_type(asked, told):
         ss.optimise(TWO, maximise="mean_velocity", **asked)
 
 
+def test_waveforms_have_no_pieces_that_are_shorter_than_any_actuator_can_tell():
+    # one tiny acceleration against seven of the other sign: the motion closes with pieces of 1e-18 of the period, on which runs went wrong
+    rng = np.random.default_rng(0)
+    u = rng.random((17, 500))
+    u[:7], u[7] = 0.5 * u[:7], 0.5 + 10.0 ** rng.uniform(-6, -1, 500)
+    drive = drive_of_waveform(Waveform("pieces", 8), u, Scales(60.0, stroke=0.01))
+    shares = np.array(drive.durations) / drive.period
+    made = np.isfinite(shares).all(axis=0)
+    assert 0 < made.sum() < 500
+    assert shares[:, made].min() > 0.9e-9
+
+
 def test_a_batch_has_no_best():
     with pytest.raises(ss.InputError, match="is a batch"):
         ss.optimise(TWO.replace(gravity=np.array([9.0, 10.0])), over={"drive.u1": (0.1, 0.2)}, maximise="mean_velocity")

@@ -14,6 +14,7 @@ from stickslip.errors import StickslipError
 from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.coexisting import continued, from_other_starts
 from stickslip.optimising.constraints import KEPT, Limit
+from stickslip.optimising.cuts import cuts_of
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.optimum import Optimum, Search
 from stickslip.optimising.peaks import LIMITS, peaks_of
@@ -53,6 +54,8 @@ def told(worth: Candidates, notes: list[str], search: Search) -> Optimum:
         notes=tuple(notes),
         continued=way,
         robust=None if worth.sample is None else worth.sign * worth.least,
+        given_model=space.model,
+        cuts=cuts_of(worth),
     )
 
 

@@ -106,10 +106,7 @@ class Candidates:
         """The objective itself for each row, NaN where there is none, and by how much the row is beyond its limits."""
         U = np.atleast_2d(np.asarray(U, float))
         self.tell(self.tried)
-        machines, good = self._machines(U)
-        values, over, self._rests = np.full(len(U), np.nan), np.zeros(len(U)), np.zeros(len(U), bool)
-        if len(good):
-            values[good], over[good], self._rests[good] = self._values(machines, len(good))
+        values, over, self._rests = self.judged(U)
         self.tried += len(U)
         kept = np.where((over > 0.0) | np.isnan(values), np.inf, values)
         k = int(np.argmin(kept))
@@ -117,6 +114,14 @@ class Candidates:
             self.best, self.least = U[k].copy(), float(kept[k])
             self.history.append((self.tried, self.sign * self.least))
         return values, over
+
+    def judged(self, U: Array) -> tuple[Array, Array, Array]:
+        """The same of a table, and which of its machines rest; nothing of it is remembered."""
+        machines, good = self._machines(U)
+        values, over, rests = np.full(len(U), np.nan), np.zeros(len(U)), np.zeros(len(U), bool)
+        if len(good):
+            values[good], over[good], rests[good] = self._values(machines, len(good))
+        return values, over, rests
 
     def _machines(self, U: Array) -> tuple[Any, Array]:
         """A batch of the rows that make a machine, with every number of the sample, and which these are."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.errors import InputError, did_you_mean
-from stickslip.faces import Face
+from stickslip.faces import Drawn
 from stickslip.optimising.gradients import Gradient
 from stickslip.sealing import sealed
 
@@ -49,8 +49,8 @@ class Search:
 
 @sealed
 @dataclass(frozen=True, eq=False)
-class Optimum(Face):
-    """The best machine that a search found. It is not proved that there is none better.
+class Optimum(Drawn):
+    """The best machine that a search found. It is not proved that there is none better. `stickslip.plot.optimum` draws it.
 
     Parameters
     ----------
@@ -84,6 +84,11 @@ class Optimum(Face):
     continued : float or None
         Mean velocity of the motion that is reached from that of the given machine as its numbers become those of the best one, slowly; a
         note says where it is another one than that from rest. None where no way leads there, as from one kind of drive to another.
+    given_model : Robot or machine, optional
+        The machine that was given.
+    cuts : dict of array (4, points)
+        What one number does from bound to bound while the others stay: by the name of the number the part of the way between its bounds,
+        the number itself, the quantity (over the sample where numbers were uncertain), and 1 where every limit is kept, else 0.
 
     Examples
     --------
@@ -108,6 +113,10 @@ class Optimum(Face):
     notes: tuple[str, ...] = field(default=())
     robust: float | None = None
     continued: float | None = None
+    given_model: Any = None
+    cuts: dict[str, Any] = field(default_factory=dict)
+
+    _drawn_by = "optimum"
 
     def __getitem__(self, name: str) -> Any:
         """A number of the motion or of the drives by its name."""

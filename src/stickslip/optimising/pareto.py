@@ -10,9 +10,11 @@ from stickslip.arguments import Model, explains_arguments
 from stickslip.callbacks import told_of_progress
 from stickslip.errors import InputError, Problems, StickslipError
 from stickslip.fields import leaves
+from stickslip.naming import axis_of
 from stickslip.optimising.optimise import optimise
 from stickslip.optimising.optimum import Optimum
 from stickslip.optimising.results import check_quantity
+from stickslip.variables import VARIABLES, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,6 +57,7 @@ def pareto(
     -------
     xarray.Dataset
         Along the dimension "point", by rising `minimise`: both quantities, and the numbers of the machines that differ between them.
+        `stickslip.plot.front` draws it.
 
     Raises
     ------
@@ -110,5 +113,9 @@ def _dataset(found: list[Optimum], maximise: str, minimise: str) -> xr.Dataset:
     varied = [name for name in numbers[0] if len({each[name] for each in numbers}) > 1]
     columns = {name: [each[name] for each in found] for name in (minimise, maximise)}
     columns |= {name: [each[name] for each in numbers] for name in varied}
-    made = {name: ("point", np.array(values)) for name, values in columns.items()}
+    model = found[0].model
+    told = {name: (VARIABLES[name].long_name, unit_of(name, model)) for name in (minimise, maximise) if name in VARIABLES}
+    told |= {name: axis for name in varied if (axis := axis_of(name, model))}
+    known = {name: {"long_name": label, "units": unit} for name, (label, unit) in told.items()}
+    made = {name: ("point", np.array(values), known.get(name, {})) for name, values in columns.items()}
     return xr.Dataset(made, coords={"point": np.arange(len(found))}, attrs={"maximise": maximise, "minimise": minimise})

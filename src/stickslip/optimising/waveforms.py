@@ -20,6 +20,7 @@ Array = Any
 _KINDS = {"pieces": 2, "fourier": 1, "spline": 4}  # with the least count of each
 _MOST = 64
 _SHORTEST = 0.02  # of the longest duration: that of a piece, before the motion is closed
+_LEAST_PIECE = 1e-9  # of the period: what is shorter is a pulse and no piece
 _LEAST_SHARE = 0.05  # of the longest period within the limits
 _HARMONICS = 2  # of a spline for each of its points: what is left out is a thousandth of it, or less
 
@@ -127,6 +128,7 @@ def _in_pieces(n: int, u: Array, scales: Scales) -> Pieces:
     a = scales.acceleration * (2.0 * u[:n] - 1.0)
     d = _closed(u[:n], _SHORTEST ** (1.0 - u[n : 2 * n]))
     d = d / d.sum(axis=0)
+    d = np.where(d.min(axis=0) < _LEAST_PIECE, np.nan, d)  # as where all accelerations but one tiny one have one sign
     with np.errstate(invalid="ignore"):
         stroke, velocity = _spans(d, a)
         T = _share(u[-1]) * _longest(stroke, velocity, scales)

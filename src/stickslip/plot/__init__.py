@@ -8,6 +8,7 @@ from stickslip.plot.cuts import line_cut
 from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
 from stickslip.plot.flow_runs import states
 from stickslip.plot.maps import motion_map, velocity_map
+from stickslip.plot.optima import front, optimum
 from stickslip.plot.records import autocorrelation, comparison, fitted, record_spectrum, residuals
 from stickslip.plot.runs import forces, phase, velocity
 from stickslip.plot.style import publication
@@ -15,6 +16,6 @@ from stickslip.plot.tornado_chart import tornado
 
 __all__ = [
     "attractors", "autocorrelation", "basins", "bench", "bifurcation", "chaos_map", "comparison", "contacts", "continuation", "convergence",
-    "fitted", "forces", "line_cut", "motion_map", "pattern", "phase", "publication", "record_spectrum", "residuals", "spectrum", "states",
-    "tornado", "velocity", "velocity_map",
+    "fitted", "forces", "front", "line_cut", "motion_map", "optimum", "pattern", "phase", "publication", "record_spectrum", "residuals",
+    "spectrum", "states", "tornado", "velocity", "velocity_map",
 ]  # fmt: skip

@@ -59,7 +59,9 @@ def tornado(found: Bands, ax: Ax = None) -> Any:
         ax.tick_params(axis="y", length=0)
         ax.set_xlabel(named(found.of.replace("_", " "), known.unit if known else "", letter))
         _indices(ax, found, order)
-        legend_above(ax, ncols=2, columnspacing=1.0, handlelength=1.2)
+        handles, labels = ax.get_legend_handles_labels()  # the band comes last: it is of all numbers
+        order_of = sorted(range(len(labels)), key=lambda k: labels[k].startswith("nine"))
+        legend_above(ax, [handles[k] for k in order_of], [labels[k] for k in order_of], ncols=2, columnspacing=1.0, handlelength=1.2)
     return ax
 
 

@@ -1,0 +1,201 @@
+"""Pictures of optima: what each number does beside the best machine, its drive beside the one that was given, and fronts."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+
+from stickslip.arguments import Ax, Grid, Kind, explains_arguments
+from stickslip.drives.within import drives_within
+from stickslip.errors import InputError
+from stickslip.naming import axis_of
+from stickslip.number_names import numbers_meant
+from stickslip.optimising.peaks import LIMITS
+from stickslip.plot.style import COLOURS, DASHES, INK, SHADE, axes, legend_above, named, prefix, publication, scaled
+from stickslip.quantities import pretty_unit
+from stickslip.variables import unit_of
+
+__all__ = ["front", "optimum"]
+
+Best = Annotated[Any, Kind(lambda v: hasattr(v, "cuts"), "what ss.optimise returns; type ss.optimise(robot, over=..., maximise=...)")]
+_MOST = 7  # numbers that are told apart by colour: those that do most
+_STAR: Any = {"marker": "*", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.7, "clip_on": False}
+_SHADED: Any = {"color": SHADE, "linewidth": 0, "zorder": 0}
+_TIMES = 2000  # of a period
+_MOTION = {"relative_acceleration": "acceleration", "relative_velocity": "velocity"}
+
+
+@explains_arguments
+def optimum(found: Best, of: str | None = None, ax: Ax = None) -> Any:
+    """What the numbers that varied do beside the best machine, or its drive beside that of the machine that was given.
+
+    Of numbers there is a line for each, from its lower to its upper bound while the others stay: thin where a limit is not kept, with a
+    star at the best machine. Of one number alone the axis is the number, and what is beyond a limit is shaded. Of a drive it is the
+    relative acceleration over a period, or, where that is infinite, the relative velocity; the shade is beyond its limit.
+
+    Parameters
+    ----------
+    found : Optimum
+        From `stickslip.optimise`.
+    of : {"numbers", "drive"}, optional
+        What is drawn; by default the drive where a waveform was searched.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Raises
+    ------
+    InputError
+        Where no number varied, or the machine has no drive.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> best = ss.optimise(robot, over={"drive.amplitude": (2e-4, 8e-4)}, maximise="mean_velocity")
+    >>> ss.plot.optimum(best).get_xlabel(), ss.plot.optimum(best, of="drive").get_ylabel()
+    ('amplitude of the inner mass $A$ (µm)', 'relative acceleration (m/s²)')
+    """
+    waves = any(not isinstance(what, tuple) for what in found.search.over.values())
+    of = ("drive" if waves else "numbers") if of is None else of
+    if of not in ("numbers", "drive"):
+        raise InputError("plot", [f'of = {of!r}; allowed is "numbers" or "drive"'])
+    if of == "numbers" and not found.cuts:
+        raise InputError("plot", ['of = "numbers": only waveforms varied; type of="drive"'])
+    drives = list(drives_within(found.model)) if of == "drive" else []
+    if of == "drive" and not drives:
+        raise InputError("plot", [f'of = "drive": {type(found.model).__name__} has no drive; type of="numbers"'])
+    with publication():
+        return _drives(found, drives, ax) if of == "drive" else _cuts(found, ax)
+
+
+def _cuts(found: Any, ax: Any) -> Any:
+    """A line for each number."""
+    spans = {name: np.ptp(cut[2][np.isfinite(cut[2])]) for name, cut in found.cuts.items()}
+    names = [name for name in found.cuts if name in sorted(spans, key=lambda name: -spans[name])[:_MOST]]
+    alone = names[0] if len(found.cuts) == 1 else None
+    ax = axes(ax, 2.2 if alone else 2.0 + 0.14 * len(names))
+    best = found[found.of] if found.robust is None else found.robust
+    unit = unit_of(found.of.partition(".")[0], found.model)
+    factor, letter = scaled([best, *(v for name in names for v in found.cuts[name][2] if np.isfinite(v))], unit)
+    right, across = _across(found, alone) if alone else (1.0, "way from the lower to the upper bound")
+    for i, name in enumerate(names):
+        way, number, values, kept = found.cuts[name]
+        x, line = right * (number if alone else way), {"color": COLOURS[i % 7], "linestyle": DASHES[i % 7]}
+        beyond = _beyond(kept == 0.0)
+        ax.plot(x, np.where(kept, factor * values, np.nan), linewidth=1.6, label=None if alone else _told(found, name), zorder=3, **line)
+        ax.plot(x, np.where(beyond, factor * values, np.nan), linewidth=0.6, zorder=2, **line)
+        ax.plot(np.interp(_best(found, name), number, x), best * factor, color=COLOURS[i % 7], zorder=8, **_STAR)
+        if alone and beyond.any():
+            ax.fill_between(x, 0.0, 1.0, where=beyond, transform=ax.get_xaxis_transform(), label="beyond a limit", **_SHADED)
+    if not alone and not all(np.all(found.cuts[name][3]) for name in names):
+        ax.plot([], [], color=INK, linewidth=0.6, label="thin: beyond a limit")
+    ax.set_xlim(x[0], x[-1])
+    ax.set_xlabel(across)
+    ax.set_ylabel(named(f"{found.of.replace('_', ' ')}{'' if found.robust is None else ' over the sample'}", pretty_unit(unit), letter))
+    if ax.get_legend_handles_labels()[1]:
+        legend_above(ax, ncols=1)
+    return ax
+
+
+def _across(found: Any, name: str) -> tuple[float, str]:
+    """The prefix of one number, and the label of its axis."""
+    label, unit = axis_of(name, found.model) or (name, "1")
+    factor, letter = scaled(found.cuts[name][1], unit)
+    return factor, named(label, pretty_unit(unit), letter)
+
+
+def _told(found: Any, name: str) -> str:
+    """A number with its best value and its bounds."""
+    unit = (axis_of(name, found.model) or ("", "1"))[1]
+    low, high = found.search.over[name]
+    factor, letter = scaled([high, low], unit)
+    shown = "" if unit == "1" else f" {letter}{pretty_unit(unit)}"
+    return f"{name} = {factor * _best(found, name):.4g}{shown}  ({factor * low:.4g} to {factor * high:.4g})"
+
+
+def _best(found: Any, name: str) -> float:
+    """A number of the best machine; of several that are moved together the first."""
+    return float(found.varied[numbers_meant(name, found.varied)[0]])
+
+
+def _beyond(beyond: Any) -> Any:
+    """Points beyond a limit and those next to them, so that lines meet."""
+    return beyond | np.append(beyond[1:], False) | np.append(False, beyond[:-1])
+
+
+def _drives(found: Any, drives: list[Any], ax: Any) -> Any:
+    """The drives of both machines over a period, those that are the same once."""
+    ax = axes(ax)
+    given = list(drives_within(found.given_model))
+    limited = [name for name in _MOTION if name in found.search.subject_to]
+    finite = [name for name in (*limited, *_MOTION) if np.isfinite(found.values[name]) and np.isfinite(found.given[name])]
+    name = finite[0]
+    curves = [(_curve(drive, name), _curve(before, name)) for drive, before in zip(drives, given, strict=True)]
+    factor, letter = prefix(*(y for pair in curves for y in pair)) if name == "relative_velocity" else (1.0, "")
+    x = np.arange(_TIMES) / _TIMES
+    for i, (new, old) in enumerate(curves):
+        number = f", drive {i}" if len(curves) > 1 else ""
+        ax.plot(x, factor * old, color=COLOURS[i % 7], linestyle=DASHES[1], linewidth=0.8, label=f"as given{number}", zorder=3)
+        ax.plot(x, factor * new, color=COLOURS[i % 7], label=f"best{number}", zorder=4)
+    high = found.search.subject_to.get(name, (None, None))[1]
+    if high is not None:
+        reach = 1.15 * max(factor * high, *(np.max(abs(factor * y)) for pair in curves for y in pair))
+        for side in (1.0, -1.0):
+            label = "beyond the limit" if side > 0 else None
+            ax.axhspan(side * factor * high, side * reach, label=label, **_SHADED)
+        ax.set_ylim(-reach, reach)
+    ax.axhline(0.0, color=INK, linewidth=0.5, zorder=1)
+    ax.set_xlim(0.0, 1.0)
+    ax.set_xlabel("part of the drive period")
+    ax.set_ylabel(named(name.replace("_", " "), pretty_unit(LIMITS[name]), letter))
+    legend_above(ax, ncols=3, columnspacing=1.0)
+    return ax
+
+
+def _curve(drive: Any, name: str) -> Any:
+    """A drive's motion over its period."""
+    times = np.arange(_TIMES) / _TIMES * float(drive.period)  # the end of the period is the beginning of the next
+    return np.broadcast_to(getattr(drive, _MOTION[name])(times), times.shape)
+
+
+@explains_arguments
+def front(found: Grid, ax: Ax = None) -> Any:
+    """The front of two quantities: for each level of the one that is to be small the largest of the other.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `stickslip.pareto`.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure if not given.
+
+    Returns
+    -------
+    matplotlib Axes
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=5e-4, law="coulomb")
+    >>> found = ss.pareto(robot, over={"drive.amplitude": (3e-4, 8e-4)}, maximise="mean_velocity", minimise="drive_power", points=3)
+    >>> ax = ss.plot.front(found)
+    >>> ax.get_xlabel(), ax.get_ylabel()
+    ('drive power (mW)', 'mean velocity (mm/s)')
+    """
+    names = [getattr(found, "attrs", {}).get(word) for word in ("minimise", "maximise")]
+    if None in names or not set(names) <= set(getattr(found, "data_vars", {})):
+        raise InputError("plot", [f"{type(found).__name__} without a front; allowed is the Dataset of ss.pareto"])
+    (right, side), (up, mark) = (scaled(found[name].values, found[name].attrs.get("units", "1")) for name in names)
+    labels = [f"{str(name).replace('_', ' ')}" for name in names]
+    units = [pretty_unit(found[name].attrs.get("units", "1")) for name in names]
+    with publication():
+        ax = axes(ax, 2.2)
+        ax.plot(right * found[names[0]].values, up * found[names[1]].values, ".-", color=COLOURS[0], markersize=5, clip_on=False)
+        ax.set_xlabel(named(labels[0], units[0], side))
+        ax.set_ylabel(named(labels[1], units[1], mark))
+    return ax
