@@ -98,13 +98,13 @@ def _widget_class() -> Any:
     except ImportError:
         raise InputError("widget", ['it needs anywidget, which is not installed; type pip install "stickslip[widget]"']) from None
 
-    class Widget(anywidget.AnyWidget):  # type: ignore[misc]
+    class Widget(anywidget.AnyWidget):
         """Sliders and curves of one machine; `state` is what the page asks for, `answer` what it draws."""
 
         _esm = _asset("widget.js")
         _css = _asset("widget.css")
         title = traitlets.Unicode().tag(sync=True)
-        sliders = traitlets.List().tag(sync=True)
+        sliders: Any = traitlets.List().tag(sync=True)
         state = traitlets.Dict().tag(sync=True)
         answer = traitlets.Dict().tag(sync=True)
 
