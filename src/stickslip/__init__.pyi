@@ -112,6 +112,7 @@ from .errors import (
     SolveError as SolveError,
     StickslipError as StickslipError,
 )
+from .explorer.widget import widget as widget
 from .exporting import (
     ExportedLaw as ExportedLaw,
     export_law as export_law,

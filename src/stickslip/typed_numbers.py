@@ -30,10 +30,10 @@ def has_unit(text: str) -> bool:
 
     Examples
     --------
-    >>> has_unit("0.55 mm"), has_unit("0.55"), has_unit("lugre")
+    >>> has_unit("0.55 mm"), has_unit("5e-4"), has_unit("lugre")
     (True, False, False)
     """
-    return _TYPED.fullmatch(text.replace("−", "-")) is not None
+    return _TYPED.fullmatch(text.replace("−", "-")) is not None and not re.fullmatch(r"\S*\de[+-]?\d+", text.strip(), re.IGNORECASE)
 
 
 def in_unit(value: Any, unit: str) -> Any:

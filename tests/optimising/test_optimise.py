@@ -366,3 +366,15 @@ def test_a_search_leaves_a_plateau_of_rest(seed):
     # where all peaks come together, in the middle of the period or anywhere else: shifting time changes no speed
     together = made.replace({f"drive.amplitudes.{i}": a for i, a in enumerate(most)} | {f"drive.phases.{i}": np.pi / 2 for i in range(3)})
     assert best["mean_velocity"] >= ss.periodic_orbit(together).mean_velocity * (1 - 1e-6) > 0.0
+
+
+def test_bounds_and_limits_may_have_units():
+    robot = ss.presets.piezo_rig(tilt_deg=3.0, amplitude=5e-4, law="coulomb")
+    over = {"drive.amplitude": ("0.1 mm", "0.7 mm"), "drive.omega": ("10 Hz", "100 rad/s")}
+    noted = Problems("optimise")
+    found = {each.name: (each.low, each.high) for each in checked_over(robot, over, noted)}
+    assert found == {"drive.amplitude": (1e-4, 7e-4), "drive.omega": (pytest.approx(20 * np.pi), 100.0)}
+    [stroke, speed] = checked_limits(robot, {"stroke": (None, "1.4 mm"), "mean_velocity": ("1 mm/s", None)}, noted)
+    assert stroke.high == pytest.approx(1.4e-3) and speed.low == pytest.approx(1e-3) and noted.found == []
+    checked_over(robot, {"drive.amplitude": ("1 s", "2 s"), "drive.frequency": (1.0, 2.0)}, noted)
+    assert "allowed is (low, high)" in noted.found[0] and "the frequency is omega, in rad/s; type drive.omega=80pi" in noted.found[1]

@@ -76,3 +76,11 @@ def test_a_report_prints_as_lines(results):
 @pytest.mark.parametrize(("value", "error", "text"), [(0.1797921, 0.00112, "0.1798"), (-np.inf, 0.0, "-inf"), (7961.23, 720.0, "7960")])
 def test_numbers_have_the_digits_that_their_error_leaves(value, error, text):
     assert rounded(value, error) == text
+
+
+def test_motions_print_as_sentences():
+    robot = ss.presets.piezo_rig(tilt_deg=1.7, amplitude=4.2e-4, law="coulomb")
+    assert str(ss.motion(ss.solve(robot, periods=60))).startswith("Motion: type I; pattern +0−0; repeats after 1 drive period; margin ")
+    assert str(ss.motion(ss.solve(ss.Chain.example(), periods=60))).splitlines()[1].startswith("  contact module 1, pattern +−, forward ")
+    record = ss.virtual_rig(robot, noise=1e-4)
+    assert str(record.motion()) == record.motion().verdict

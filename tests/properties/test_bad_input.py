@@ -452,3 +452,16 @@ def test_a_load_that_is_neither_number_nor_function_of_time_and_place_is_said(pa
 def test_a_chain_without_links_says_what_to_type():
     with pytest.raises(ss.InputError, match=r"link has 0 links for 2 bodies; .* type link=ss.Spring"):
         ss.Chain((robot(), robot()), link=())
+
+
+def test_values_without_a_name_are_told_with_the_names_that_they_need():
+    rig = ss.presets.piezo_rig
+    says(
+        lambda: ss.continuation(rig, "mu0", 0.048, 0.046), "allowed without a name is make", "type parameter='mu0', start=0.048, stop=0.046"
+    )
+    says(lambda: ss.bifurcation(rig, "mu0", (0.034, 0.05)), "type parameter='mu0', values=(0.034, 0.05)")
+
+
+def test_a_law_that_a_preset_does_not_have_is_told_how_to_be_given():
+    says(lambda: ss.presets.piezo_rig(1.7, 5e-4, law="stribeck"), 'incline="gravity").replace(friction=')
+    says(lambda: ss.presets.piezo_rig(1.7, 5e-4, law="coulom"), "did you mean 'coulomb'?")

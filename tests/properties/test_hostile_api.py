@@ -57,6 +57,7 @@ def examples():
         "motion": (ss.motion, {"run": run, "slip_ratio": 0.75, "dwell": 0.03}), "energy": (ss.energy, {"run": run}),
         "periodic_mean_velocity": (ss.periodic_mean_velocity, {"model": robot, "periods": 50, "rtol": 1e-6}),
         "strobe": (ss.strobe, {"run": run, "phase": 0.1, "settle": 1}),
+        "widget": (ss.widget, {"model": robot, "numbers": ["drive.amplitude"], "periods": 3, "duration": None, "start": None}),
         "poincare": (ss.poincare, {"run": run, "on": "v", "value": 0.0, "direction": 1, "settle": 1}),
         "spectrum": (ss.spectrum, {"run": run, "column": "v", "harmonics": 4, "periods": 1}),
         "mirrored": (ss.mirrored, {"robot": robot}), "dimensionless": (ss.dimensionless, {"robot": robot}), "latex": (ss.latex,

@@ -18,19 +18,19 @@ __all__ = ["COMMANDS", "act_of", "main"]
 
 #: Command -> (module, what it does).
 COMMANDS = {
-    "run": ("run", "simulate one robot and say how it moves"),
-    "check": ("check", "solve one robot by several methods: how many digits are certain?"),
+    "run": ("run", "simulate one robot and report its motion"),
+    "check": ("check", "solve one robot with several methods and count the certain digits"),
     "sweep": ("sweep", "simulate a robot over a grid of its numbers"),
     "bench": ("bench", "friction laws on the test bench: how each behaves by itself"),
     "export-law": ("exported", "a friction law as C, MATLAB, TOML or attributes of a MuJoCo joint"),
     "map": ("plane", "simulate a robot over a plane and draw the map"),
-    "resume": ("resuming", "go on with a study that was interrupted"),
+    "resume": ("resuming", "continue a study that was interrupted"),
     "merge": ("studies", "merge the shards of a sweep"),
     "export": ("studies", "write the results of a sweep as one .nc, .mat, .csv, .xlsx or .parquet file"),
     "bifurcation": ("bifurcation", "bifurcations along one parameter: diagram, branches, folds and flips"),
-    "basins": ("basins", "basins of attraction: which start leads to which motion"),
+    "basins": ("basins", "basins of attraction: which initial state leads to which motion"),
     "lyapunov": ("lyapunov", "Lyapunov exponents: periodic, quasi-periodic or chaotic?"),
-    "report": ("report", "one robot, one run or one study as an HTML page that needs nothing else"),
+    "report": ("report", "one robot, one run or one study as a self-contained HTML page"),
     "init": ("init", "write a commented study file to start from"),
     "read": ("read", "read a measured record: channels, rate, gaps, noise, motion"),
     "compare": ("compare", "compare a measured record with friction laws"),
@@ -42,7 +42,7 @@ COMMANDS = {
     "laws": ("lists", "friction laws"),
     "drives": ("lists", "drives of the inner mass"),
     "mechanisms": ("lists", "test benches: a mass with a spring and one contact"),
-    "doctor": ("doctor", "versions, the cache folder and what is wrong with them"),
+    "doctor": ("doctor", "versions, the cache folder, and any problems"),
     "warmup": ("doctor", "compile the usual kernels now instead of at their first use"),
     "completion": ("completion", "shell completion for bash, zsh or fish"),
 }
@@ -69,7 +69,7 @@ examples
   stickslip bench lugre dahl mu_plus=0.16 mu_minus=0.16 --figure laws.png
   stickslip paper
 
-`stickslip COMMAND --help` explains one command, with an example and what it prints; every command takes --json.
+`stickslip COMMAND --help` explains one command, with an example and its output; every command accepts --json.
 Exit codes: 0 done, 1 something could not be computed, 2 the input was wrong.
 """
 

@@ -1,4 +1,4 @@
-"""``stickslip basins``: basins of attraction: which start leads to which motion."""
+"""``stickslip basins``: basins of attraction: which initial state leads to which motion."""
 
 from __future__ import annotations
 

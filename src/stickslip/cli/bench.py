@@ -28,11 +28,11 @@ example: stickslip bench lugre dahl mu_plus=0.16 mu_minus=0.16 --figure laws.png
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(
-        command, "Do the standard experiments of the friction literature on one law or several.", robot=False, more=_MORE, code=True
+        command, "Perform the standard experiments of the friction literature on one or more laws.", robot=False, more=_MORE, code=True
     )
     made.add_argument("words", metavar="LAW | NAME=VALUE", nargs="*", default=[], help="laws, and numbers that are set")
     made.add_argument("--figure", metavar="FILE", help="draw all experiments (.png, .svg or .pdf)")
-    made.add_argument("--only", metavar="NAME", action="append", help="do this experiment alone; may be given several times")
+    made.add_argument("--only", metavar="NAME", action="append", help="perform only this experiment (may be repeated)")
     asked = made.parse_intermixed_args(words)
     figure = show.writable("--figure", asked.figure, (".png", ".svg", ".pdf"))
     laws, own = asked_laws(asked.words)

@@ -17,7 +17,7 @@ def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(
         command,
-        "What a motion becomes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
+        "How a motion changes along one number, given as NAME=a..b:n: strobe points after settling, upwards and downwards.",
     )
     made.add_argument("--follow", action="store_true", help="also follow the periodic motions, stable or not, and find folds and flips")
     made.add_argument("--period", type=int, default=1, metavar="P", help="period of the branch that --follow begins with (default 1)")

@@ -10,7 +10,7 @@ __all__ = ["act"]
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Let several methods solve one robot and say how many digits of its mean velocity are certain.")
+    made = parser(command, "Solve one robot with several methods and report how many digits of its mean velocity are certain.")
     made.add_argument("--no-scipy", action="store_true", help="leave out scipy's integrator, which takes most of the time")
     asked = made.parse_intermixed_args(words)
     study = subject(asked.robot, asked.settings, solver=("periods", "duration", "rtol", "start.x", "start.v", "start.z"), strict=False)

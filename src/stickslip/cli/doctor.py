@@ -27,7 +27,7 @@ def act(command: str, words: list[str]) -> int:
 
 # ---- doctor ----
 def _doctor(words: list[str]) -> int:
-    asked = parser("doctor", "Show versions and the cache folder, and what is wrong with them.", robot=False).parse_args(words)
+    asked = parser("doctor", "Show versions, the cache folder, and any problems.", robot=False).parse_args(words)
     record = _findings()
     if asked.json:
         show.print_json(record)

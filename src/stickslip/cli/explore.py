@@ -12,8 +12,8 @@ __all__ = ["act"]
 
 _MORE = """\
 With ROBOT the page opens with its numbers: a preset, a study file (such as the study.toml that the page saves), or a function of your own.
-A chain, a bench, a machine or a robot with parts of your own has a page with a slider for each of its numbers. The page needs nothing
-from elsewhere. It is served to this machine alone, unless --host says otherwise. Its address carries a token: whoever has it may use
+A chain, a bench, a machine or a robot with parts of your own has a page with a slider for each of its numbers. The page works without
+a network. It is served to this machine only, unless --host says otherwise. Its address carries a token: whoever has it may use
 this machine's processors, and nobody else. --no-token does without, for an address to be kept as a bookmark on a machine that has no
 other users. Ctrl-C ends it.
 """
@@ -22,12 +22,16 @@ other users. Ctrl-C ends it.
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(
-        command, "Open a page with a slider for each number of a robot, and see its motion at once.", robot=False, more=_MORE, code=True
+        command,
+        "Open a page with a slider for each number of a robot, and see how it moves.",
+        robot=False,
+        more=_MORE,
+        code=True,
     )
     made.add_argument("robot", metavar="ROBOT", nargs="?", help="preset, TOML study file or module:function to begin with (optional)")
     made.add_argument("settings", metavar="NAME=VALUE", nargs="*", default=[], help="numbers of the robot (optional)")
     made.add_argument("--port", metavar="N", default="8765", help="port to serve on; 0 takes a free one (8765)")
-    made.add_argument("--host", metavar="HOST", default="127.0.0.1", help="where to listen (127.0.0.1: this machine alone)")
+    made.add_argument("--host", metavar="HOST", default="127.0.0.1", help="where to listen (127.0.0.1: this machine only)")
     made.add_argument("--workers", metavar="N", help="threads that compute (as many as there are processors, from 2 to 8)")
     made.add_argument("--no-token", action="store_true", help="let every user of this machine use the page, at an address without a token")
     made.add_argument("--no-browser", action="store_true", help="only print the address")

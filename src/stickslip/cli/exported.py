@@ -23,10 +23,10 @@ def act(command: str, words: list[str]) -> int:
     """Do the command."""
     from stickslip.exporting import LANGUAGES, export_law
 
-    made = parser(command, "Write a friction law as source of another language, with its numbers.", robot=False, more=_MORE, code=True)
+    made = parser(command, "Write a friction law as source code in another language, with its numbers.", robot=False, more=_MORE, code=True)
     made.add_argument("words", metavar="LAW | NAME=VALUE", nargs="*", default=[], help="a law, and numbers that are set")
     made.add_argument("--as", dest="language", metavar="LANGUAGE", default="c", help=f"{', '.join(LANGUAGES)} (default c)")
-    made.add_argument("--name", metavar="NAME", help="what the functions or the joint are called (default: the law's name)")
+    made.add_argument("--name", metavar="NAME", help="name of the functions or the joint (default: the law's name)")
     made.add_argument("--load", metavar="N", type=float, help="of mujoco: load on the contact [N]")
     made.add_argument("--speeds", metavar="A..B", help="of mujoco: slowest and fastest [m/s]")
     made.add_argument("--armature", metavar="J", type=float, default=0.0, help="of mujoco: inertia of the rotor at the joint [kg m^2]")

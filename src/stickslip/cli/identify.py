@@ -55,9 +55,9 @@ _KEYS = (
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    about = "Fit parameters of a robot, or of a friction law, to measured records, with intervals and what the residuals say."
+    about = "Fit parameters of a robot, or of a friction law, to measured records, with intervals and a check of the residuals."
     made = parser(command, about, robot=_ROBOT, more=_MORE)
-    made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (again for more)")
+    made.add_argument("--record", metavar="FILE", action="append", default=[], help="a measured record (may be repeated)")
     made.add_argument("--mean", metavar="V,V", help="mean velocities instead of records [m/s]")
     made.add_argument(
         "--free", metavar="NAME=A..B", action="append", default=[], help="a free parameter and its bounds; :log behind it for its logarithm"

@@ -47,13 +47,13 @@ def act(command: str, words: list[str]) -> int:
 
 
 def _parser(command: str) -> Parser:
-    made = parser(command, "Write a study file to begin with: a preset, or a robot with any law and drive, a remark on every line.", False)
+    made = parser(command, "Write a commented study file to start from: a preset, or a robot with any law and drive.", False)
     made.add_argument("file", metavar="FILE", nargs="?", help="the .toml file to write (default: on stdout)")
     made.add_argument("--preset", metavar="NAME", help="begin with this preset (default piezo_rig)")
-    made.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a number of the preset (again for more)")
+    made.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a number of the preset (may be repeated)")
     made.add_argument("--law", metavar="NAME", help="with this law, its numbers an example (see `stickslip laws`)")
     made.add_argument("--drive", metavar="NAME", help="with this drive, its numbers an example (see `stickslip drives`)")
-    made.add_argument("--force", action="store_true", help="write over a file that is there")
+    made.add_argument("--force", action="store_true", help="overwrite an existing file")
     return made
 
 

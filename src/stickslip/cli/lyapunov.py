@@ -14,7 +14,7 @@ __all__ = ["act"]
 
 _MORE = """\
 values
-  mu0=0.04                one motion: all exponents, and what kind of motion it is
+  mu0=0.04                one motion: all exponents, and the kind of motion
   mu0=0.03..0.06:100      several: period number and largest exponent for each
   mu0=0.03..0.21:60:log amplitude=2.5e-4..9.5e-4:60 workers=2      a map
 """
@@ -24,11 +24,10 @@ def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(
         command,
-        "Lyapunov exponents per drive period, and what kind of motion it is: periodic, quasi-periodic or chaotic. "
-        "Over one or two ranges: a map.",
+        "Lyapunov exponents per drive period, and the kind of motion: periodic, quasi-periodic or chaotic. Over one or two ranges: a map.",
         more=_MORE,
     )
-    add_targets(made, "how they converge, or the map", "how they converge, or the map")
+    add_targets(made, "their convergence, or the map", "their convergence, or the map")
     asked = made.parse_intermixed_args(words)
     check_driven(command, asked.robot)
     return finish(asked, targets(asked), (_map if _several(asked) else _one)(asked))

@@ -19,7 +19,7 @@ what varies, by names of the machine's numbers (`stickslip init` lists them with
   --over drive=pieces:4               a waveform: pieces:N, fourier:N or spline:N
 limits, of stroke, relative_velocity and relative_acceleration of the drives and of results
   --limit stroke=..0.01 --limit mean_velocity=2e-3..
-what is not known exactly
+uncertain numbers
   --uncertain friction.mu_plus=0.13..0.17 --uncertain friction.mu_minus=0.25+-0.01 --uncertain track.tilt=0.03+-1%
 
 A study file says the same in TOML, and --out writes such a file with the best machine in it:
@@ -32,7 +32,7 @@ A study file says the same in TOML, and --out writes such a file with the best m
   [optimise.robust]
   "friction.mu_plus" = ["uniform", 0.13, 0.17]
 
-Ctrl-C ends the search; the best so far is told and written."""
+Ctrl-C ends the search; the best so far is printed and written."""
 _TOLD = (
     ("mean velocity", "mean_velocity", "m/s"), ("drive power", "drive_power", "W"), ("cost of transport", "cost_of_transport", ""),
     ("stroke", "stroke", "m"), ("relative velocity", "relative_velocity", "m/s"),
@@ -43,22 +43,18 @@ _TOLD = (
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(command, "Find the best numbers and drives of a robot or a machine, within limits.", more=_MORE)
+    made.add_argument("--over", metavar="NAME=A..B", action="append", default=[], help="what varies, with its bounds (may be repeated)")
+    made.add_argument("--maximise", metavar="NAME", help="what to maximise: a column of a sweep (default: mean_velocity)")
+    made.add_argument("--minimise", metavar="NAME", help="what to minimise instead, such as cost_of_transport")
     made.add_argument(
-        "--over", metavar="NAME=A..B", action="append", default=[], help="what varies, and between which bounds (again for more)"
+        "--limit", metavar="NAME=A..B", action="append", default=[], help="a limit; either end may be omitted (may be repeated)"
     )
-    made.add_argument("--maximise", metavar="NAME", help="what is to be large: a column of a sweep (default: mean_velocity)")
-    made.add_argument("--minimise", metavar="NAME", help="what is to be small instead, such as cost_of_transport")
-    made.add_argument(
-        "--limit", metavar="NAME=A..B", action="append", default=[], help="a limit; either end may be missing (again for more)"
-    )
-    made.add_argument(
-        "--uncertain", metavar="NAME=A..B", action="append", default=[], help="a number that is not known exactly (again for more)"
-    )
-    made.add_argument("--quantile", type=float, help="the part of the sample that may be worse than what counts (default: none of it)")
+    made.add_argument("--uncertain", metavar="NAME=A..B", action="append", default=[], help="an uncertain number (may be repeated)")
+    made.add_argument("--quantile", type=float, help="the fraction of the sample that may be worse than what counts (default: none of it)")
     made.add_argument("--starts", metavar="WORD", help="closed: begin also with drives known in closed form (default); none: without")
     made.add_argument("--seed", type=int, help="the same seed gives the same result (0)")
     made.add_argument("--out", metavar="FILE", help="write the best machine as a study file (.toml)")
-    made.add_argument("--search", metavar="FILE", help="write a record of the search (.json): what was asked, tried and found")
+    made.add_argument("--search", metavar="FILE", help="write a record of the search (.json): options, candidates, result")
     made.add_argument("--report", metavar="FILE", help="write an offline HTML page (.html)")
     asked = made.parse_intermixed_args(words)
     files = [
@@ -154,4 +150,4 @@ def _text(record: dict[str, Any], best: Any, written: list[str]) -> str:
         ("candidates", str(best.tried)),
         *(("written", path) for path in written),
     ]
-    return f"{record['robot']}: {best.of} made {'large' if best.search.maximised else 'small'}\n{show.facts(rows)}"
+    return f"{record['robot']}: {best.of} {'maximised' if best.search.maximised else 'minimised'}\n{show.facts(rows)}"

@@ -16,7 +16,7 @@ __all__ = ["act"]
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(command, "Reproduce the paper: its table, figures 6 to 30, claims and errata, as one offline HTML report.", robot=False)
-    made.add_argument("--out", metavar="FOLDER", default="stickslip-paper", help="where to (default: ./stickslip-paper)")
+    made.add_argument("--out", metavar="FOLDER", default="stickslip-paper", help="where to write it (default: ./stickslip-paper)")
     made.add_argument("--fast", action="store_true", help="a subset that takes about a minute")
     asked = made.parse_args(words)
     folder = as_path(asked.out, "paper")

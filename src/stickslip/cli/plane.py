@@ -26,7 +26,11 @@ examples
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Simulate a robot over a plane: two of its numbers are ranges a..b:n. Draw what it does.", more=_MORE)
+    made = parser(
+        command,
+        "Simulate a robot over a plane of two of its numbers, given as ranges a..b:n, and draw maps.",
+        more=_MORE,
+    )
     add_options(made, designs=False)
     made.add_argument("--refine", action="store_true", help="compute only where the motion changes")
     made.add_argument("--figure", metavar="FILE", help="draw the motion types (.png, .svg or .pdf)")

@@ -56,12 +56,12 @@ def in_words_of_the_shell() -> Iterator[None]:
 def add_options(made: Parser) -> None:
     """The options that say what a file does not."""
     made.add_argument(
-        "--unit", metavar="NAME=UNIT", action="append", default=[], help="unit of a channel, such as LDV=m/s (again for more)"
+        "--unit", metavar="NAME=UNIT", action="append", default=[], help="unit of a channel, such as LDV=m/s (may be repeated)"
     )
-    made.add_argument("--role", metavar="NAME=ROLE", action="append", default=[], help="what a channel is for, such as LDV=velocity")
+    made.add_argument("--role", metavar="NAME=ROLE", action="append", default=[], help="role of a channel, such as LDV=velocity")
     made.add_argument("--scale", metavar="NAME=VALUE", action="append", default=[], help='sensitivity of a sensor, such as "LDV=25 mm/s/V"')
     made.add_argument("--columns", metavar="A,B,...", help='headings of all columns, such as "t [ms],v [mm/s]"')
-    made.add_argument("--separator", metavar="MARK", help='what parts the columns of a text file, such as ";" or tab')
+    made.add_argument("--separator", metavar="MARK", help='separator of the columns of a text file, such as ";" or tab')
     made.add_argument("--decimal", metavar="MARK", choices=(".", ","), help='decimal mark of a text file, "." or ","')
     made.add_argument("--rate", metavar="HZ", type=float, help="samples per second, for a file without times")
     made.add_argument(

@@ -17,7 +17,7 @@ def act(command: str, words: list[str]) -> int:
     """Do the command."""
     made = parser(command, "Write one HTML page about a robot (it is solved now), a run (.nc) or a study (a folder, or .nc of a sweep).")
     made.add_argument("--out", metavar="FILE", default="report.html", help="the .html file to write (default: report.html)")
-    made.add_argument("--title", metavar="TEXT", help="what stands at its top")
+    made.add_argument("--title", metavar="TEXT", help="its heading")
     asked = made.parse_intermixed_args(words)
     target = show.writable("--out", asked.out, (".html",))
     typed = " ".join(["stickslip report", asked.robot, *asked.settings])

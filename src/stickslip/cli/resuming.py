@@ -26,7 +26,7 @@ FOLDER/command.json first, if somebody sent it."""
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Go on with a study that was interrupted.", robot=False, more=_MORE, code=True)
+    made = parser(command, "Continue a study that was interrupted.", robot=False, more=_MORE, code=True)
     made.add_argument("folder", metavar="FOLDER", help="the study folder")
     made.add_argument("more", metavar="NAME=VALUE | --option", nargs="*", help="arguments and options to add")
     asked, _ = made.parse_known_args(words)

@@ -18,7 +18,7 @@ DATA = (".nc", ".mat", ".csv", ".xlsx")
 
 def act(command: str, words: list[str]) -> int:
     """Do the command."""
-    made = parser(command, "Simulate one robot, mechanism or machine and say how it moves.")
+    made = parser(command, "Simulate one robot, mechanism or machine and report its motion.")
     made.add_argument("--figure", metavar="FILE", help="draw velocity and phase portrait (.png, .svg or .pdf)")
     made.add_argument("--data", "--out", metavar="FILE", help="write every column (.nc, .mat, .csv or .xlsx)")
     asked = made.parse_intermixed_args(words)

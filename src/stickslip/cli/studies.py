@@ -20,7 +20,7 @@ def act(command: str, words: list[str]) -> int:
 
 
 def _merge(command: str, words: list[str]) -> int:
-    made = parser(command, "Put the shards of one study together, as if it had been one run.", robot=False)
+    made = parser(command, "Merge the shards of one study, as if it had been one run.", robot=False)
     made.add_argument("folders", metavar="FOLDER", nargs="+", help="study folders of the shards")
     made.add_argument("--out", metavar="FOLDER", required=True, help="the study folder to make")
     made.add_argument("--partial", action="store_true", help="tiles may be missing")

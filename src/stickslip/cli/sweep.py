@@ -24,7 +24,7 @@ _MORE = """\
 values
   amplitude=4e-4          one value
   law=lugre,coulomb       several
-  amplitude=4e-4..8e-4:9  nine from 4e-4 to 8e-4; amplitude=1e-4..1e-3:9:log: each larger than the last by one factor
+  amplitude=4e-4..8e-4:9  nine from 4e-4 to 8e-4; amplitude=1e-4..1e-3:9:log: logarithmically spaced
 
 examples
   stickslip sweep piezo_rig law=lugre,coulomb tilt_deg=1.7 amplitude=4e-4..8e-4:9 --out grid.nc
@@ -71,7 +71,7 @@ def act(command: str, words: list[str]) -> int:
 def add_options(made: Parser, designs: bool = True) -> None:
     """Options that sweep and map share."""
     made.add_argument("--out", metavar="PATH", help="a study folder, filled tile by tile, or a .nc, .mat, .csv, .xlsx or .parquet file")
-    made.add_argument("--resume", action="store_true", help="go on with the study in --out")
+    made.add_argument("--resume", action="store_true", help="continue the study in --out")
     made.add_argument("--shard", metavar="I/N", help="compute only part I of N of the study (then: stickslip merge)")
     made.add_argument("--dask", metavar="ADDRESS", help="compute on the Dask cluster of this scheduler, such as tcp://host:8786")
     made.add_argument("--tile", metavar="CASES", type=int, help="cases that are computed and written together")
@@ -80,7 +80,7 @@ def add_options(made: Parser, designs: bool = True) -> None:
         made.add_argument("--sobol", metavar="COUNT", type=int, help="a Sobol design: NAME=a..b are ranges")
         made.add_argument("--latin", metavar="COUNT", type=int, help="a Latin hypercube: NAME=a..b are ranges")
         made.add_argument("--seed", type=int, default=0, help="seed of a random design (0)")
-        made.add_argument("--zip", action="store_true", help="the lists go together, value by value")
+        made.add_argument("--zip", action="store_true", help="combine the lists value by value")
         made.add_argument("--table", metavar="FILE", help="a CSV file with a line of names and a row for each case")
 
 
