@@ -203,6 +203,8 @@ def test_a_fold_is_passed():
     assert float(abs(folds[0].orbit.multipliers - 1.0).min()) < 1e-5, "a multiplier is 1 at a fold"
 
 
+ABSOLUTE = ss.SwitchingFlow({0: lambda t, y, n: (abs(y[0]) - n.mu,)}, {}, 1.0, {"mu": 1.0}, ("y",))
+
 BORDERS = [
     (dimensionless_robot, "alpha_minus", 0.97, 1.2, dict(alpha_plus=0.3), lambda: 1.0),  # T5
     (by_ratio, "alpha_plus", 0.45, 0.35, dict(k=2.0), lambda: float(border_i_iii(2.0))),  # T4
@@ -532,7 +534,44 @@ def test_a_doubled_branch_away_from_borders_has_one_word_and_its_runs_have_it_to
     assert ss.mean_velocity(orbit.run) == orbit.mean_velocity
 
 
+WEAKENED = dict(tilt_deg=1.7, f0=0.5)  # breakaway far above sliding friction: multipliers of 1500
+
+
+def test_a_branch_goes_on_where_multipliers_are_large():
+    """At A = .802357 mm the multiplier is 72 and grows, and steps of a branch that takes differences shrink to nothing there."""
+    start = ss.periodic_orbit(ss.presets.piezo_rig(amplitude=8.0236e-4, **WEAKENED), guess=dict(v=1.667e-4, z=-6.6e-8))
+    b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=8.0236e-4, stop=8.02e-4, guess=start, **WEAKENED)
+    assert b.values[-1] == 8.02e-4 and len(b.orbits) < 40 and b.orbits[-1].multipliers[0] > 120
+    assert max(o.residual for o in b.orbits) < 1e-9
+    last = b.orbits[-1]
+    assert last.differences[0] == pytest.approx(last.multipliers[0], rel=1e-2), "differences bend: the map curves within 1e-5"
+
+
 @pytest.mark.slow
-def test_a_branch_that_hardly_gets_on_says_so_and_ends():
-    branch = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=8.02e-4, stop=8.2e-4, f0=0.5, tilt_deg=1.7)
-    assert "changes abruptly" in branch.ended and len(branch.orbits) < 200 and "fold" in [s.kind for s in branch.special]
+def test_a_branch_goes_from_the_slow_to_the_fast_motion_through_its_folds():
+    """f0 = .5: runs that are followed up jump off the slow motion, and down off the fast one, where the branch loses its stability."""
+    b = ss.continuation(ss.presets.piezo_rig, parameter="amplitude", start=7e-4, stop=9e-4, points=500, **WEAKENED)
+    assert b.values[-1] == 9e-4 and b.ended == "it reached the end of the range"
+    stable = np.array([o.stable for o in b.orbits])
+    folds, flips = ([s.value for s in b.special if s.kind == kind] for kind in ("fold", "flip"))
+    assert flips[0] == pytest.approx(8.0235653e-4, abs=1e-11) and folds[-1] == pytest.approx(7.424e-4, abs=1e-7)
+    slow, fast = b.values < flips[0], np.arange(len(stable)) > int(np.argmin(abs(b.values - folds[-1])))
+    assert stable[: int(np.argmin(slow))].all() and stable[fast].all() and b.orbits[-1].stable
+    for amplitude, start, ends in ((8.0e-4, 0, 0), (8.0e-4, -1, -1), (7.43e-4, -1, -1), (8.04e-4, 0, -1), (7.41e-4, -1, 0)):
+        rig = ss.presets.piezo_rig(amplitude=amplitude, **WEAKENED)
+        sides = [np.flatnonzero(slow)[: int(np.argmin(slow))], np.flatnonzero(fast)]
+        nearest = [b.orbits[side[int(np.argmin(abs(b.values[side] - amplitude)))]] for side in sides]
+        run = ss.solve(rig, periods=600, settle=599, start=nearest[start].start, rtol=1e-9)
+        orbit = ss.periodic_orbit(rig, guess=nearest[ends])
+        assert orbit.stable and ss.mean_velocity(run) == pytest.approx(orbit.mean_velocity, rel=1e-5), amplitude
+
+
+def test_a_branch_turns_back_at_a_corner_by_itself():
+    """Rest of y' = |y| - mu is at y = -mu and y = mu, multipliers exp(-1) and exp(1), down to mu = 0, where both meet without a tangent."""
+    b = ss.continuation(ABSOLUTE, parameter="mu", start=1.0, stop=-1.0, guess={"y": -1.0})
+    y = np.array([float(o.state[0]) for o in b.orbits])
+    turn = int(np.argmin(b.values))
+    np.testing.assert_allclose(y, np.where(np.arange(len(y)) <= turn, -b.values, b.values), atol=1e-9)
+    assert y[-1] == pytest.approx(1.0, abs=1e-9) and b.orbits[-1].multipliers[0] == pytest.approx(math.e, rel=1e-9)
+    (fold,) = b.special
+    assert fold.kind == "fold" and abs(fold.value) <= fold.accuracy <= 1e-3

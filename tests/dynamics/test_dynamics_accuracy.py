@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import stickslip as ss
 from dynamics.test_dynamics import BORDERS, by_ratio
@@ -57,7 +59,7 @@ WEAKER = ss.Stribeck(1.0, 1.0, 1.5, 1.5, v_s=0.4)
     ("law", "damping", "ranges"),
     [
         (WEAK, 0.3, ((0.6, 1.0, 0.02), (0.62, 1.0, 0.02), (0.5, 0.8, 0.02), (0.65, 0.7, 0.05))),
-        (WEAKER, 0.2, ((0.3, 2.5, 0.02), (0.35, 2.2, 0.02))),  # the branch ends, or it goes on as an unstable cycle without rest
+        (WEAKER, 0.2, ((0.3, 2.5, 0.02), (0.35, 2.2, 0.02))),
     ],
 )
 def test_the_speed_at_which_a_cycle_loses_its_rest_is_the_same_from_other_starts(law, damping, ranges):
@@ -65,8 +67,9 @@ def test_the_speed_at_which_a_cycle_loses_its_rest_is_the_same_from_other_starts
     for start, stop, step in ranges:
         guess = dict(x=0.6, v=start)
         branch = ss.continuation(belt(law, start, damping=damping), parameter="speed", start=start, stop=stop, step=step, guess=guess)
-        (end,) = branch.special
+        end, *more = branch.special
         assert end.kind == "type-border" and end.accuracy <= 1e-8
+        assert not more or branch.orbits[-1].type == "slip", "it goes on as an unstable cycle without rest"
         ends.append(end)
     for a in ends:
         assert all(abs(a.value - b.value) <= a.accuracy + b.accuracy for b in ends)
@@ -119,9 +122,22 @@ def test_the_table_of_a_branch_and_the_command_line_carry_it_too(capsys):
 
 
 @pytest.mark.parametrize("start", [0.35, 1.1])
-def test_a_branch_that_cannot_go_on_says_so_and_does_not_run_back_along_itself(start):
+def test_a_branch_of_stick_slip_goes_back_as_the_unstable_cycle_that_only_slides(start):
+    """Both meet at the border without a common tangent, and no cycle is left beyond it."""
     m = belt(ss.Stribeck(1.0, 1.0, 1.5, 1.5, v_s=0.1), start, damping=0.1)
     b = ss.continuation(m, parameter="speed", start=start, stop=1.2, step=0.02, guess={"x": 0.6, "v": start})
-    assert (np.diff(b.values) > 0).all() and "no such cycle exists beyond" in b.ended
+    turn = int(np.argmax(b.values))
+    assert (np.diff(b.values[: turn + 1]) > 0).all() and (np.diff(b.values[turn:]) < 0).all()
+    assert [o.pattern for o in b.orbits] == ["0-"] * (turn + 1) + ["-"] * (len(b.orbits) - turn - 1)
+    assert all(o.stable == (k <= turn) for k, o in enumerate(b.orbits)) and b.orbits[turn + 1].multipliers[0] > 1.01
     (end,) = b.special
-    assert abs(end.value - 1.154205) < 1e-6
+    assert abs(end.value - 1.154205) < 1e-6 and end.accuracy < 1e-8
+
+
+def test_a_cycle_shrinks_to_steady_sliding_where_friction_takes_away_the_damping():
+    """Steady sliding turns unstable where the damping is c = -dF/dv = v/v_s^2 exp(-(v/v_s)^2): there the unstable cycle is born."""
+    b = ss.continuation(belt(WEAKER, 0.7, damping=0.2), parameter="speed", start=0.7, stop=1.2, guess={"x": 0.9, "v": 0.7})
+    border, born = b.special
+    assert border.kind == "type-border" and b.orbits[-1].type == "slip"
+    closed = brentq(lambda v: v / 0.16 * math.exp(-v * v / 0.16) - 0.2, 0.5, 1.0, xtol=1e-15)
+    assert born.kind == "hopf" and abs(born.value - closed) <= born.accuracy < 1e-6 and "shrinks" in b.ended

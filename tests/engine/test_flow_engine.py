@@ -122,6 +122,18 @@ def test_impacts_double_their_period_where_a_multiplier_passes_minus_one():
         ss.special_curve(branch, flip, "r", 0.7)
 
 
+def test_a_branch_passes_the_gap_at_which_a_wall_is_grazed():
+    """The free swing reaches 1/sqrt((1 - w^2)^2 + (c w)^2). Beyond it the motion with one hit goes on, steep at first."""
+    swing = 1.0 / math.sqrt((1 - 4.0) ** 2 + (0.2 * 2.0) ** 2)
+    branch = ss.continuation(impacts(2.0), parameter="gap", start=0.4, stop=0.25)
+    grazing = next(s for s in branch.special if s.kind == "grazing")
+    assert abs(grazing.value - swing) <= grazing.accuracy < 1e-9 and branch.values[-1] == 0.25
+    assert [len(branch.orbits[k].events) for k in (0, -1)] == [0, 1]
+    for gap, orbit in ((swing + 1e-6, branch.orbits[0]), (0.25, branch.orbits[-1])):
+        run = ss.solve(impacts(2.0).replace(gap=gap), periods=400, settle=399, start=orbit.state)
+        assert (len(run.events) > 0) == (gap < swing) and (not orbit.stable or abs(run.lowest[0] - orbit.run.lowest[0]) < 1e-5)
+
+
 def test_exponents_are_those_of_the_multipliers():
     orbit = ss.periodic_orbit(DEN_HARTOG, guess={"x": 1.0, "v": 0.5, "mode": 1})
     found = ss.lyapunov(DEN_HARTOG, periods=40, settle=0, start=orbit)

@@ -11,11 +11,13 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, strobe_attrs
-from stickslip.dynamics.continuation.cycle_paths import CyclePath, border_of_rest, vanishing
+from stickslip.dynamics.continuation.cycle_paths import CyclePath, birth, border_of_rest, vanishing
 from stickslip.dynamics.continuation.flow_paths import FlowPath
+from stickslip.dynamics.continuation.following import SIDE_BY_SIDE, STOPPED, follow
+from stickslip.dynamics.continuation.grazing import grazed, grazing_end, grazing_near
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
-from stickslip.dynamics.continuation.pseudo_arclength import SIDE_BY_SIDE, Path, Point, follow
+from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.continuation.special_points import Located, located
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, clock
 from stickslip.dynamics.periodic.periodic_orbits import RTOL, PeriodicOrbit, periodic_orbit
@@ -268,21 +270,40 @@ def _followed(path: Path, first: Point, low: float, high: float, step: float, mo
             found += [end] if end is not None else []
             ended = f"it returned to a motion of half the period at {path.family.parameters[0]} = {found[-1].value:.9g}"
             break
+        born = birth(path, found, item) if isinstance(path, CyclePath) else None
+        if born is not None:
+            ended = f"the cycle shrinks to a steady motion at {path.family.parameters[0]} = {certain(*born)}"
+            special.append(Special("hopf", born[0], replace(last.orbit, notes=(ended,)), born[1]))
+            break
         if not low <= item.value <= high:
             item = _clipped(path, last, item, low if item.value < low else high)
         for s in located(path, last, item):
-            there = _special(path, last, item, s)
+            there = _special(path, found, item, s)
             special += [] if isinstance(path, CyclePath) and _known(special, there) else [there]
         found.append(item)
-    orbits = tuple(p.orbit for p in found)
-    critical = vanishing(path, found) if ended.startswith(("no step", "it has a corner")) else None
+    if ended.startswith(STOPPED):
+        ended, last = _ended(path, found, ended)
+        special += [] if last is None or _known(special, last) else [last]
+    return Branch(path.family, path.period, tuple(p.orbit for p in found), np.array([p.value for p in found]), special, ended)
+
+
+def _ended(path: Path, found: list[Point], why: str) -> tuple[str, Special | None]:
+    """Why the motions of a branch end where no further point was found, and the special point there; what was told if neither is known."""
+    name, last = path.family.parameters[0], found[-1]
+    critical = vanishing(path, found)
     if critical is not None:
-        name = path.family.parameters[0]
-        ended = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"
-        note = f"{ended}; the cycle shown is at {name} = {found[-1].value:.9g}"
-        border = Special("type-border", critical[0], replace(orbits[-1], notes=(note,)), critical[1])
-        special += [] if _known(special, border) else [border]
-    return Branch(path.family, path.period, orbits, np.array([p.value for p in found]), special, ended)
+        told = f"the rest of the cycle vanishes at {name} = {certain(*critical)}, and no such cycle exists beyond"
+        note = f"{told}; the cycle shown is at {name} = {last.value:.9g}"
+        return told, Special("type-border", critical[0], replace(last.orbit, notes=(note,)), critical[1])
+    end = grazing_end(path, last)
+    what = end[0] if end else grazed(last.orbit)
+    if not what:
+        return why, None
+    told = f"{what} is grazed at {name} = {certain(*end[1:]) if end else f'{last.value:.9g}'}"
+    why = f"{told}, where hits begin or end, and how this motion goes on was not found: it may jump to another one; "
+    return f"{why}ss.solve from its state shows to which", Special(
+        "grazing", end[1], replace(last.orbit, notes=(told,)), end[2]
+    ) if end else None
 
 
 def _known(special: list[Special], seen: Special) -> bool:
@@ -290,14 +311,32 @@ def _known(special: list[Special], seen: Special) -> bool:
     return any(s.kind == seen.kind and abs(s.value - seen.value) <= _AGAIN * (s.accuracy + seen.accuracy) for s in special)
 
 
-def _special(path: Path, a: Point, b: Point, s: Located) -> Special:
-    """A special point between two others. Where a cycle loses its rest it is better known from the cycles that have some."""
-    value, accuracy = s.point.value, s.accuracy
-    if isinstance(path, CyclePath) and not law_of(s.point.orbit.model).dynamic and s.kind == "type-border":
-        resting = [p for p in (a, b) if "0" in p.orbit.pattern]
-        spread = max(_BESIDE * path.span, 10 * accuracy)
-        value, accuracy = (border_of_rest(path, resting[0], value, spread) if len(resting) == 1 else None) or (value, accuracy)
+def _special(path: Path, found: list[Point], b: Point, s: Located) -> Special:
+    """A special point between the last point and another, as well as it is known from the motions beside it."""
+    known: tuple[float, float] | None = None
+    if s.kind == "type-border" and isinstance(path, CyclePath) and not law_of(s.point.orbit.model).dynamic:
+        known = _rest_begins(path, found, b, s)
+    elif s.kind == "grazing":
+        known = _touch_begins(path, found[-1], b, s)
+    value, accuracy = known or (s.point.value, s.accuracy)
     return Special(s.kind, value, replace(s.point.orbit, notes=s.notes), accuracy)
+
+
+def _rest_begins(path: CyclePath, found: list[Point], b: Point, s: Located) -> tuple[float, float] | None:
+    """Where a cycle loses its rest is better known from cycles that have some."""
+    resting = [p for p in (found[-1], b) if "0" in p.orbit.pattern]
+    spread = max(_BESIDE * path.span, 10 * s.accuracy)
+    known = border_of_rest(path, resting[0], s.point.value, spread) if len(resting) == 1 else None
+    return known or (vanishing(path, found) if resting == [found[-1]] else None)
+
+
+def _touch_begins(path: Path, a: Point, b: Point, s: Located) -> tuple[float, float] | None:
+    """Where a stop or a guard is grazed is better known from motions that miss it, on one side or the other."""
+    for point, ahead in ((a, s.point.value - a.value), (b, s.point.value - b.value)):
+        known = grazing_near(path, point, s.point.value, float(np.sign(ahead)), s.accuracy) if ahead else None
+        if known and known[2] < s.accuracy:
+            return known[1:]
+    return None
 
 
 def _returned(path: Path, a: Point, b: Point) -> Point | None:

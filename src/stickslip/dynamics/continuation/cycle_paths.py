@@ -11,12 +11,15 @@ from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.dynamics.periodic.limit_cycles import LimitCycle, ends_of, misses_of, states_on, unknowns
 from stickslip.dynamics.periodic.newton import Found
 from stickslip.friction.law_adapter import law_of
+from stickslip.machine_adapter import machine_of
 
-__all__ = ["CyclePath", "border_of_rest", "vanishing"]
+__all__ = ["CyclePath", "birth", "border_of_rest", "vanishing", "zero"]
 
 Array = Any
 _WELL = 1e-11  # residual of the cycles that are used
 _NEAR, _ERRORS = 10, 4.0  # cycles from which it is continued, and standard errors
+_BIRTH = 1e-3  # of the range: how near to where cycles are born their sizes are read
+_WIDER = (1.0, 10.0, 100.0)  # among cycles that are nearer than rounding leaves their rests to be told
 _SHORT = 0.01  # part of the cycle below which a rest is about to vanish
 
 
@@ -44,6 +47,15 @@ class CyclePath(Path):
         """How far each state is from itself after its duration, in its scales."""
         return misses_of(self.family.robots(self.value(U)), self.at, U[:, :-1], memory, self.rtol, self.unit)
 
+    def numbers(self, guess: Array) -> None:
+        """None: differences are taken, as how long it takes is unknown too."""
+
+    def swing(self, cycle: LimitCycle) -> float:
+        """How far the spring moves from its turn at the start in half a cycle [m]: negative where the cycle is followed inside out."""
+        later = 0.5 * cycle.duration
+        drift = float(machine_of(cycle.model).far_end_velocity) * later
+        return float(cycle.state[0] - cycle.run.at(later)["x"] + drift)
+
     def orbit(self, found: Found) -> LimitCycle:
         """The cycle at a point."""
         model, u = self.family.robot(self.value(found.at)), found.at[:-1]
@@ -63,8 +75,9 @@ def vanishing(path: Path, points: list[Point]) -> tuple[float, float] | None:
     kept = [(p.value, _rest(p.orbit) ** 2) for p in points if p.orbit.residual < _WELL][-3:]
     if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1] > 0.0 or kept[-1][1] > (_SHORT * last.orbit.duration) ** 2:
         return None
-    critical, spread = _zero(kept), abs(kept[-1][0] - kept[0][0])
-    return border_of_rest(path, last, critical, spread) or (critical, spread)
+    critical, spread = zero(kept), abs(kept[-1][0] - kept[0][0])
+    looked = (border_of_rest(path, last, critical, wider * spread) for wider in _WIDER)
+    return next((found for found in looked if found), (critical, spread))
 
 
 def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: float) -> tuple[float, float] | None:
@@ -74,7 +87,39 @@ def border_of_rest(path: CyclePath, resting: Point, critical: float, spread: flo
     return found if found and found[1] < spread and abs(found[0] - critical) < spread else None
 
 
-def _zero(kept: list[tuple[float, float]]) -> float:
+def birth(path: CyclePath, points: list[Point], beyond: Point) -> tuple[float, float] | None:
+    """Where cycles shrink to nothing between the last point and one that is inside out, and how sure that is; None if they do not.
+
+    Cycles are born out of a steady motion with a size whose square is smooth in the parameter (Hopf). It is continued to zero.
+    """
+    last, sizes = points[-1], [path.swing(p.orbit) for p in (points[-1], beyond)]
+    if not sizes[0] > 0.0 > sizes[1]:
+        return None
+    kept = [(p.value, path.swing(p.orbit) ** 2) for p in points[-3:]]
+    if len(kept) < 3 or not kept[0][1] > kept[1][1] > kept[2][1]:
+        return last.value, abs(beyond.value - last.value) + _BIRTH * path.span
+    critical = zero(kept)
+    for near in (_BIRTH, _BIRTH / 4):
+        found = [_shrunk(path, last, critical, share) for share in near * path.span * np.array([0.5, 1.0, 2.0, 4.0])]
+        if None in found:
+            break
+        critical, other = zero(found[:3]), zero(found[1:])  # type: ignore[arg-type]
+        kept = [(other, 0.0)]
+    unsure = abs(kept[0][0] - critical)
+    return float(critical), float(unsure + 8 * np.spacing(abs(critical)))
+
+
+def _shrunk(path: CyclePath, last: Point, critical: float, away: float) -> tuple[float, float] | None:
+    """The value of the parameter so far from where cycles vanish, and the square of their size there."""
+    value = critical + away * float(np.sign(last.value - critical))
+    guess = last.u.copy()
+    guess[0] -= 0.5 * path.swing(last.orbit) / path.at.scales[0] * (1.0 - np.sqrt(away / abs(last.value - critical)))
+    there = path.at_value(guess, value, path.remembered(last.orbit))
+    size = path.swing(path.orbit(there)) if there.good else 0.0
+    return (value, size**2) if size > 0.0 else None
+
+
+def zero(kept: list[tuple[float, float]]) -> float:
     """Where a quantity vanishes whose inverse function is a parabola through three points."""
     (a, p), (b, q), (c, r) = kept
     return a * q * r / ((p - q) * (p - r)) + b * p * r / ((q - p) * (q - r)) + c * p * q / ((r - p) * (r - q))

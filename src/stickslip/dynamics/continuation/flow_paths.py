@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,9 @@ __all__ = ["FlowPath"]
 @dataclass(frozen=True, eq=False)
 class FlowPath(Path):
     """What stays the same along a branch of a flow's orbits. What is remembered of a point is the mode on the strobe."""
+
+    def numbers(self, guess: Any) -> None:
+        """None: differences are taken, as what its numbers do is followed for machines only."""
 
     def orbit(self, found: Found) -> FlowOrbit:
         """The motion at a point."""

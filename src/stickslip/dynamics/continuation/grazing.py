@@ -1,37 +1,88 @@
-"""Stops that a motion just reaches, or just misses: where a branch of motions ends at one, it is said."""
+"""Stops and guards that a motion just reaches, or just misses: where a branch of motions ends at one, it is said and located."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from stickslip.dynamics.continuation.cycle_paths import zero
+from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
 from stickslip.flow import is_flow
 from stickslip.machine_adapter import machine_of
 
-__all__ = ["grazed"]
+__all__ = ["grazed", "grazing_end", "grazing_near"]
 
 Array = Any
 _NEAR = 1e-5  # of the largest gap in the motion: what is missed by less is grazed
 _SLOW = 1e-3  # of the velocity scale: a hit that slow is one that begins
 _HALVINGS = 50
+_GRID = 64  # instants of a stretch between two switches at which guards are read, at least
+_FAR, _AHEAD = 1e-3, 3.0  # of the range: how far back it is read how a gap falls, and times that, how far ahead it may be zero
+_NEAR_BY = 1e-4  # of the range: how near to where it is zero it is read then
 
 
 def grazed(orbit: Any) -> str:
-    """Name of a stop that a motion grazes, by a hit without speed or by missing it by nothing; "" where there is none."""
-    if is_flow(orbit.model) or machine_of(orbit.model).is_single:
-        return ""
+    """Name of what a motion grazes, by a hit without speed or by missing it by nothing; "" where there is none."""
+    slow = "" if is_flow(orbit.model) else _slow_hit(orbit)
+    return slow or next((name for name, (least, size) in _missed_by(orbit).items() if abs(least) < _NEAR * size), "")
+
+
+def _missed_by(orbit: Any) -> dict[str, tuple[float, float]]:
+    """By how much a motion misses each stop, or guard of a flow, where it turns away from it; and the size against which that is small."""
+    if is_flow(orbit.model):
+        return _missed_guards(orbit)
+    machine = machine_of(orbit.model)
+    if machine.is_single:
+        return {}
+    run, mechanics = orbit.run.parted, machine.mechanics
+    return {f"the stop {name}": _least_gap(run, mechanics, stop) for name, stop in mechanics.named_stops}
+
+
+def grazing_end(path: Path, last: Point) -> tuple[str, float, float] | None:
+    """What the motions of a branch graze just ahead of its last point: its name, the value of the parameter, and how sure that is."""
+    ahead, far = float(np.sign(last.tangent[-1])), _FAR * path.span
+    behind, now = _least_at(path, last, last.value - ahead * far), _missed_by(last.orbit)
+    beyond = [far * least / fallen for name, (least, _) in now.items() if (fallen := behind.get(name, np.nan) - least) > 0.0]
+    nearest = min((part for part in beyond if part >= 0.0), default=np.inf)
+    return grazing_near(path, last, last.value + ahead * nearest, ahead, 0.0) if nearest < _AHEAD * far else None
+
+
+def grazing_near(path: Path, point: Point, value: float, ahead: float, unsure: float) -> tuple[str, float, float] | None:
+    """What motions graze near a value of the parameter, where exactly, and how sure that is; None where that is not found.
+
+    Up to there the least distance is a smooth function of the parameter. It is continued to zero, from motions before the value.
+    """
+    near = max(_NEAR_BY * path.span, 2 * unsure)
+    places = [value - ahead * near * k for k in (0.5, 1.0, 2.0, 4.0)]
+    read = [_least_at(path, point, place) for place in places]
+    name = min(read[0], key=lambda name: read[0][name], default="")
+    known = [(place, least.get(name, np.nan)) for place, least in zip(places, read, strict=True)]
+    if not np.isfinite(known).all() or any(a[1] >= b[1] for a, b in pairwise(known)):
+        return None
+    found, other = zero(known[:3]), zero(known[1:])
+    if abs(found - value) > near:
+        return None
+    return name, float(found), float(abs(found - other) + 10 * path.span * point.blur + 8 * np.spacing(abs(found)))
+
+
+def _least_at(path: Path, last: Point, value: float) -> dict[str, float]:
+    """By how much the motion at a value of the parameter misses everything; nothing where it is not found."""
+    there = path.at_value(last.u, value, path.remembered(last.orbit))
+    return {name: least for name, (least, _) in _missed_by(path.orbit(there)).items()} if there.good else {}
+
+
+def _slow_hit(orbit: Any) -> str:
     machine, run = machine_of(orbit.model), orbit.run.parted
     speed = float(machine.velocity_scale)
     slow = [event.part for event in run.events if event.kind == "hit" and abs(event.velocity) < _SLOW * speed]
-    for name, stop in machine.mechanics.named_stops:
-        if name in slow or _least_gap(run, machine.mechanics, stop) < _NEAR:
-            return str(name)
-    return ""
+    return next((f"the stop {name}" for name, _ in machine.mechanics.named_stops if name in slow), "") if slow else ""
 
 
-def _least_gap(run: Any, mechanics: Any, stop: Any) -> float:
-    """The smallest gap at which a stop is turned away from without being touched, over the largest one."""
+def _least_gap(run: Any, mechanics: Any, stop: Any) -> tuple[float, float]:
+    """The smallest gap at which a stop is turned away from without being touched, and the largest one."""
 
     def gap_and_rate(t: Array) -> tuple[Array, Array]:
         x, v, _ = run._states_at(t, run._index(t))
@@ -48,4 +99,34 @@ def _least_gap(run: Any, mechanics: Any, stop: Any) -> float:
         falling = gap_and_rate(middle)[1] < 0
         low, high = np.where(falling, middle, low), np.where(falling, high, middle)
     least = gap_and_rate(high)[0] if len(turns) else np.array([np.inf])
-    return float(np.min(abs(least)) / np.max(abs(gaps)))
+    return float(least[np.argmin(abs(least))]), float(np.max(abs(gaps)))
+
+
+def _missed_guards(orbit: Any) -> dict[str, tuple[float, float]]:
+    """The smallest value of each guard at which it is turned away from, and its largest."""
+    run, plain = orbit.run, orbit.model.plain
+    times = np.array([0.0, *(event.t for event in run.events), float(run.t[-1])])
+    modes = [orbit.mode, *(event.after for event in run.events)]
+    found: dict[str, tuple[float, float]] = {}
+    for mode, begin, end in zip(modes, times[:-1], times[1:], strict=True):
+        for k, switch in enumerate(plain.switches.get(mode, ()) if end > begin else ()):
+            name = f"guard {k} of mode {mode!r}"
+
+            def guard(t: float, g: Callable[..., Any] = switch.guard) -> float:
+                return float(g(t, run._evaluated(np.array([t]), run._index(np.array([t])))[0]))
+
+            least, size = _turned(guard, begin, end)
+            before = found.get(name, (np.inf, 0.0))
+            found[name] = min(before[0], least), max(before[1], size)
+    return found
+
+
+def _turned(guard: Callable[[float], float], begin: float, end: float) -> tuple[float, float]:
+    """The smallest value at which a function turns up again within a stretch (inf: nowhere), and its largest size."""
+    from scipy.optimize import minimize_scalar
+
+    t = np.linspace(begin, end, _GRID + 1)
+    values = np.array([guard(s) for s in t])
+    dips = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
+    least = [minimize_scalar(guard, bounds=(t[i - 1], t[i + 1]), method="bounded", options={"xatol": 1e-12 * end}).fun for i in dips]
+    return float(min(least, default=np.inf)), float(abs(values).max())

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.batch import made_model, point_by_point
+from stickslip.engine.trace import kind_of, numbers_of
 from stickslip.errors import InputError, did_you_mean
 from stickslip.fields import leaves
 from stickslip.naming import axis_of
@@ -15,6 +16,8 @@ from stickslip.number_names import numbers_meant
 from stickslip.sweeps.space import check_names  # a family is a sweep whose values are not known before
 
 __all__ = ["Family", "family"]
+
+_STEP = 6e-6  # of a value: central differences of what a maker computes are good to some 1e-10 then
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +65,23 @@ class Family:
         except InputError as alone:
             return alone.problems[0]
         return error.problems[0]
+
+    def slopes(self, value: float) -> dict[str, float] | None:
+        """Derivatives of the robot's numbers by the one parameter; None where the kind of robot changes with it."""
+        step = _STEP * (abs(value) or 1.0)
+        sides = [(v, robot) for v in (value - step, value + step, value) if (robot := self._beside(v)) is not None][:2]
+        (low, one), (high, other) = sides
+        if not kind_of(one) == kind_of(other) == kind_of(self.robot(value)):
+            return None
+        kept, ahead = dict(leaves(one)), dict(leaves(other))
+        return {name: (ahead[name] - kept[name]) / (high - low) for name in numbers_of(one) if name in kept and ahead[name] != kept[name]}
+
+    def _beside(self, value: float) -> Any:
+        """The robot at a value, or None where that is refused."""
+        try:
+            return self.robot(value)
+        except InputError:
+            return None
 
     def describe(self, parameter: str) -> dict[str, str]:
         """Name and unit of a parameter, as a plot shows them."""

@@ -36,7 +36,7 @@ class Special:
     Parameters
     ----------
     kind : str
-        "fold", "flip", "neimark-sacker", "grazing" or "type-border".
+        "fold", "flip", "neimark-sacker", "grazing", "type-border", or "hopf", where a limit cycle shrinks to a steady motion.
     value : float
         The parameter there. Of a change of pattern or type it is the first number found beyond the border.
     orbit : PeriodicOrbit or LimitCycle

@@ -1,4 +1,4 @@
-"""Following a branch of periodic orbits by pseudo-arclength: predict along the tangent, correct by Newton across it.
+"""Points of a branch of periodic orbits by pseudo-arclength: a guess along the tangent, corrected by Newton's method across it.
 
 A point of a branch is u = (state, parameter), each coordinate in its own scale. Folds are passed, because the parameter is an
 unknown like any other.
@@ -6,7 +6,7 @@ unknown like any other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -14,22 +14,21 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.dynamics.continuation.grazing import grazed
 from stickslip.dynamics.continuation.one_parameter import Family
+from stickslip.dynamics.derivatives.tangents import changes_along, not_followed
 from stickslip.dynamics.periodic.newton import Found, newton_within
 from stickslip.dynamics.periodic.periodic_orbits import RUNS, PeriodicOrbit
 from stickslip.dynamics.stroboscopic.strobe_maps import Coordinates, coordinates, strobe_map, with_rests
 from stickslip.errors import InputError
 from stickslip.sealing import sealed
 
-__all__ = ["SIDE_BY_SIDE", "Path", "Point", "tangent_of"]
+__all__ = ["Path", "Point", "tangent_of"]
 
 Array = Any
 _CORNER = 10.0  # how much further than the parameter the state may move across a corner, in scales
-_SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
+_SAME_WAY = 1.0 - 1e-4  # cosine of directions that are one: a branch has a curvature
 _FLAT = 1e-7  # slopes smaller by so much than others are rounding: central differences know them to some 1e-9
-SIDE_BY_SIDE = "such motions lie side by side, each as good as the next (a multiplier is 1), and no single one can be followed"
-_SMALL, _PATIENCE = 1e-4, 40  # a step that is small, and how many such steps in a row are taken before it is no use
+_JUMPS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)  # how far corners are jumped across
 
 
 @sealed
@@ -115,7 +114,26 @@ class Path:
 
     def misses(self, U: Array, memory: Array) -> Array:
         """How far each state is from itself after the period, in its scales."""
-        return self.ends(U, memory)[:, : self.at.smooth] / self.scales - U[:, :-1]
+        return self._missed(self.ends(U, memory)[:, : self.at.smooth], U)
+
+    def _missed(self, ends: Array, U: Array) -> Array:
+        """What states miss; positions on a track that repeats modulo its wavelength."""
+        if self.at.wavelength is None:  # the difference of numbers in scales keeps a digit more
+            return ends / self.scales - U[..., :-1]
+        return self.at.difference(ends, U[..., :-1] * self.scales) / self.scales
+
+    def numbers(self, guess: Array) -> dict[str, float] | None:
+        """Derivatives of the machine's numbers by the parameter beside a point; None where small changes are not followed."""
+        value = float(self.value(guess))
+        return None if not_followed(self.family.robot(value)) else self.family.slopes(value)
+
+    def slopes(self, u: Array, memory: Array, by_value: dict[str, float]) -> tuple[Array, Array]:
+        """What one state misses, and the derivatives of that by the state and the parameter."""
+        model, d = self.family.robot(self.value(u)), len(self.scales)
+        starts = np.vstack([np.diag(self.scales), np.zeros((1, d))])
+        numbers = {name: np.append(np.zeros(d), slope * self.span) for name, slope in by_value.items()}
+        found = changes_along(model, np.tile(np.append(u[:-1] * self.scales, memory), (d + 1, 1)), starts, numbers, self.period, self.rtol)
+        return self._missed(found.state[0][:d], u), (found.change / self.scales).T - np.eye(d, d + 1)
 
     def _admissible_misses(self, U: Array, memory: Array) -> Array:
         """The misses; no numbers at points beside the first whose parameter is refused, such as a restitution just below zero."""
@@ -136,16 +154,26 @@ class Path:
             return False
         return True
 
-    def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1) -> Found:
+    def corrected(self, guess: Array, across: Array, memory: Array, reach: float = 0.1, most: int = 12) -> Found:
         """The point of the branch in the plane through `guess` across a direction."""
 
         def problem(memory: Array) -> Any:
             return lambda U: np.column_stack([self._admissible_misses(U, memory), (U - guess) @ across])
 
+        by_value = self.numbers(guess)
+
+        def slopes(memory: Array) -> Any:
+            def at_point(u: Array) -> tuple[Array, Array]:
+                missed, J = self.slopes(u, memory, by_value)  # type: ignore[arg-type]
+                return np.append(missed, (u - guess) @ across), np.vstack([J, across])
+
+            return at_point
+
         def after(u: Array, memory: Array) -> Array:
             return self.ends(u[None, :], memory)[0, self.at.smooth :]
 
-        return newton_within(problem, after, guess, memory, tolerance=self.tolerance, most=12, reach=reach)
+        exact = None if by_value is None else slopes
+        return newton_within(problem, after, guess, memory, exact, tolerance=self.tolerance, most=most, reach=reach)
 
     def at_value(self, guess: Array, value: float, memory: Array) -> Found:
         """The point of the branch at a value of the parameter."""
@@ -164,14 +192,32 @@ class Path:
         sizes = np.linalg.svd(found.jacobian[:-1], compute_uv=False)
         return Point(found.at, tangent, float(self.value(found.at)), self.orbit(found), blur, bool(sizes[-1] > _FLAT * sizes[0]))
 
-    def beyond(self, here: Point) -> tuple[Found, Point, float] | None:
-        """The next point where the branch has a corner, such as where a new switch begins: found at a fixed parameter beyond it."""
-        ahead = float(np.sign(here.tangent[-1])) * _along_parameter(len(here.u))
-        for step in (1e-4, 3e-4, 1e-3, 3e-3):
-            found = self.corrected(here.u + step * ahead, ahead, self.remembered(here.orbit))
-            if found.good and np.linalg.norm(found.at - here.u) < _CORNER * step:
-                return found, self.point(found, found.at - here.u), step
-        return None
+    def beyond(self, here: Point) -> Iterator[tuple[Found, Point, float]]:
+        """Points where the branch may go on behind a corner, such as where a new switch begins.
+
+        They are found at fixed parameters beyond it, and along the directions that the branch has by its slopes on the other side of the
+        corner: it may turn back there.
+        """
+        ahead, memory = float(np.sign(here.tangent[-1])) * _along_parameter(len(here.u)), self.remembered(here.orbit)
+        for step in _JUMPS:
+            yield from self._jumped(here, step, ahead, memory)
+        for step in _JUMPS:
+            for direction in self._other_directions(here, step, memory):
+                yield from self._jumped(here, step, direction, memory)
+                yield from self._jumped(here, step, -direction, memory)
+
+    def _other_directions(self, here: Point, step: float, memory: Array) -> Iterator[Array]:
+        """Directions that the branch would have by the slopes at points around one of its points, where they are not its own."""
+        for aside in (here.tangent, *np.eye(len(here.u)), *-np.eye(len(here.u))):
+            J = self.corrected(here.u + step * aside, here.tangent, memory, most=0).jacobian[:-1]
+            direction = tangent_of(J, here.tangent) if np.isfinite(J).all() else here.tangent
+            if direction @ here.tangent < _SAME_WAY:
+                yield direction
+
+    def _jumped(self, here: Point, step: float, direction: Array, memory: Array) -> Iterator[tuple[Found, Point, float]]:
+        found = self.corrected(here.u + step * direction, direction, memory)
+        if found.good and np.linalg.norm(found.at - here.u) < _CORNER * step:
+            yield found, self.point(found, found.at - here.u), step
 
     def loosened(self) -> Path:
         """The same with tenfold tolerances, of the map and of the runs."""
@@ -191,67 +237,3 @@ def tangent_of(J: Array, towards: Array) -> Array:
     """The direction in which the residual does not change, on the side of `towards`."""
     direction = np.linalg.svd(J)[2][-1]
     return direction * (1.0 if direction @ towards >= 0 else -1.0)
-
-
-def _apart(u: Array, corners: Array) -> float:
-    """How far a point is from the line through these corners."""
-    sides = np.diff(corners, axis=0)
-    along = np.clip(np.sum((u - corners[:-1]) * sides, axis=1) / np.sum(sides**2, axis=1), 0.0, 1.0)
-    return float(np.linalg.norm(u - corners[:-1] - along[:, None] * sides, axis=1).min())
-
-
-def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[float], bool]) -> Iterator[Point | str]:
-    """The points after the first; at the end a sentence that says why it ended."""
-    here, largest, name, small = first, 4 * step, path.family.parameters[0], 0
-    passed = [first.u]
-    for _ in range(most):
-        while True:
-            try:
-                found, why = path.corrected(here.u + step * here.tangent, here.tangent, path.remembered(here.orbit), step), None
-            except InputError as error:
-                beyond = float(path.value(here.u + 2 * step * here.tangent))
-                why = f"it left the admissible region beyond {name} = {here.value:.9g}: {path.family.refusal(error, beyond)}"
-                found = None
-            if found is not None and found.good and np.linalg.norm(found.at - here.u) < 2 * step:
-                point = path.point(found, here.tangent)
-                if point.tangent @ here.tangent > 0.8 or step <= _SMALL:
-                    break
-            step *= 0.5
-            if step < 1e-6 and why is None:
-                corner = path.beyond(here)
-                if corner is not None:
-                    found, point, step = corner
-                    break
-            if step < 1e-6:
-                stop = "" if why else grazed(here.orbit)
-                if stop:
-                    yield (
-                        f"the stop {stop} is grazed at {name} = {here.value:.9g}, where hits begin or end, and how this motion goes on was "
-                        "not found: it may jump to another one; ss.solve from its state shows to which"
-                    )
-                    return
-                yield why or f"no step was small enough at {name} = {here.value:.9g}: {found.why if found else ''}"
-                return
-        if not point.alone:
-            yield f"at {name} = {point.value:.9g} {SIDE_BY_SIDE}"
-            return
-        if not inside(point.value):
-            yield point
-            yield "it reached the end of the range"
-            return
-        if len(passed) > 1 and _apart(point.u, np.array(passed)) < _SAME * np.linalg.norm(point.u - here.u):
-            yield f"it has a corner at {name} = {here.value:.9g}, and how it goes on there was not found; follow it from the other side"
-            return
-        yield point
-        small = small + 1 if step < _SMALL else 0
-        if small > _PATIENCE:
-            steepest = abs(np.asarray(point.orbit.multipliers)).max()
-            yield (
-                f"its last {small} steps were below {_SMALL:g} of the range, at {name} = {point.value:.9g}: "
-                f"the motion changes abruptly there (largest multiplier {steepest:.3g}); follow it from the other side"
-            )
-            return
-        step = min(largest, step * (1.5 if found.iterations <= 3 else 1.0 if found.iterations <= 6 else 0.6))
-        here = point
-        passed = [*passed[1 - _LOOKED_BACK :], here.u]
-    yield f"it was followed for {most} points"

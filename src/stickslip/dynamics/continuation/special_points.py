@@ -17,6 +17,7 @@ from stickslip.machine_adapter import machine_of
 __all__ = ["Located", "located", "root"]
 
 _AT_A_FOLD = 0.05  # how near to 1 a multiplier must be: a direction that turns without one is rounding where a branch ends
+_MOST_CHANGES = 8  # that are looked for between two points
 _HALVINGS = 60  # at most; until the two sides are the same number
 _NEAR = {False: 1e-13, True: 1e-6}  # in the scaled space: where rest is exact, and for laws whose words have thresholds
 
@@ -126,30 +127,39 @@ def root(path: Path, a: Point, b: Point, test: Callable[[Point], float]) -> Poin
 
 
 def _changes(path: Path, a: Point, b: Point, word: Callable[[Any], Any], kind: Any, said: Any) -> list[Located]:
-    """Where a word for the motion changes, however often: bisection for each change."""
-    found: list[Located] = []
-    low, end, near, first = 0.0, _length(a, b), _NEAR[_is_dynamic(a.orbit)], a
-    last = word(a.orbit)
-    while last != word(b.orbit):
-        inner, outer, here, before = low, end, b, a
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (inner + outer)
-            if not inner < middle < outer or outer - inner < near:
-                break
-            point = path.between(first, middle)
-            if point is None:
-                break
-            if word(point.orbit) == last:
-                inner, before = middle, point
-            else:
-                outer, here = middle, point
+    """Where a word for the motion changes, however often: bisection for each change. Changes that cannot be told apart are one."""
+    places: list[tuple[Any, Any, Point, float]] = []  # word before, word after, where, accuracy
+    low, end, first, last = 0.0, _length(a, b), a, word(a.orbit)
+    while last != word(b.orbit) and len(places) <= _MOST_CHANGES:
+        low, before, here = _change(path, first, (low, a), (end, b), word, last)
         after = word(here.orbit)
         moved = _RESIDUALS * path.span * max(here.blur, before.blur) + _UNSEEN * max(abs(here.value), path.span)
-        found.append(Located(kind(last, after), here, (said(last, after, here.orbit),), float(abs(here.value - before.value) + moved)))
-        low, last, a = outer, after, here
-        if len(found) > 8:
+        unsure, earlier = abs(here.value - before.value) + moved, last
+        if places and abs(here.value - places[-1][2].value) <= unsure + places[-1][3]:  # as where both halves of a motion do the same
+            earlier, _, there, wide = places.pop()
+            unsure = max(unsure, wide) + abs(here.value - there.value)
+        places += [(earlier, after, here, float(unsure))] if earlier != after else []
+        last, a = after, here
+    return [Located(kind(x, y), here, (said(x, y, here.orbit),), unsure) for x, y, here, unsure in places]
+
+
+def _change(
+    path: Path, first: Point, low: tuple[float, Point], high: tuple[float, Point], word: Callable[[Any], Any], last: Any
+) -> tuple[float, Point, Point]:
+    """The first change after the word `last`: where it is along the tangent of the first point, and the points before and after it."""
+    (inner, before), (outer, here) = low, high
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (inner + outer)
+        if not inner < middle < outer or outer - inner < _NEAR[_is_dynamic(first.orbit)]:
             break
-    return found
+        point = path.between(first, middle)
+        if point is None:
+            break
+        if word(point.orbit) == last:
+            inner, before = middle, point
+        else:
+            outer, here = middle, point
+    return outer, before, here
 
 
 def _word(orbit: Any) -> str:

@@ -33,6 +33,7 @@ class Found:
     good: bool
     why: str
     memory: Array = ()  # whole numbers that were held (see `newton_within`)
+    needed: int = 0  # iterations until the residual was near rounding: those that follow say nothing of how good the guess was
 
 
 def slopes_at(residuals: Residuals, u: Array, step: float = STEP) -> tuple[Array, Array]:
@@ -82,15 +83,22 @@ def newton(
 
     u = np.array(guess, float)
     F, J = at(u)
-    size = _size(F)
+    size, needed = _size(F), 0
+
+    def ended(good: bool, why: str) -> Found:
+        return Found(u, size, k, J, good, why, needed=needed)
+
     for k in range(most + 1):
+        needed += size > floor
         if not np.isfinite(size) or not np.isfinite(J).all():
-            return Found(u, size, k, J, False, "the map gave no number here")
+            return ended(False, "the map gave no number here")
         if size <= tolerance:
-            return Found(u, size, k, J, True, "found")
+            return ended(True, "found")
         if k == most:
             break
         step = np.linalg.lstsq(J, -F, rcond=1e-13)[0]
+        if size <= floor and np.linalg.norm(step) <= tolerance:  # where a map stretches, its rounding is more than that of the point
+            return ended(True, "found, to rounding")
         step = step * min(1.0, reach / max(float(np.linalg.norm(step)), 1e-300))
         ahead, J_ahead = at(u + step)
         if _size(ahead) < size:
@@ -99,12 +107,12 @@ def newton(
         share = _best_share(residuals, u, step, size)
         if share == 0.0:
             good = size <= floor
-            return Found(u, size, k, J, good, "found, to rounding" if good else "no part of Newton's step makes the residual smaller")
+            return ended(good, "found, to rounding" if good else "no part of Newton's step makes the residual smaller")
         u = u + share * step
         F, J = at(u)
         size = _size(F)
     good = size <= floor
-    return Found(u, size, most, J, good, "found, to rounding" if good else f"{most} iterations were not enough")
+    return ended(good, "found, to rounding" if good else f"{most} iterations were not enough")
 
 
 def newton_within(

@@ -1,0 +1,82 @@
+"""Following a branch from point to point: how long the steps are, what is done at a corner, and where it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from stickslip.dynamics.continuation.pseudo_arclength import Path, Point
+from stickslip.dynamics.periodic.newton import Found
+from stickslip.errors import InputError
+
+__all__ = ["SIDE_BY_SIDE", "STOPPED", "follow"]
+
+Array = Any
+_SAME, _LOOKED_BACK = 1e-2, 20  # a point so near, in steps, to the line through so many before it is on the way back
+_STRAIGHT, _SMALL = 0.8, 1e-4  # by how much, as a cosine, a branch may turn within a step that is not small
+_SHORTEST = 1e-6  # the last step that is tried
+_TOO_SHORT, _CORNER = STOPPED = "no step was small enough", "it has a corner"
+_OUTSIDE = "it left the admissible region"
+SIDE_BY_SIDE = "such motions lie side by side, each as good as the next (a multiplier is 1), and no single one can be followed"
+
+
+def follow(path: Path, first: Point, step: float, most: int, inside: Callable[[float], bool]) -> Iterator[Point | str]:
+    """The points after the first; at the end a sentence that says why it ended."""
+    here, largest, name = first, 4 * step, path.family.parameters[0]
+    passed = [first.u]
+    for _ in range(most):
+        ahead = _next(path, here, step, passed)
+        if isinstance(ahead, str):
+            yield ahead
+            return
+        found, point, step = ahead
+        if not point.alone:
+            yield f"at {name} = {point.value:.9g} {SIDE_BY_SIDE}"
+            return
+        yield point
+        if not inside(point.value):
+            yield "it reached the end of the range"
+            return
+        step = min(largest, step * (1.5 if found.needed <= 3 else 1.0 if found.needed <= 6 else 0.6))
+        here = point
+        passed = [*passed[1 - _LOOKED_BACK :], here.u]
+    yield f"it was followed for {most} points"
+
+
+def _next(path: Path, here: Point, step: float, passed: list[Array]) -> tuple[Found, Point, float] | str:
+    """The next point, by steps that are halved and at last by a jump across a corner; or why there is none."""
+    name, why = path.family.parameters[0], ""
+    at = f"{name} = {here.value:.9g}"
+    while step >= _SHORTEST:
+        try:
+            found = path.corrected(here.u + step * here.tangent, here.tangent, path.remembered(here.orbit), step)
+        except InputError as error:
+            beyond = float(path.value(here.u + 2 * step * here.tangent))
+            why = f"{_OUTSIDE} beyond {at}: {path.family.refusal(error, beyond)}"
+        else:
+            why = f"{_TOO_SHORT} at {at}: {found.why}"
+            if found.good and np.linalg.norm(found.at - here.u) < 2 * step:
+                point = path.point(found, here.tangent)
+                if _goes_back(point, here, passed):
+                    why = f"{_CORNER} at {at}, and how it goes on there was not found"
+                elif point.tangent @ here.tangent > _STRAIGHT or step <= _SMALL:
+                    return found, point, step
+        step *= 0.5
+    if why.startswith(_OUTSIDE):
+        return why
+    jumped = (ahead for ahead in path.beyond(here) if not _goes_back(ahead[1], here, passed))
+    return next(jumped, None) or why
+
+
+def _goes_back(point: Point, here: Point, passed: list[Array]) -> bool:
+    """Whether a point lies where the branch came from."""
+    return len(passed) > 1 and _apart(point.u, np.array(passed)) < _SAME * float(np.linalg.norm(point.u - here.u))
+
+
+def _apart(u: Array, corners: Array) -> float:
+    """How far a point is from the line through these corners."""
+    sides = np.diff(corners, axis=0)
+    along = np.clip(np.sum((u - corners[:-1]) * sides, axis=1) / np.sum(sides**2, axis=1), 0.0, 1.0)
+    return float(np.linalg.norm(u - corners[:-1] - along[:, None] * sides, axis=1).min())
