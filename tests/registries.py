@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import re
 
 from house import ROOT
 from stickslip.fields import is_number_field, is_tuple_field
@@ -24,18 +25,24 @@ def example(cls):
 
 def lacking(name, cls, needs, section=""):
     """Sentences on what a new law or drive lacks, by the steps of CONTRIBUTING."""
-    found = []
-    if not (dataclasses.is_dataclass(cls) and cls.__dataclass_params__.frozen):
-        return [f"{cls.__name__}: write @dataclass(frozen=True, eq=False) above the class"]
-    for field in dataclasses.fields(cls):
-        found += _of_field(cls, field)
+    found = unfinished(cls, *([f"docs/{section}"] if section else []))
+    if not dataclasses.is_dataclass(cls):
+        return found
     if example(cls) is None:
         found.append(f"{cls.__name__}.example() gives no {cls.__name__}: give its fields examples, or write the classmethod example")
     found += [f"{cls.__name__}: write its method or property {need}" for need in needs if not hasattr(example(cls) or cls, need)]
     if name != cls.__name__.lower():
         found.append(f"{cls.__name__}: its name in the registry is {name!r}; allowed is {cls.__name__.lower()!r}")
-    for page, words in ((f"docs/{section}", cls.__name__), ("docs/api.md", f"stickslip.{cls.__name__}")):
-        if words not in text_of(page):
+    return found
+
+
+def unfinished(cls, *pages):
+    """Sentences on what a record of ours lacks, whatever it is: how it is declared, its numbers, its pages and its public name."""
+    if not (dataclasses.is_dataclass(cls) and cls.__dataclass_params__.frozen):
+        return [f"{cls.__name__}: write @dataclass(frozen=True, eq=False) above the class"]
+    found = [sentence for field in dataclasses.fields(cls) for sentence in _of_field(cls, field)]
+    for page, words in (*((page, cls.__name__) for page in pages), ("docs/api.md", f"stickslip.{cls.__name__}")):
+        if not re.search(rf"\b{words}\b", text_of(page)):
             found.append(f"{cls.__name__}: write about it in {page}")
     if f"{cls.__name__} as {cls.__name__}" not in text_of("src/stickslip/__init__.pyi"):
         found.append(f"{cls.__name__}: name it in src/stickslip/__init__.pyi")

@@ -1,16 +1,25 @@
 """Each recipe of CONTRIBUTING: a registered thing has all that its recipe names, and what is forgotten is told in a sentence."""
 
+import sys
+import types
 from dataclasses import dataclass, field
 
+import numpy as np
 import pytest
 
 import stickslip as ss
+from every import every_machine
 from house import ROOT
 from kinds import LAWS
-from registries import examples, lacking
+from registries import examples, lacking, text_of, unfinished
 from stickslip.cli import COMMANDS
 from stickslip.engine.tableaux import TABLEAUX
+from stickslip.machines.parts import LINKS
+from stickslip.mechanisms import MECHANISMS
+from stickslip.records import formats
+from stickslip.records.raw import Column, Raw
 from stickslip.solvers.methods import METHODS
+from stickslip.storage import from_text
 from stickslip.tracks import TRACKS
 from stickslip.variables import VARIABLES
 
@@ -39,6 +48,47 @@ def test_a_track_has_what_its_recipe_names(name):
     assert callable(kind.across) and callable(kind.along)
 
 
+@pytest.mark.parametrize("name", LINKS)
+def test_a_link_has_what_its_recipe_names(name):
+    link = LINKS[name]
+    moves = hasattr(link, "of_pair") or all(hasattr(link, need) for need in ("position", "velocity", "acceleration"))
+    assert moves or hasattr(link, "force"), f"{link.__name__}: write force(distance, rate), or position, velocity and acceleration of t"
+    assert not unfinished(link, "docs/your-own-machine.md")
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_a_machine_has_what_its_recipe_names(name):
+    made = MECHANISMS[name]
+    assert made.kind == name and not unfinished(made, "docs/which-machine.md")
+    machine = next((machine for machine, *_ in every_machine.values() if isinstance(machine, made)), None)
+    assert machine is not None, f"give every_machine in tests/every.py a {name}"
+    assert type(from_text(machine.to_toml())) is made, f'{made.__name__}: say _table: ClassVar[str] = "mechanism", the table of study files'
+
+
+@pytest.mark.parametrize("known", formats.FORMATS, ids=lambda known: known.names[0])
+def test_a_format_of_records_has_what_its_recipe_names(known):
+    assert callable(known.reader()), f"write {known.read_by} in src/stickslip/records"
+    for name in known.names:
+        told = name in text_of("docs/records.md") and name in ss.read.__doc__
+        assert told, f"name {name} in docs/records.md and in the docstring of read"
+
+
+def test_a_format_is_a_line_and_its_reader(monkeypatch, tmp_path):
+    """Nobody else asks what a file is: the record, its source and the errors know the new one."""
+    reader = types.ModuleType("stickslip.records.strain_logger")
+    reader.parse = lambda data, allowance: Raw(
+        "LOG", table=True, columns=[Column("t", "s", np.arange(9.0)), Column("v", "m/s", np.ones(9))]
+    )
+    monkeypatch.setitem(sys.modules, reader.__name__, reader)
+    new = formats.Format(("LOG",), lambda data: data[:3] == b"LOG", "strain_logger.parse")
+    monkeypatch.setattr(formats, "FORMATS", [new, *formats.FORMATS])
+    (tmp_path / "a.log").write_bytes(b"LOG and numbers")
+    (tmp_path / "b.log").write_bytes(bytes(range(1, 32)) * 9)
+    assert ss.read(tmp_path / "a.log")["velocity"].values.tolist() == [1.0] * 9 and ss.read(tmp_path / "a.log").source["format"] == "LOG"
+    with pytest.raises(ss.InputError, match=r"allowed are .*HDF5 and LOG"):
+        ss.read(tmp_path / "b.log")
+
+
 @pytest.mark.parametrize("name", TABLEAUX)
 def test_a_tableau_is_a_method(name):
     assert name in set(METHODS), f"add {name} to src/stickslip/solvers/methods.py"
@@ -53,6 +103,13 @@ def test_a_command_has_its_example(name):
 def test_a_column_has_a_unit_and_words(name):
     told = VARIABLES[name]
     assert told.name == name and told.long_name and told.symbol, f"{name}: say its symbol and what it is in variables.py"
+
+
+def test_a_column_is_found_by_somebody():
+    """What `variables.py` declares is computed: a robot that is all known leaves no column of its sweep empty."""
+    grid = ss.sweep(ss.presets.piezo_rig, amplitude=[6e-4], tilt_deg=1.7, law="coulomb")
+    empty = [name for name, column in grid.data_vars.items() if column.dtype.kind == "f" and np.isnan(column.values).all()]
+    assert empty in ([], ["settling_error"]), f"{empty}: nobody computes them; see columns_of in src/stickslip/sweeps/solving.py"
 
 
 @dataclass(frozen=True, eq=False)
