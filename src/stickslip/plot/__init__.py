@@ -4,8 +4,9 @@ from stickslip.plot.attractors_along import attractors
 from stickslip.plot.bench_figures import bench
 from stickslip.plot.chaos import chaos_map
 from stickslip.plot.contacts import contacts, pattern
+from stickslip.plot.continued_motions import continuation
 from stickslip.plot.cuts import line_cut
-from stickslip.plot.dynamics import basins, bifurcation, continuation, convergence, spectrum
+from stickslip.plot.dynamics import basins, bifurcation, convergence, spectrum
 from stickslip.plot.flow_runs import states
 from stickslip.plot.maps import motion_map, velocity_map
 from stickslip.plot.optima import front, optimum
