@@ -11,6 +11,7 @@ import xarray as xr
 import stickslip as ss
 from house import ROOT
 from stickslip.dynamics.periodic.balls import flint_for
+from stickslip.explorer.widget import _widget_class
 from stickslip.identifying.sampling import posterior
 from stickslip.sweeps.cluster import connected
 
@@ -34,6 +35,10 @@ def certified(path):
     flint_for("certify")
 
 
+def shown(path):
+    _widget_class.__wrapped__()
+
+
 def sampled(path):
     posterior(None, 100, None, None, 0, None)  # it asks for its library before anything else
 
@@ -48,6 +53,7 @@ def sampled(path):
         ("dask.distributed", clustered, "", "dask"),
         ("flint", certified, "", "certify"),
         ("emcee", sampled, "", "bayes"),
+        ("anywidget", shown, "", "widget"),
     ],
 )
 def test_a_missing_library_is_told_with_what_to_type(name, door, file, extra, tmp_path, monkeypatch):
@@ -64,7 +70,7 @@ def test_every_extra_that_is_told_of_exists():
 
 
 def test_nobody_else_says_what_to_install():
-    """`stickslip.optional.library` is the one place that turns a failed import into an error."""
+    """`stickslip.optional.library` is the one place that turns a failed import into an error; files of users are another matter."""
     asking = re.compile(r"except (ImportError|ModuleNotFoundError)[^\n]*:\n\s+raise")
     paths = (ROOT / "src" / "stickslip").rglob("*.py")
     others = [p.name for p in paths if p.name != "optional.py" and asking.search(p.read_text(encoding="utf-8"))]

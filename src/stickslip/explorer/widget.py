@@ -13,6 +13,7 @@ from stickslip.explorer.machines import Shown, picture
 from stickslip.explorer.sliders import Parameter
 from stickslip.fields import leaves
 from stickslip.number_names import numbers_meant
+from stickslip.optional import library
 
 __all__ = ["widget"]
 
@@ -92,13 +93,11 @@ def _asset(name: str) -> str:
 @functools.lru_cache(maxsize=1)
 def _widget_class() -> Any:
     """The class, made when it is first needed: what it derives from is installed by an extra."""
-    try:
-        import anywidget
-        import traitlets
-    except ImportError:
-        raise InputError("widget", ['it needs anywidget, which is not installed; type pip install "stickslip[widget]"']) from None
+    missing = 'it needs anywidget, which is not installed; type pip install "stickslip[widget]"'
+    anywidget, traitlets = (library("widget", name, missing) for name in ("anywidget", "traitlets"))
+    base: Any = anywidget.AnyWidget
 
-    class Widget(anywidget.AnyWidget):
+    class Widget(base):
         """Sliders and curves of one machine; `state` is what the page asks for, `answer` what it draws."""
 
         _esm = _asset("widget.js")

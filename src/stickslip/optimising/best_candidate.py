@@ -14,9 +14,9 @@ from stickslip.errors import StickslipError
 from stickslip.optimising.candidates import Candidates
 from stickslip.optimising.coexisting import continued, from_other_starts
 from stickslip.optimising.constraints import KEPT, Limit
-from stickslip.optimising.cuts import cuts_of
 from stickslip.optimising.gradients import Gradient, gradient
 from stickslip.optimising.optimum import Optimum, Search
+from stickslip.optimising.optimum_cuts import cuts_of
 from stickslip.optimising.peaks import LIMITS, peaks_of
 from stickslip.optimising.results import results_of
 from stickslip.optimising.small_friction import small_friction_limit
