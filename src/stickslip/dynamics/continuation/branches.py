@@ -11,9 +11,9 @@ import numpy as np
 
 from stickslip.arguments import Maker, explains_arguments
 from stickslip.dynamics.attractors.bifurcation_diagrams import own_attrs, strobe_attrs
+from stickslip.dynamics.continuation.branch_following import SIDE_BY_SIDE, STOPPED, follow
 from stickslip.dynamics.continuation.cycle_paths import CyclePath, birth, border_of_rest, vanishing
 from stickslip.dynamics.continuation.flow_paths import FlowPath
-from stickslip.dynamics.continuation.following import SIDE_BY_SIDE, STOPPED, follow
 from stickslip.dynamics.continuation.grazing import grazed, grazing_end, grazing_near
 from stickslip.dynamics.continuation.one_parameter import Family, family
 from stickslip.dynamics.continuation.point_accuracy import Special, certain
