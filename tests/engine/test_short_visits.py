@@ -19,3 +19,22 @@ def test_short_visits_to_the_other_side_are_not_missed():
     ways = {rtol: np.asarray(ss.solve(pair, periods=4, rtol=rtol).displacement) for rtol in (1e-7, 1e-8, 1e-10)}
     for rtol in (1e-7, 1e-8):
         assert np.max(abs(ways[rtol] - ways[1e-10])) < 20 * rtol * np.max(abs(ways[1e-10]))
+
+
+@pytest.mark.slow
+def test_conditions_within_one_step_come_in_their_order():
+    """Two elements slip within a step of 1e-8; a chord of each would put the later one first, and V would be off by 1.6e-6 of the largest."""
+    law = ss.GMS(
+        mu_plus=0.08, mu_minus=0.1, f_plus=0.1, f_minus=0.12, sigma0=5e4, v_s=5e-3, attraction=300.0, sigma2=1.0, stiffness=(0.3, 0.7),
+        weights=(0.4, 0.6),
+    )  # fmt: skip
+    module = ss.Robot(body_mass=0.05, inner_mass=0.01, drive=ss.Harmonic(amplitude=4e-4, omega=200.0), friction=law)
+    chain = ss.Chain((module, module), link=ss.Spring(stiffness=288.05608347058296, damping=0.1), phases=(0.0, 0.2692695949226618))
+    chain = chain.replace(
+        {
+            "modules[0].friction.mu_plus": 0.03625206228345632, "modules[1].drive.amplitude": 0.0013746016949415208,
+            "modules[1].friction.sigma0": 32482.282919809222,
+        }
+    )  # fmt: skip
+    loose, tight = (ss.sweep(chain, **{"phases[1]": [chain.phases[1]]}, rtol=rtol, periods=12, settle=8) for rtol in (1e-8, 1e-12))
+    assert loose.mean_velocity.values == pytest.approx(tight.mean_velocity.values, abs=3e-9)

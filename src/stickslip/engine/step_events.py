@@ -16,6 +16,7 @@ from stickslip.engine.write import Writer, horner
 
 __all__ = ["EventWriter"]
 
+_ORDER = 1e-8  # of the size of a guard: how far beyond its zero it may be where another one's event is, if both come in one step
 _FALLS = 1.2  # steps in which a guard that falls as it begins would be at zero, if it may be there and back within one
 
 
@@ -73,6 +74,8 @@ class EventWriter:
             self._dip(state, "_b0", "_g0e", "")
         w.line("_late", "_g0s < _tiny and _on0 < 0.5")  # it starts on the wrong side: another guard's flip moved this one
         w.line("_cr", "_ge < _tiny or _late")
+        if self.g > 1:
+            w.line("_cr0", "_ge < _tiny or _late")
         w.line("_gs", "_g0s if _g0s > 0.0 else 0.0")
         w.line("_th", "_te * _gs / (_gs - _ge if _ge < _tiny else 1.0)")
         w.line("_pre", self._begins_at_zero(0, f"1e-6 * {self._size(self.eq.guards[0], end)}" if state is None else "-1e4 * _tiny"))
@@ -82,6 +85,8 @@ class EventWriter:
         if state is not None:
             w.line("_to", "_t + _hh")
             end = self._bind("_to", [f"_n{i}" for i in range(self.n)])
+        if self.g > 1:
+            w.line("_size0", self._size(self.eq.guards[0], end))
         return end
 
     @property
@@ -297,7 +302,7 @@ class EventWriter:
         for name, value in (("_xa", "0.0"), ("_ga", "_gs"), ("_xb", "_te"), ("_gb", "_ge")):
             w.line(name, f"1.0 * {value}")
         for _ in range(self.k.newton + 1):
-            w.line("_pv", self._guard_at("_th"))
+            w.line("_pv", self._chosen(self._guards_at("_th")))
             w.line("_up", "_pv > 0.0")
             w.line("_lo", "_th if _up else _lo")
             w.line("_hi", "_hi if _up else _th")
@@ -310,17 +315,25 @@ class EventWriter:
             w.line("_tn", "_th - _pv * (_xb - _xa) / (_gap if _gap != 0.0 else 1.0)")
             w.line("_mid", f"_th if abs(_pv) <= {close} else 0.5 * (_lo + _hi)")  # rounding has no slope
             w.line("_th", "_tn if (_tn >= _lo and _tn <= _hi) else _mid")
-        w.line("_pv", f"abs({self._guard_at('_th')})")
+        values = self._guards_at("_th")
+        w.line("_pv", f"abs({self._chosen(values)})")
         w.line("_conv", f"_pv <= {close}")
+        for k, value in enumerate(values if self.g > 1 else []):
+            size = self.scale_v if k in self.slips else f"_size{k}"
+            w.line("_missed", f"_cr{k} and _g{k}s > 0.0 and {value} < -{_ORDER} * {size}")
+            w.line("_conv", f"_conv and not (_missed and _which != {k}.0)")  # the chord misled: this one goes first
 
-    def _guard_at(self, theta: str) -> str:
-        """Value of the chosen guard on its held side, on the dense output."""
+    def _guards_at(self, theta: str) -> list[str]:
+        """Values of all guards on their held sides, on the dense output."""
         w = self.w
         y = [w.line(w.fresh(), self._at(f"_k{i}", theta)) for i in range(self.n)]
         t = w.line(w.fresh(), f"fma({theta}, _hh, _t)")
-        text = "0.0"
-        for k, guard in enumerate(self.eq.guards):
-            value = w.line(w.fresh(), f"{w.value(guard, self._bind(t, y))} * _b{k}")
+        return [w.line(w.fresh(), f"{w.value(guard, self._bind(t, y))} * _b{k}") for k, guard in enumerate(self.eq.guards)]
+
+    def _chosen(self, values: list[str]) -> str:
+        """That of the guard which goes first."""
+        w, text = self.w, "0.0"
+        for k, value in enumerate(values):
             text = w.line(w.fresh(), f"{value} if _which == {k}.0 else {text}")
         return text
 
