@@ -1,6 +1,7 @@
 """Events that come and go within one step."""
 
 import numpy as np
+import pytest
 
 import stickslip as ss
 
@@ -23,7 +24,7 @@ def test_short_visits_to_the_other_side_are_not_missed():
 
 @pytest.mark.slow
 def test_conditions_within_one_step_come_in_their_order():
-    """Two elements slip within a step of 1e-8; a chord of each would put the later one first, and V would be off by 1.6e-6 of the largest."""
+    """Two elements slip within a step of 1e-8; by chords the later one would go first, and V would be off by 1.6e-6 of the largest."""
     law = ss.GMS(
         mu_plus=0.08, mu_minus=0.1, f_plus=0.1, f_minus=0.12, sigma0=5e4, v_s=5e-3, attraction=300.0, sigma2=1.0, stiffness=(0.3, 0.7),
         weights=(0.4, 0.6),
