@@ -156,7 +156,7 @@ class Motions(Drawn):
 
 @explains_arguments
 def motion(run: Run, slip_ratio: float = SLIP_RATIO, dwell: float = DWELL) -> Motion | Motions:
-    """The motion that a run ends in.
+    """The motion at the end of a run.
 
     A set-valued law rests exactly, and no threshold is needed. A dynamic law never rests: there the body counts as stuck while the
     elastic part of the friction is below `slip_ratio` of its steady sliding value for at least `dwell` of a drive period.

@@ -55,7 +55,7 @@ class Body(Frozen):
         return _told(self.force, t, x, v)
 
     def weight_at(self, t: Any, x: Any, v: Any) -> Any:
-        """What of it is gravity's [N]."""
+        """The part of it that is due to gravity [N]."""
         return _told(self.gravity, t, x, v)
 
 
@@ -66,7 +66,7 @@ def _told(force: Any, t: Any, x: Any, v: Any) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Contact(Frozen):
-    """Where a body rubs: on the track, on another body, or on something that moves as it is told.
+    """A contact of a body with the track, with another body, or with a surface whose motion is prescribed.
 
     Parameters
     ----------

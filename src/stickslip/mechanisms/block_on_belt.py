@@ -12,7 +12,7 @@ __all__ = ["BlockOnBelt"]
 
 @dataclass(frozen=True, eq=False)
 class BlockOnBelt(SpringMass):
-    r"""A block held by a spring on a moving belt: the textbook's self-excited oscillator.
+    r"""A block held by a spring on a moving belt: the textbook example of a self-excited oscillator.
 
     .. math:: m\ddot x = -k x - c\,\dot x - R(\dot x - u)
 

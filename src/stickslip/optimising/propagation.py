@@ -143,7 +143,7 @@ def propagate(
     workers: int = 1,
     indices: bool = False,
 ) -> Propagated:
-    """What uncertain numbers make of a result of the steady motion from rest, and which of them matter.
+    """Propagate uncertain numbers to a result of the steady motion from rest, and rank their influence.
 
     Parameters
     ----------

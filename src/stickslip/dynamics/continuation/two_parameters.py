@@ -125,7 +125,7 @@ class _Problem:
 
 @explains_arguments
 def special_curve(branch: Branch, special: Special, parameter: str, stop: float, *, step: float = 0.02, points: int = 200) -> Curve:
-    """The curve on which a special point of a branch lies when a second parameter varies too.
+    """The curve of a special point of a branch in two parameters.
 
     Parameters
     ----------
