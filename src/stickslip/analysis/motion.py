@@ -31,7 +31,7 @@ _FAST, _KINETIC = 1e3, 1e-6  # a speed [m/s] beyond all that fades, and how near
 
 @dataclass(frozen=True)
 class Motion(Drawn):
-    """The motion that a run ends in, judged on its last motion period.
+    """The motion at the end of a run, judged on its last motion period.
 
     Parameters
     ----------

@@ -66,5 +66,5 @@ class BlockOnBelt(SpringMass):
         return -R * self.speed
 
     def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power that the damping takes [W]."""
+        """Power dissipated by the damping [W]."""
         return self.damping * v**2

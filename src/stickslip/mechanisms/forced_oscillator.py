@@ -91,5 +91,5 @@ class ForcedOscillator(Mechanism):
         return self.given_force(t) * v
 
     def damping_power(self, t: Any, x: Any, v: Any) -> Any:
-        """Power that the damping takes [W]."""
+        """Power dissipated by the damping [W]."""
         return self.damping * v**2

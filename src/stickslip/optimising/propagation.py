@@ -57,7 +57,7 @@ class Indices(Face):
 @sealed
 @dataclass(frozen=True, eq=False)
 class Propagated(Drawn):
-    """What uncertain numbers make of a result; `stickslip.plot.tornado` draws which of them matter.
+    """The distribution of a result under uncertain numbers; `stickslip.plot.tornado` draws their influence.
 
     Parameters
     ----------
